@@ -1,0 +1,31 @@
+# `make report` and `make test` set up everything they need in .venv.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+SCENE  ?= two-link-reach
+
+.PHONY: report test bench check clean
+
+$(VENV)/ready: pyproject.toml constraints.txt Makefile
+	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Pliant needs Python >= 3.11; set PYTHON=')"
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip setuptools
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
+	touch $@
+
+report: $(VENV)/ready
+	$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
+
+test: $(VENV)/ready
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest
+
+bench: $(VENV)/ready
+	$(BIN)/python benchmarks/run.py
+
+check: $(VENV)/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/python -m mypy -p pliant.plants -p pliant.envs -p pliant.controllers -p pliant.studies
+
+clean:
+	rm -rf $(VENV) build dist reports

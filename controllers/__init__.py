@@ -1,0 +1,10 @@
+"""Controllers: everything with act(t, y) -> u."""
+
+if __name__ != "pliant.controllers":
+    raise ImportError("this folder is installed as pliant.controllers: write `import pliant.controllers`")
+
+from . import riccati
+from .controller import Controller, Feedback
+from .lqr import LQR
+
+__all__ = ["LQR", "Controller", "Feedback", "riccati"]

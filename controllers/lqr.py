@@ -1,0 +1,211 @@
+"""LQR about an equilibrium: continuous or sampled design, integral action, limits on the inputs.
+
+Cost   J = int (x - x0)' Q (x - x0) + (u - u0)' R (u - u0) [+ sum of weight_i (int y_i - y0_i)^2] dt
+Law    u = u0 - K_x (x - x0) - K_i xi, within the limits; xi integrates the named outputs' errors
+       and stands still while a limit is reached and going on would push further past it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from pliant.controllers import riccati
+from pliant.controllers.controller import saturation
+from pliant.plants.parameters import require_finite
+from pliant.plants.signals import index
+
+if TYPE_CHECKING:
+    from pliant.plants.linear import LinearModel
+    from pliant.plants.plant import Plant
+
+
+@final
+@dataclass(eq=False)
+class LQR:
+    """Made by `design` or `for_plant`. It reads the states of its model, then the integrated outputs."""
+
+    K: np.ndarray  # (nu, nx + ni)
+    P: np.ndarray  # (nx + ni, nx + ni)
+    poles: np.ndarray  # (nx + ni,) of the closed loop: [1/s], or in the z plane where dt is given
+    x0: np.ndarray  # (nx,)
+    u0: np.ndarray  # (nu,)
+    target: np.ndarray  # (ni,) values that the integrated signals are brought to
+    reads: tuple[str, ...]
+    picks: np.ndarray  # (ni,) places of the integrated signals in y
+    limits: tuple[np.ndarray, np.ndarray]  # lowest, highest (nu,)
+    dt: float | None  # [s]
+    xi: np.ndarray = field(init=False)  # (ni,) integrals since `reset` [unit s]
+
+    def __post_init__(self) -> None:
+        self.reset()
+
+    @classmethod
+    def design(
+        cls,
+        model: LinearModel,
+        Q: Any,
+        R: Any,
+        *,
+        reads: Sequence[str] | None = None,
+        dt: float | None = None,
+        integral: Mapping[str, float] | None = None,
+        limits: Any = None,
+    ) -> LQR:
+        """Design on a continuous-time linear model, taken to be about an equilibrium.
+
+        Q: (nx, nx), or weights by name of state or output: {"theta1": 100.0, "tip_x": 10.0}, the rest zero.
+        R: (nu, nu), or a weight for every input by name.
+        reads: names under which the plant knows the model's states, where they differ.
+        dt [s]: None designs for continuous time; else for an input held over dt, with the same cost,
+        integrated exactly. integral: weights by name of the outputs (or states) to integrate, each at most
+        as many as can be steered. limits: (lowest, highest), or {input: (lowest, highest)}.
+        UncontrollableError names modes that do not decay and are not reached, or not seen by the cost.
+        """
+        if model.dt is not None:
+            raise ValueError(
+                f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones"
+            )
+        Q, R, N = _weights(model, Q, R)
+        wanted = dict(integral or {})
+        Ci, Di, target = _integrated(model, tuple(wanted))
+        weight = np.diag([float(v) for v in wanted.values()]) if wanted else np.zeros((0, 0))
+        for name, value in wanted.items():
+            if not 0 < value < np.inf:
+                raise ValueError(f"LQR.integral[{name!r}] = {value!r} must be > 0")
+        known = model.state_names + tuple(f"integral of {name}" for name in wanted)
+        ni, nx = len(wanted), len(model.states)
+        if dt is None:
+            A, B, stay = model.A, model.B, np.zeros((ni, ni))
+        else:
+            A, B, Q, R, N = riccati.sampled(model.A, model.B, Q, R, N, dt=dt)
+            Ci, Di, weight, stay = dt * Ci, dt * Di, dt * weight, np.eye(ni)
+        A = np.block([[A, np.zeros((nx, ni))], [Ci, stay]])
+        B, N = np.vstack([B, Di]), np.vstack([N, np.zeros((ni, B.shape[1]))])
+        Q = np.block([[Q, np.zeros((nx, ni))], [np.zeros((ni, nx)), weight]])
+        if dt is None:
+            found = riccati.lqr(A, B, Q, R, N, names=known)
+        else:
+            found = riccati.dlqr(A, B, Q, R, N, names=known, dt=dt)
+        own = tuple(reads) if reads is not None else model.state_names
+        if len(own) != nx:
+            raise ValueError(f"LQR.reads = {own} must be {nx} names, one for each state of the model")
+        return cls(
+            found.K,
+            found.P,
+            found.poles,
+            x0=model.x0,
+            u0=model.u0,
+            target=target,
+            reads=own + tuple(n for n in wanted if n not in model.state_names),
+            picks=_picks(model, tuple(wanted)),
+            limits=saturation("LQR", limits, model.input_names),
+            dt=dt,
+        )
+
+    @classmethod
+    def for_plant(
+        cls,
+        plant: Plant,
+        x0: Any,
+        u0: Any,
+        Q: Any,
+        R: Any,
+        *,
+        reads: Sequence[str] | None = None,
+        dt: float | None = None,
+        integral: Mapping[str, float] | None = None,
+        limits: Any = None,
+    ) -> LQR:
+        """`design` on the plant's linear model about the equilibrium (x0, u0)."""
+        model = plant.linearize(x0, u0)
+        return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
+
+    def reset(self) -> None:
+        """Set the integrals to zero."""
+        self.xi = np.zeros(len(self.target))
+        self._last: float | None = None
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) from y (len(reads),) at time t [s]. The integrals move on by dt, or by the time since the last act."""
+        y = require_finite("LQR.y", y, (len(self.reads),))
+        error = y[self.picks] - self.target
+        if self.dt is None and self._last is not None:
+            self._integrate(y, (t - self._last) * error)
+        self._last = t
+        u = self._free(y)
+        if self.dt is not None:
+            self._integrate(y, self.dt * error)
+        return np.clip(u, *self.limits)
+
+    def cost_to_go(self, x: Any, xi: Any = None) -> float:
+        """The cost from state x (nx,) and integrals xi (ni,) (None: zero) on, of the linear model without limits."""
+        x = require_finite("LQR.x", x, self.x0.shape)
+        xi = np.zeros(len(self.target)) if xi is None else require_finite("LQR.xi", xi, self.target.shape)
+        error = np.concatenate([x - self.x0, xi])
+        return float(error @ self.P @ error)
+
+    def _free(self, y: np.ndarray) -> np.ndarray:
+        """u without limits."""
+        nx = len(self.x0)
+        return self.u0 - self.K[:, :nx] @ (y[:nx] - self.x0) - self.K[:, nx:] @ self.xi
+
+    def _integrate(self, y: np.ndarray, change: np.ndarray) -> None:
+        """Add `change` (ni,) to the integrals, but not what would push an input further past its limit."""
+        if not len(change):
+            return
+        push = -self.K[:, len(self.x0) :] * change
+        u = self._free(y) + push.sum(axis=1)
+        excess = u - np.clip(u, *self.limits)
+        self.xi = self.xi + np.where(excess @ push > 0, 0.0, change)
+
+
+def _weights(model: LinearModel, Q: Any, R: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Q (nx, nx), R (nu, nu), N (nx, nu) from arrays or names; a weight on an output is one on C x + D u."""
+    nx, nu = len(model.states), len(model.inputs)
+    N = np.zeros((nx, nu))
+    if isinstance(R, Mapping):
+        weight = np.zeros(nu)
+        for name, value in R.items():
+            weight[index(model.inputs, name, "LQR.R: input")] = value
+        for name, value in zip(model.input_names, weight):
+            if not value > 0:
+                raise ValueError(f"LQR.R[{name!r}] = {value:g} must be > 0")
+        R = np.diag(weight)
+    R = require_finite("LQR.R", R, (nu, nu)).copy()
+    if not isinstance(Q, Mapping):
+        return require_finite("LQR.Q", Q, (nx, nx)), R, N
+    total = np.zeros((nx, nx))
+    for name, value in Q.items():
+        if not 0 <= value < np.inf:
+            raise ValueError(f"LQR.Q[{name!r}] = {value!r} must be >= 0")
+        c, d, _ = _row(model, name, "LQR.Q: state or output")
+        total += value * np.outer(c, c)
+        N += value * np.outer(c, d)
+        R += value * np.outer(d, d)
+    return total, R, N
+
+
+def _row(model: LinearModel, name: str, kind: str) -> tuple[np.ndarray, np.ndarray, float]:
+    """(c, d, nominal value) of the state or output called `name` = c x + d u."""
+    if name in model.state_names:
+        i = model.state_names.index(name)
+        return np.eye(len(model.states))[i], np.zeros(len(model.inputs)), float(model.x0[i])
+    i = index(model.states + model.outputs, name, kind) - len(model.states)
+    return model.C[i], model.D[i], float(model.y0[i])
+
+
+def _integrated(model: LinearModel, wanted: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """C (ni, nx), D (ni, nu) and nominal values (ni,) of the signals to integrate."""
+    rows = [_row(model, name, "LQR.integral: output") for name in wanted]
+    nx, nu = len(model.states), len(model.inputs)
+    C, D = (np.array([row[i] for row in rows]).reshape(-1, n) for i, n in ((0, nx), (1, nu)))
+    return C, D, np.array([row[2] for row in rows])
+
+
+def _picks(model: LinearModel, wanted: tuple[str, ...]) -> np.ndarray:
+    """Where in y = [states, outputs that are not states] the integrated signals are."""
+    order = model.state_names + tuple(n for n in wanted if n not in model.state_names)
+    return np.array([order.index(name) for name in wanted], dtype=int)

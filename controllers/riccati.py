@@ -1,0 +1,241 @@
+"""Linear-quadratic design: pure functions of arrays.
+
+lqr      min int x'Qx + u'Ru + 2 x'Nu dt, dx/dt = A x + B u      u = -K x, K = R^-1 (B'P + N'), cost x0'P x0
+dlqr     min sum x'Qx + u'Ru + 2 x'Nu,    x+ = A x + B u         u = -K x, K = (R + B'PB)^-1 (B'PA + N')
+lqi      lqr with the integrals of y = C x + D u as extra states
+sampled  the discrete problem that is the continuous one with u held over each step
+kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L (y - C z), L = P C' V^-1
+
+Riccati equations by SciPy's QZ method; the residual is checked. A mode that does not decay must be reached
+by the input and seen by the cost (Popov, Belevitch and Hautus); UncontrollableError names the ones that are
+not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg as sla
+from pliant.plants.errors import PliantError, UncontrollableError
+from pliant.plants.modal import dominant
+from pliant.plants.parameters import require_finite
+
+LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
+UNREACHED = 1e-10  # smallest singular value of [A - s I, B] against its largest, below which a mode is not
+reached
+
+
+class Regulator(NamedTuple):
+    """u = -K x."""
+
+    K: np.ndarray  # (nu, nx)
+    P: np.ndarray  # (nx, nx), x'P x is the cost to go
+    poles: np.ndarray  # (nx,) eigenvalues of A - B K: [1/s], or in the z plane
+
+
+class Sampled(NamedTuple):
+    """x+ = A x + B u and the cost x'Qx + u'Ru + 2 x'Nu of one step."""
+
+    A: np.ndarray
+    B: np.ndarray
+    Q: np.ndarray
+    R: np.ndarray
+    N: np.ndarray
+
+
+def lqr(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None) -> Regulator:
+    """Continuous-time regulator. A (nx, nx), B (nx, nu), Q (nx, nx) >= 0, R (nu, nu) > 0, N (nx, nu)."""
+    return _design(A, B, Q, R, N, names, None)
+
+
+def dlqr(
+    A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None, dt: float = 1.0
+) -> Regulator:
+    """Discrete-time regulator; arrays as for `lqr`. `dt` [s] is used only to name modes in Hz in errors."""
+    return _design(A, B, Q, R, N, names, dt)
+
+
+def lqi(
+    A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequence[str] | None = None
+) -> Regulator:
+    """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny)."""
+    A, B = _system(A, B)
+    C = require_finite("C", C, (-1, len(A)))
+    nx, ny, nu = len(A), len(C), B.shape[1]
+    D = np.zeros((ny, nu)) if D is None else require_finite("D", D, (ny, nu))
+    known = _names(names, nx) + tuple(f"integral {i + 1}" for i in range(ny))
+    wide = np.block([[A, np.zeros((nx, ny))], [C, np.zeros((ny, ny))]])
+    return lqr(wide, np.vstack([B, D]), Q, R, names=known)
+
+
+def kalman(
+    A: Any, E: Any, C: Any, W: Any, V: Any, *, names: Sequence[str] | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Steady filter gain L (nx, ny) and error covariance P (nx, nx).
+
+    E (nx, nw), C (ny, nx); spectral densities W (nw, nw) >= 0 of w, V (ny, ny) > 0 of v, in unit^2 s.
+    """
+    A, E = _system(A, E, "E")
+    C = require_finite("C", C, (-1, len(A)))
+    W = _weight("W", W, E.shape[1], definite=False)
+    V = _weight("V", V, len(C), definite=True)
+    known = _names(names, len(A))
+    _require_reached(A.T, C.T, known, None, "cannot be seen by the output")
+    _require_reached(A, E @ _root(W), known, None, "is not driven by the noise w")
+    P, K = _solve(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), None)
+    return K.T, P
+
+
+def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Sampled:
+    """The exact discrete problem of a continuous one with u held over each step dt [s].
+
+    The cost of a step is int_0^dt z' M z, z = e^(F s) [x; u], F = [[A, B], [0, 0]], M = [[Q, N], [N', R]].
+    It is found on dt/2^j by the exponential of Van Loan (1978), then doubled j times, which stays accurate
+    for stiff A.
+    """
+    A, B = _system(A, B)
+    if not 0 < dt < np.inf:
+        raise ValueError(f"dt = {dt!r} must be > 0")
+    nx, nu = B.shape
+    N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
+    Q, R = require_finite("Q", Q, (nx, nx)), require_finite("R", R, (nu, nu))
+    F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
+    M = np.block([[Q, N], [N.T, R]])
+    j = max(0, int(np.ceil(np.log2(max(np.linalg.norm(F[:, :nx], 1) * dt, 1e-300)))))
+    h = dt / 2**j
+    big = sla.expm(h * np.block([[-F.T, M], [np.zeros_like(F), F]]))
+    step = big[nx + nu :, nx + nu :]
+    cost = step.T @ big[: nx + nu, nx + nu :]
+    for _ in range(j):
+        cost, step = cost + step.T @ cost @ step, step @ step
+    cost = (cost + cost.T) / 2
+    return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
+
+
+def _design(
+    A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None, dt: float | None
+) -> Regulator:
+    A, B = _system(A, B)
+    nx, nu = B.shape
+    known = _names(names, nx)
+    Q, R = _weight("Q", Q, nx, definite=False), _weight("R", R, nu, definite=True)
+    N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
+    if N.any():
+        _weight("[[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), nx + nu, definite=False)
+    _require_reached(A, B, known, dt, "cannot be reached by the input")
+    lean = sla.solve(R, N.T, assume_a="pos")
+    seen = _root(Q - N @ lean)
+    _require_reached((A - B @ lean).T, seen, known, dt, "cannot be seen by the cost Q")
+    P, K = _solve(A, B, Q, R, N, dt)
+    return Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))
+
+
+def _solve(
+    A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, N: np.ndarray, dt: float | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """P and K of a checked problem; PliantError where the equation is not solved."""
+    try:
+        P = (sla.solve_continuous_are if dt is None else sla.solve_discrete_are)(A, B, Q, R, s=N)
+    except np.linalg.LinAlgError as error:
+        raise PliantError(
+            f"the Riccati equation was not solved ({error}): scale the states, or change Q and R"
+        ) from error
+    P = (P + P.T) / 2
+    if dt is None:
+        terms = [A.T @ P + P @ A, Q]
+        H, G = R, B.T @ P + N.T
+    else:
+        terms = [A.T @ P @ A, -P, Q]
+        H, G = R + B.T @ P @ B, B.T @ P @ A + N.T
+    K = sla.solve(H, G, assume_a="pos")
+    terms.append(-G.T @ K)
+    residual = np.abs(sum(terms)).max() / max(max(np.abs(term).max() for term in terms), 1e-300)
+    if not residual <= LARGEST_RESIDUAL:
+        raise PliantError(
+            f"the Riccati equation is solved only to a relative residual of {residual:.2g}, must be "
+            f"{LARGEST_RESIDUAL:g}: scale the states, or change Q and R"
+        )
+    poles = np.linalg.eigvals(A - B @ K)
+    if (poles.real.max() if dt is None else np.abs(poles).max() - 1) >= 0:
+        worst = poles[np.argmax(poles.real if dt is None else np.abs(poles))]
+        raise PliantError(
+            f"the closed loop does not decay: a pole is {worst:.4g}; scale the states, or change Q and R"
+        )
+    return P, K
+
+
+def _require_reached(
+    A: np.ndarray, B: np.ndarray, names: tuple[str, ...], dt: float | None, what: str
+) -> None:
+    """UncontrollableError that names every mode of A that neither decays nor is reached through B."""
+    scaled, scale = sla.matrix_balance(A, permute=False)
+    B = np.linalg.solve(scale, B)
+    lam, vectors = np.linalg.eig(scaled)
+    lag = lam.real / max(np.abs(lam).max(initial=0.0), 1e-300) if dt is None else np.abs(lam) - 1.0
+    found: dict[str, None] = {}
+    for s in lam[(lag >= -1e-10) & (lam.imag >= 0)]:
+        shifted = scaled - s * np.eye(len(A))
+        size = np.linalg.norm(shifted) or 1.0
+        gain = np.linalg.norm(B)
+        left, sigma, _ = np.linalg.svd(np.hstack([shifted, B * (size / gain if gain else 0.0)]))
+        if sigma[-1] > UNREACHED * size:
+            continue
+        rate = s if dt is None else np.log(complex(s)) / dt
+        missed = left[:, sigma <= UNREACHED * size]
+        pivots = sla.qr(missed.conj().T, mode="r", pivoting=True)[1][: missed.shape[1]]
+        for z in (missed @ np.linalg.inv(missed[pivots])).T:
+            state = names[_state_of(z, shifted, vectors[:, np.abs(lam - s) <= 1e-6 * size])]
+            found[f"mode {abs(rate) / (2 * np.pi):.2f} Hz ({state})"] = None
+    if found:
+        raise UncontrollableError(f"{', '.join(found)} {what}", tuple(found))
+
+
+def _state_of(z: np.ndarray, shifted: np.ndarray, right: np.ndarray) -> int:
+    """The state that takes part most in the mode with left eigenvector z; `right` (nx, k) span its right
+    ones.
+
+    Of a double root without a second eigenvector (a free body) z is its rate; the position that it moves is
+    named.
+    """
+    spread = np.linalg.norm(right, axis=1)
+    if (np.abs(z) * spread).sum() < 1e-6:
+        return int(np.argmax(np.abs(shifted @ z) * spread))
+    return dominant(z.conj(), spread)
+
+
+def _root(weight: np.ndarray) -> np.ndarray:
+    """S with S S' = weight, semidefinite."""
+    value, vector = np.linalg.eigh((weight + weight.T) / 2)
+    return vector * np.sqrt(np.where(value > 1e-13 * value.max(initial=0.0), value, 0.0))
+
+
+def _system(A: Any, B: Any, name: str = "B") -> tuple[np.ndarray, np.ndarray]:
+    A = require_finite("A", A, (-1, -1))
+    A = require_finite("A", A, (len(A), len(A)))
+    return A, require_finite(name, B, (len(A), -1))
+
+
+def _names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
+    known = tuple(f"x{i + 1}" for i in range(n)) if names is None else tuple(names)
+    if len(known) != n:
+        raise ValueError(f"names = {known} must be {n} names")
+    return known
+
+
+def _weight(name: str, value: Any, n: int, *, definite: bool) -> np.ndarray:
+    """A symmetric weight (n, n), positive (semi)definite."""
+    weight = require_finite(name, value, (n, n))
+    size = np.abs(weight).max(initial=0.0)
+    if np.abs(weight - weight.T).max(initial=0.0) > 1e-9 * size:
+        i, j = np.unravel_index(np.argmax(np.abs(weight - weight.T)), weight.shape)
+        raise ValueError(
+            f"{name}[{i}, {j}] = {weight[i, j]:g} must equal {name}[{j}, {i}] = {weight[j, i]:g}"
+        )
+    lowest = np.linalg.eigvalsh(weight).min(initial=np.inf)
+    if definite and not lowest > 0:
+        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be > 0 (positive definite)")
+    if lowest < -1e-10 * size:
+        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be >= 0 (positive semidefinite)")
+    return (weight + weight.T) / 2

@@ -1,0 +1,67 @@
+"""Rest points: states and inputs at which nothing changes, by Newton's method with minimum-norm steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import EquilibriumError
+from .signals import index
+
+if TYPE_CHECKING:
+    from .plant import Plant
+
+TOLERANCE = 1e-10  # relative to the rates that each unknown can cause
+
+
+def find(
+    plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p: Any
+) -> tuple[np.ndarray, np.ndarray]:
+    """Solve f(x, u) = 0 with the named signals held. Unknown: every other state, and the inputs when enough is held."""
+    names = tuple(s.name for s in plant.states + plant.inputs)
+    signals = plant.states + plant.inputs
+    z = np.zeros(len(names))
+    held = np.zeros(len(names), dtype=bool)
+    for source, hold in ((guess, False), (fixed, True)):
+        for name, value in source.items():
+            i = index(signals, name, "state or input")
+            if not np.isfinite(value):
+                raise ValueError(f"equilibrium {name} = {value} must be finite")
+            z[i] = value
+            held[i] |= hold
+    nx = plant.nx
+    if held[:nx].sum() < plant.nu:
+        held[nx:] = True  # too few states are given to determine the inputs: they stay as given, or zero
+
+    free = np.flatnonzero(~held)
+    scale = 1.0
+    residual = plant.dynamics(z[:nx], z[nx:], p=p)
+    for _ in range(100):
+        A, B = plant.jacobians(z[:nx], z[nx:], p=p)[:2]
+        J = np.hstack([A, B])[:, free]
+        scale = np.maximum(np.abs(J) @ np.maximum(np.abs(z[free]), 1e-3), 1e-3)
+        if np.max(np.abs(residual) / scale) < TOLERANCE * 1e-2:
+            break
+        change = np.linalg.lstsq(J / scale[:, None], -residual / scale, rcond=1e-12)[0]
+        length, best = 1.0, float(np.linalg.norm(residual / scale))
+        while length > 1e-6:
+            trial = z.copy()
+            trial[free] += length * change
+            moved = plant.dynamics(trial[:nx], trial[nx:], p=p)
+            if np.linalg.norm(moved / scale) < best:
+                break
+            length /= 2
+        else:
+            break
+        z, residual = trial, moved
+    worst = float(np.max(np.abs(residual) / scale))
+    if not worst < TOLERANCE:
+        k = int(np.argmax(np.abs(residual) / scale))
+        raise EquilibriumError(
+            f"no equilibrium of {plant.label} with {dict(fixed)} held: d({names[k]})/dt = {residual[k]:.3g} remains; "
+            "hold as many coordinates as there are inputs, or give a closer guess",
+            float(np.max(np.abs(residual))),
+        )
+    return z[:nx], z[nx:]

@@ -1,0 +1,56 @@
+"""Failures that carry what was tried and a remedy. Bad input is a plain ValueError naming field, value and range."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+class PliantError(Exception):
+    """Base of all failures that are not simply bad input."""
+
+
+class EquilibriumError(PliantError):
+    """No equilibrium was found; `residual` [units of dx/dt] is the largest remaining rate."""
+
+    def __init__(self, message: str, residual: float) -> None:
+        super().__init__(message)
+        self.residual = residual
+
+
+class IntegrationError(PliantError):
+    """A simulation could not go on: `time` [s], `state` (nx,) and `step` [s] where it stopped."""
+
+    def __init__(self, message: str, time: float, state: np.ndarray, step: float) -> None:
+        super().__init__(message)
+        self.time, self.state, self.step = time, state, step
+
+
+class StabilityLimitError(PliantError):
+    """A fixed step is past the stability limit of its method.
+
+    `step` and `largest_step` [s]; `mode` is the eigenvalue [1/s] of the fastest mode.
+    """
+
+    def __init__(self, message: str, step: float, mode: complex, largest_step: float) -> None:
+        super().__init__(message)
+        self.step, self.mode, self.largest_step = step, mode, largest_step
+
+
+class MassMatrixError(PliantError):
+    """The mass matrix has lost definiteness; `state` (nx,) is where, `pivot` its smallest Cholesky pivot."""
+
+    def __init__(self, message: str, state: np.ndarray, pivot: float) -> None:
+        super().__init__(message)
+        self.state, self.pivot = state, pivot
+
+
+class UncontrollableError(PliantError):
+    """Modes that the input cannot reach, or the output or cost cannot see; `modes` names them."""
+
+    def __init__(self, message: str, modes: tuple[str, ...]) -> None:
+        super().__init__(message)
+        self.modes = modes
+
+
+class InfeasibleError(PliantError):
+    """A constrained problem has no solution."""

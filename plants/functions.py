@@ -1,0 +1,61 @@
+"""CasADi functions of (t, x, u, w, p) called with NumPy arrays: one point, or a batch of rows."""
+
+from __future__ import annotations
+
+import threading
+
+import casadi as ca
+import numpy as np
+
+ARGUMENTS = ("t", "x", "u", "w", "p")
+MAPS_KEPT = 8  # batch sizes whose mapped function is kept
+
+
+class NumericFunction:
+    """Evaluate a CasADi function through raw buffers, without conversions to and from DM.
+
+    A row-major (B, n) array is CasADi's column-major (n, B) matrix, so a batch needs no transposition.
+    Outputs come back as (rows,) for a column vector and (rows, columns) otherwise, with a leading B in a batch.
+    """
+
+    def __init__(self, function: ca.Function) -> None:
+        self.function = function
+        self._shapes = [function.size_out(i) for i in range(function.n_out())]
+        self._local = threading.local()
+
+    def _buffer(self, batch: int) -> tuple:
+        store = self._local.__dict__.setdefault("buffers", {})
+        if batch not in store:
+            if len(store) >= MAPS_KEPT:
+                store.pop(next(k for k in store if k != 1))
+            mapped = self.function if batch == 1 else self.function.map(batch)
+            arguments = [np.zeros((batch, mapped.numel_in(i) // batch)) for i in range(mapped.n_in())]
+            results = [np.zeros((batch, c, r)) for r, c in self._shapes]
+            buffer, trigger = mapped.buffer()
+            for i, a in enumerate(arguments):
+                buffer.set_arg(i, memoryview(a))
+            for i, r in enumerate(results):
+                buffer.set_res(i, memoryview(r))
+            store[batch] = arguments, results, trigger, buffer
+        return store[batch]
+
+    def __call__(self, *values: np.ndarray | float, batch: int | None = None) -> list[np.ndarray]:
+        """Results as fresh arrays. `batch` = B where the values are (B, n) arrays; None for one point."""
+        arguments, results, trigger, _ = self._buffer(batch or 1)
+        for argument, value in zip(arguments, values):
+            argument[...] = value
+        trigger()
+        out = []
+        for result, (_, columns) in zip(results, self._shapes):
+            array = result[:, 0, :].copy() if columns == 1 else result.transpose(0, 2, 1).copy()
+            out.append(array if batch else array[0])
+        return out
+
+    def __reduce__(self) -> tuple:
+        return NumericFunction, (self.function,)
+
+
+def function(name: str, symbols: list[ca.SX], results: list[ca.SX]) -> NumericFunction:
+    """A NumericFunction from expressions, common subexpressions removed and outputs dense."""
+    shared = ca.cse([ca.densify(r) for r in results])
+    return NumericFunction(ca.Function(name, symbols, shared))

@@ -1,0 +1,163 @@
+"""Modes of a linear model: their table, the states that dominate them, and truncation to a few of them.
+
+Balanced truncation  states in which reachability and observability Gramians are equal and diagonal (Moore
+1981,
+    square-root algorithm of Laub et al. 1987); the error bound 2 (s_k+1 + .. + s_n) is Glover's and Enns's.
+Modal truncation     ordered real Schur form, decoupled by a Sylvester equation, so that double rigid-body
+modes are
+    no obstacle; the error is the dropped part itself, bounded by twice the sum of its Hankel singular values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as sla
+
+from .parameters import require_choice, require_count
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One mode; a complex pair counts once, with its eigenvalue of positive imaginary part.
+
+    `damping_ratio` is -Re/|eigenvalue|, and 0 where the eigenvalue is 0 (a rigid-body mode).
+    """
+
+    number: int
+    eigenvalue: complex  # [1/s], of the continuous-time model also where the model is sampled
+    frequency_hz: float  # |eigenvalue| / 2 pi
+    damped_frequency_hz: float  # Im(eigenvalue) / 2 pi
+    damping_ratio: float
+    dominant_state: str  # by participation factor
+
+    @property
+    def name(self) -> str:
+        """Like "mode 3: 18.9 Hz, zeta 0.01 (q21)"."""
+        size = f"{self.frequency_hz:.3g} Hz, zeta {self.damping_ratio:.2g}"
+        return f"mode {self.number}: {size} ({self.dominant_state})"
+
+
+def dominant(left: np.ndarray, right: np.ndarray) -> int:
+    """Index of the state that takes part most: largest |left_k right_k|, the first of those within 5 %.
+
+    `left`, `right` (nx,): eigenvectors of one eigenvalue. Where they are orthogonal (a double root without a
+    second eigenvector) the right one decides.
+    """
+    part = np.abs(left * right)
+    if part.sum() < 1e-6 * np.linalg.norm(left) * np.linalg.norm(right):
+        part = np.abs(right)
+    return int(np.flatnonzero(part >= 0.95 * part.max())[0])
+
+
+def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tuple[Mode, ...]:
+    """Modes of A (nx, nx), slowest first. With `dt` [s], A maps one sample to the next."""
+    if not len(A):
+        return ()
+    values, left, right = sla.eig(A, left=True, right=True)
+    lam = values.astype(complex)
+    if dt is not None:
+        with np.errstate(divide="ignore"):
+            lam = np.log(lam) / dt
+    rows = []
+    for i in np.argsort(np.abs(lam), kind="stable"):
+        if values[i].imag < 0:
+            continue
+        size = abs(lam[i])
+        zeta = -lam[i].real / size if size > 1e-9 * np.abs(lam[np.isfinite(lam)]).max(initial=0.0) else 0.0
+        state = states[dominant(left[:, i].conj(), right[:, i])]
+        f, fd = size / (2 * np.pi), abs(lam[i].imag) / (2 * np.pi)
+        rows.append(Mode(len(rows) + 1, complex(lam[i]), float(f), float(fd), float(zeta), state))
+    return tuple(rows)
+
+
+def _gramian_root(A: np.ndarray, B: np.ndarray, discrete: bool) -> np.ndarray:
+    """S (nx, nx) with S S^T the reachability Gramian of (A, B)."""
+    W = sla.solve_discrete_lyapunov(A, B @ B.T) if discrete else sla.solve_continuous_lyapunov(A, -B @ B.T)
+    value, vector = np.linalg.eigh((W + W.T) / 2)
+    return vector * np.sqrt(np.maximum(value, 0.0))
+
+
+def hankel_values(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float | None = None) -> np.ndarray:
+    """Hankel singular values (nx,), largest first, of a stable model."""
+    if not len(A):
+        return np.zeros(0)
+    S, R = _gramian_root(A, B, dt is not None), _gramian_root(A.T, C.T, dt is not None)
+    return np.linalg.svd(R.T @ S, compute_uv=False)
+
+
+def _lag(lam: np.ndarray, dt: float | None) -> np.ndarray:
+    """Real part of the eigenvalues over the fastest, or |z| - 1: from -1e-10 up a mode does not decay."""
+    if dt is not None:
+        return np.abs(lam) - 1.0
+    return lam.real / max(np.abs(lam).max(initial=0.0), 1e-300)
+
+
+def truncation(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, order: int, method: str = "balanced", dt: float | None = None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """L (order, nx), R (nx, order) and an error bound: the reduced model is L A R, L B, C R, its state L x.
+
+    The bound holds for the largest gain over all frequencies (H-infinity) from all columns of B to all rows
+    of C. "balanced" needs a model whose modes all decay; "modal" keeps every mode that does not, then the
+    slowest.
+    """
+    require_choice("LinearModel.reduce", "method", method, ("balanced", "modal"))
+    require_count("LinearModel.reduce", "order", order, 1, len(A))
+    return (_balanced if method == "balanced" else _modal)(A, B, C, int(order), dt)
+
+
+def _balanced(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, order: int, dt: float | None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    lam = np.linalg.eigvals(A)
+    worst = lam[np.argmax(_lag(lam, dt))]
+    if _lag(lam, dt).max() >= -1e-10:
+        raise ValueError(
+            f"LinearModel.reduce: method = 'balanced' needs modes that all decay; "
+            f"eigenvalue {worst:.4g} does not: take method='modal'"
+        )
+    S, Rt = _gramian_root(A, B, dt is not None), _gramian_root(A.T, C.T, dt is not None)
+    U, sigma, Vt = np.linalg.svd(Rt.T @ S)
+    rank = int(np.sum(sigma > 1e-12 * sigma[0])) if sigma[0] > 0 else 0
+    if order > rank:
+        raise ValueError(
+            f"LinearModel.reduce: order = {order} must be at most {rank}, the states reached and seen"
+        )
+    scale = np.sqrt(sigma[:order])
+    return (U[:, :order] / scale).T @ Rt.T, S @ Vt[:order].T / scale, float(2 * sigma[order:].sum())
+
+
+def _modal(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, order: int, dt: float | None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    lam = np.linalg.eigvals(A)
+    with np.errstate(divide="ignore"):
+        speed = np.abs(lam) if dt is None else np.abs(np.log(lam.astype(complex)))
+    rank = np.where(_lag(lam, dt) >= -1e-10, -1.0, speed)
+    near = 1e-9 * max(rank[np.isfinite(rank)].max(initial=0.0), 1e-300)
+    allowed = sorted({int(np.sum(rank <= r + near)) for r in rank})
+    if order not in allowed:
+        raise ValueError(
+            f"LinearModel.reduce: order = {order} must be one of {', '.join(map(str, allowed))}: "
+            "modes that do not decay are kept, and no pair is split"
+        )
+    if order == len(A):
+        return np.eye(len(A)), np.eye(len(A)), 0.0
+    kept = rank <= np.sort(rank)[order - 1] + near
+
+    def wanted(re: float, im: float = 0.0) -> bool:
+        distance = np.abs(lam - (complex(re) + 1j * im))
+        return bool(distance[kept].min() <= distance[~kept].min())
+
+    T, Z, count = sla.schur(A, output="real", sort=wanted)
+    if count != order:
+        raise ValueError(
+            f"LinearModel.reduce: order = {order} splits a cluster of equal modes; {count} does not"
+        )
+    X = sla.solve_sylvester(T[:order, :order], -T[order:, order:], -T[:order, order:])
+    L, R = Z[:, :order].T - X @ Z[:, order:].T, Z[:, :order]
+    rest = Z[:, :order] @ X + Z[:, order:]
+    return L, R, float(2 * hankel_values(T[order:, order:], Z[:, order:].T @ B, C @ rest, dt).sum())

@@ -1,0 +1,138 @@
+"""Physical parameters as dataclass fields that know their unit and range, reached by dotted names.
+
+`quantity("kg", "positive")` declares a field; `validate(self)` in `__post_init__` checks every declared field;
+`get(obj, "payload.mass")` and `put(obj, "payload.mass", 0.5)` follow dotted names through nested dataclasses and
+tuples ("hub_inertia.0"). A CasADi expression passes unchecked: that is how a parameter becomes a symbol.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import numbers
+from collections.abc import Collection
+from typing import Any, TypeVar
+
+import casadi as ca
+
+T = TypeVar("T")
+
+RANGES = {
+    "positive": ("> 0", lambda v: v > 0),
+    "nonnegative": (">= 0", lambda v: v >= 0),
+    "finite": ("a finite number", lambda v: True),
+}
+
+
+def quantity(unit: str, allowed: str = "finite", default: Any = dataclasses.MISSING) -> Any:
+    """A dataclass field for a float, or a tuple of floats, in `unit` and within RANGES[allowed]."""
+    return dataclasses.field(default=default, metadata={"unit": unit, "allowed": allowed})
+
+
+def is_symbolic(value: object) -> bool:
+    """Whether a value is a CasADi expression."""
+    return isinstance(value, (ca.SX, ca.MX))
+
+
+def _check(name: str, value: Any, unit: str, allowed: str) -> None:
+    if is_symbolic(value):
+        return
+    if isinstance(value, (tuple, list)):
+        for i, item in enumerate(value):
+            _check(f"{name}[{i}]", item, unit, allowed)
+        return
+    text, holds = RANGES[allowed]
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise ValueError(f"{name} = {value!r} must be a number {text} [{unit}]")
+    if not (math.isfinite(value) and holds(value)):
+        raise ValueError(f"{name} = {value!r} must be {text} [{unit}]")
+
+
+def validate(obj: Any) -> None:
+    """Raise ValueError naming field, value and range for the first bad quantity() field of a dataclass."""
+    for field in dataclasses.fields(obj):
+        if "allowed" in field.metadata:
+            value = getattr(obj, field.name)
+            _check(
+                f"{type(obj).__name__}.{field.name}", value, field.metadata["unit"], field.metadata["allowed"]
+            )
+
+
+def require_choice(owner: str, name: str, value: object, choices: Collection[Any]) -> None:
+    """Raise ValueError unless value is among choices."""
+    if value not in choices:
+        raise ValueError(f"{owner}.{name} = {value!r} must be one of {', '.join(map(repr, choices))}")
+
+
+def require_count(owner: str, name: str, value: object, lowest: int, highest: int) -> None:
+    """Raise ValueError unless value is an integer within [lowest, highest]."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= value <= highest:
+        raise ValueError(f"{owner}.{name} = {value!r} must be an integer from {lowest} to {highest}")
+
+
+def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    """`value` as a float array; ValueError unless it has `shape` and is finite (a single -1 means any length)."""
+    import numpy as np
+
+    array = np.asarray(value, dtype=float)
+    if array.ndim != len(shape) or any(want not in (-1, have) for want, have in zip(shape, array.shape)):
+        raise ValueError(f"{name} has shape {array.shape}, must be {shape}")
+    if not np.all(np.isfinite(array)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{name}{list(where)} = {array[where]} must be finite")
+    return array
+
+
+def _step(obj: Any, key: str, path: str) -> Any:
+    if isinstance(obj, tuple) and key.isdigit() and int(key) < len(obj):
+        return obj[int(key)]
+    if dataclasses.is_dataclass(obj) and key in {f.name for f in dataclasses.fields(obj)}:
+        return getattr(obj, key)
+    names = quantities(obj) if dataclasses.is_dataclass(obj) else ()
+    raise ValueError(f"parameter {path!r}: {type(obj).__name__} has no {key!r}; it has {', '.join(names)}")
+
+
+def get(obj: Any, path: str) -> Any:
+    """The parameter at a dotted path."""
+    for key in path.split("."):
+        obj = _step(obj, key, path)
+    return obj
+
+
+def put(obj: T, path: str, value: Any) -> T:
+    """A copy of a frozen dataclass (or tuple) with the parameter at a dotted path replaced."""
+    key, _, rest = path.partition(".")
+    inner = _step(obj, key, path)
+    new = put(inner, rest, value) if rest else value
+    if isinstance(obj, tuple):
+        return obj[: int(key)] + (new,) + obj[int(key) + 1 :]  # type: ignore[return-value]
+    return dataclasses.replace(obj, **{key: new})  # type: ignore[type-var]
+
+
+def unit_of(obj: Any, path: str) -> str:
+    """The unit of the parameter at a dotted path; ValueError if it is not a physical quantity."""
+    keys = path.split(".")
+    field_index = max(i for i, key in enumerate(keys) if not key.isdigit())
+    owner = get(obj, ".".join(keys[:field_index])) if field_index else obj
+    _step(owner, keys[field_index], path)
+    field = next(f for f in dataclasses.fields(owner) if f.name == keys[field_index])
+    if "unit" not in field.metadata:
+        raise ValueError(
+            f"parameter {path!r} is not a physical quantity; choose from {', '.join(quantities(obj))}"
+        )
+    return str(field.metadata["unit"])
+
+
+def quantities(obj: Any, prefix: str = "") -> tuple[str, ...]:
+    """Dotted names of every physical quantity of a dataclass, nested ones included."""
+    names: list[str] = []
+    for field in dataclasses.fields(obj):
+        value = getattr(obj, field.name)
+        if "unit" in field.metadata:
+            if isinstance(value, tuple):
+                names += [f"{prefix}{field.name}.{i}" for i in range(len(value))]
+            else:
+                names.append(prefix + field.name)
+        elif dataclasses.is_dataclass(value):
+            names += quantities(value, f"{prefix}{field.name}.")
+    return tuple(names)

@@ -1,0 +1,100 @@
+"""Named signals with units, and how an input given as a number, an array or a function of time is sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .parameters import require_finite
+
+GAUSS = 0.5 + np.sqrt(3.0) / 6.0 * np.array([-1.0, 1.0])  # two-point Gauss-Legendre nodes on [0, 1]
+
+InputLike = Any  # None, (n,) constant, (nt, n) zero-order hold, or a function of time that returns (n,)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One state, input, disturbance, output or parameter: its name and SI unit ("" where it has none)."""
+
+    name: str
+    unit: str
+
+
+def names(signals: Sequence[Signal]) -> tuple[str, ...]:
+    """The names alone."""
+    return tuple(s.name for s in signals)
+
+
+def index(signals: Sequence[Signal], name: str, kind: str) -> int:
+    """Position of the signal called `name`; ValueError that lists the known names of this `kind`."""
+    known = names(signals)
+    if name not in known:
+        raise ValueError(f"{kind} {name!r} must be one of {', '.join(known) or '(there are none)'}")
+    return known.index(name)
+
+
+def as_signals(owner: str, given: Sequence[str | Signal] | None, n: int, prefix: str) -> tuple[Signal, ...]:
+    """`n` distinct signals from names or signals; prefix1 .. prefixn where `given` is None."""
+    if given is None:
+        return tuple(Signal(f"{prefix}{i + 1}", "") for i in range(n))
+    signals = tuple(s if isinstance(s, Signal) else Signal(str(s), "") for s in given)
+    if len(signals) != n:
+        raise ValueError(f"{owner} = {names(signals)} must be {n} names")
+    if len(set(names(signals))) != n:
+        raise ValueError(f"{owner} = {names(signals)} must be distinct names")
+    return signals
+
+
+def read_only(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """An own, write-protected copy of `value`; ValueError unless finite and of `shape` (-1: any length)."""
+    array = np.array(require_finite(name, value, shape))
+    array.setflags(write=False)
+    return array
+
+
+def read_only_times(name: str, t: Any, fewest: int = 2) -> np.ndarray:
+    """Times (nt,) [s] as a write-protected copy; ValueError unless finite and strictly increasing."""
+    times = read_only(name, t, (-1,))
+    if len(times) < fewest:
+        raise ValueError(f"{name} has {len(times)} times, must have at least {fewest}")
+    late = np.flatnonzero(np.diff(times) <= 0)
+    if late.size:
+        k = int(late[0])
+        raise ValueError(
+            f"{name}[{k + 1}] = {times[k + 1]:.9g} must be greater than {name}[{k}] = {times[k]:.9g}: "
+            "times must be strictly increasing"
+        )
+    return times
+
+
+def sample(name: str, value: InputLike, t: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """An input at the nodes (nt, n) and at two Gauss points of each interval (nt-1, 2, n).
+
+    `value`: None (zero), (n,) constant, (nt, n) held from each node to the next, or a function of time.
+    """
+    if callable(value):
+        at = _called(name, value, n)
+        inner = t[:-1, None] + np.diff(t)[:, None] * GAUSS
+        nodes = np.array([at(s) for s in t])
+        return nodes, np.array([at(s) for s in inner.ravel()]).reshape(len(t) - 1, 2, n)
+    if value is None:
+        value = np.zeros(n)
+    array = np.asarray(value, dtype=float)
+    if array.ndim == 1 and array.shape != (n,):
+        raise ValueError(f"{name} has shape {array.shape}, must be ({n},), ({len(t)}, {n}) or a function")
+    nodes = np.broadcast_to(
+        require_finite(name, array, (n,) if array.ndim == 1 else (len(t), n)), (len(t), n)
+    )
+    return nodes, np.repeat(nodes[:-1, None, :], 2, axis=1)
+
+
+def _called(name: str, function: Callable[[float], Any], n: int) -> Callable[[float], np.ndarray]:
+    def at(s: float) -> np.ndarray:
+        return require_finite(
+            f"{name}({s:.6g})", np.atleast_1d(np.asarray(function(float(s)), dtype=float)), (n,)
+        )
+
+    return at

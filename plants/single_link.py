@@ -1,0 +1,176 @@
+"""Single flexible link on a driven hub, with a rigid payload at its tip.
+
+States   q = [hub_angle, eta1 .. etan], x = [q; dq/dt]
+Input    hub torque [N m], or hub acceleration [rad/s^2] where the hub's motion is prescribed (drive="motion")
+Outputs  hub angle [rad], tip deflection [m] and its rate [m/s], tip position [m]; disturbance: force on the tip [N]
+Valid    planar; deflection small against length; "linear" only below the first bending frequency of spin
+Source   "On the dynamic modelling of flexible manipulators", Eqs (13)-(16), corrected: (13) lacks the centripetal
+         term, the geometric stiffness is -thetadot^2 Xi22 with tip mass and beam
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Self
+
+import casadi as ca
+
+from . import beams
+from .beams import Beam, Payload
+from .lagrange import LagrangianPlant
+from .parameters import is_symbolic, quantity, require_choice, require_count, validate
+from .planar import ElasticLink, payload_energy, payload_position
+from .signals import Signal
+
+KINEMATICS = ("rigid", "linear", "stiffened")
+BASES = {"payload": 40, "clamped-free": 40, "polynomial": 20}  # basis: most modes
+
+
+@dataclass(frozen=True, kw_only=True)
+class SingleLinkArm(LagrangianPlant):
+    """[mu11 + p.Xi p] theta'' + m12 p'' + 2 theta' p'.Xi p = tau;  m12 theta'' + M p'' + (K - theta'^2 Xi) p = 0."""
+
+    link: Beam
+    hub_inertia: float = quantity("kg m^2", "nonnegative", 0.0)
+    hub_friction: float = quantity("N m s/rad", "nonnegative", 0.0)
+    payload: Payload = field(default_factory=Payload)
+    gravity: float = quantity("m/s^2", "finite", 0.0)  # along -y
+    kinematics: str = "stiffened"
+    theory: str = "euler-bernoulli"
+    basis: str = "payload"
+    modes: int = 2
+    frame: str = "clamped"
+    drive: str = "torque"
+
+    def __post_init__(self) -> None:
+        validate(self)
+        for name, choices in (
+            ("kinematics", KINEMATICS),
+            ("theory", ("euler-bernoulli",)),
+            ("basis", tuple(BASES)),
+            ("frame", ("clamped",)),
+            ("drive", ("torque", "motion")),
+        ):
+            require_choice("SingleLinkArm", name, getattr(self, name), choices)
+        require_count("SingleLinkArm", "modes", self.modes, 0, BASES[self.basis])
+
+    @classmethod
+    def textbook(cls) -> Self:
+        """A 1 m steel strip, h/L = 0.01 as in the paper's Figures 4-5, on a hub as heavy to turn as the strip.
+
+        Section 50 mm by 10 mm, bending along the 10 mm; payload 1 kg; no damping.
+        """
+        strip = Beam.rectangular(1.0, width=0.05, depth=0.01, material=beams.STEEL)
+        return cls(link=strip, hub_inertia=1.3, payload=Payload(mass=1.0, inertia=0.001))
+
+    @property
+    def mode_count(self) -> int:
+        """Elastic coordinates."""
+        return 0 if self.kinematics == "rigid" else self.modes
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        bent = (Signal(f"eta{i + 1}", "m") for i in range(self.mode_count))
+        return Signal("hub_angle", "rad"), *bent
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        if self.drive == "motion":
+            return (Signal("hub_acceleration", "rad/s^2"),)
+        return (Signal("hub_torque", "N m"),)
+
+    @property
+    def driven(self) -> dict[int, int]:
+        return {0: 0} if self.drive == "motion" else {}
+
+    @property
+    def disturbances(self) -> tuple[Signal, ...]:
+        return Signal("tip_force_x", "N"), Signal("tip_force_y", "N")
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        return (
+            Signal("hub_angle", "rad"),
+            Signal("tip_deflection", "m"),
+            Signal("tip_deflection_rate", "m/s"),
+            Signal("tip_x", "m"),
+            Signal("tip_y", "m"),
+        )
+
+    @property
+    def label(self) -> str:
+        if self.mode_count == 0:
+            return "rigid"
+        return f"{self.kinematics}, {self.basis} {self.modes}"
+
+    def ladder(self) -> tuple[Self, ...]:
+        """From the rigid link through one to four modes, with and without shortening."""
+        steps: list[Self] = [dataclasses.replace(self, kinematics="rigid")]
+        for kinematics, n in (
+            ("linear", 1),
+            ("linear", 2),
+            ("stiffened", 1),
+            ("stiffened", 2),
+            ("stiffened", 3),
+            ("stiffened", 4),
+        ):
+            steps.append(dataclasses.replace(self, kinematics=kinematics, modes=n))
+        return tuple(steps)
+
+    @cached_property
+    def elastic(self) -> ElasticLink:
+        """The link with its shape functions, which come from the nominal parameters."""
+        own = self.nominal
+        assert isinstance(own, SingleLinkArm)
+        ratios = {}
+        if self.basis == "payload":
+            ratios = {
+                "tip_mass_ratio": own.payload.mass / own.link.mass,
+                "tip_inertia_ratio": own.payload.inertia_z / (own.link.mass * own.link.length**2),
+            }
+        shapes = beams.basis(self.basis, self.mode_count, **ratios)
+        return ElasticLink(self.link, shapes, self.kinematics == "stiffened")
+
+    @property
+    def _offset_load(self) -> bool:
+        return any(is_symbolic(o) or o != 0.0 for o in self.payload.offset[:2])
+
+    def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        fixed = (ca.SX(0), ca.SX(0))
+        link, omega, p, p_rate = self.elastic, v[0], q[1:], v[1:]
+        tip = link.tip_velocity(fixed, omega, p, p_rate)
+        turning = omega + link.slope(p_rate)
+        return (
+            self.hub_inertia * omega**2 / 2
+            + link.kinetic_energy(fixed, omega, p, p_rate)
+            + payload_energy(self.payload, tip, turning, link.slope(p), self._offset_load)
+        )
+
+    def potential_energy(self, q: ca.SX) -> ca.SX:
+        link, p = self.elastic, q[1:]
+        x, y = link.centre(p)
+        xp, yp = payload_position(self.payload, link.tip(p), link.slope(p), self._offset_load)
+        x, y = x + self.payload.mass * xp, y + self.payload.mass * yp
+        return self.gravity * (ca.sin(q[0]) * x + ca.cos(q[0]) * y) + link.strain_energy(p)
+
+    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        return self.hub_friction * v[0] ** 2 / 2 + self.elastic.dissipation(v[1:])
+
+    def _tip(self, q: ca.SX) -> ca.SX:
+        x, y = self.elastic.tip(q[1:])
+        c, s = ca.cos(q[0]), ca.sin(q[0])
+        return ca.vertcat(c * x - s * y, s * x + c * y)
+
+    def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        force = ca.jtimes(self._tip(q), q, w, True)
+        if self.drive == "torque":
+            force[0] += u[0]
+        return force
+
+    def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        n = x.shape[0] // 2
+        q, v = x[:n], x[n:]
+        link = self.elastic
+        return ca.vertcat(q[0], link.deflection(q[1:]), link.deflection(v[1:]), self._tip(q))

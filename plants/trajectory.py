@@ -1,0 +1,202 @@
+"""A motion: times, states, inputs and outputs with their names. Simulated, or from another program."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .parameters import require_choice, require_finite
+from .signals import Signal, as_signals, names, read_only, read_only_times
+
+if TYPE_CHECKING:
+    import pandas
+
+KINDS = ("states", "outputs", "inputs", "disturbances")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory:
+    """Rows belong to the times t; `traj["tip_x"]` is a column by name. The arrays are write-protected copies.
+
+    `hold` says what the input does between two times: "zero-order" keeps the earlier row, "linear" joins the
+    rows.
+    """
+
+    t: np.ndarray  # (nt,) [s], strictly increasing
+    x: np.ndarray  # (nt, nx)
+    u: np.ndarray  # (nt, nu)
+    y: np.ndarray  # (nt, ny)
+    states: tuple[Signal, ...]
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    dx: np.ndarray | None = None  # (nt, nx) exact dx/dt, where known
+    w: np.ndarray | None = None  # (nt, nw)
+    disturbances: tuple[Signal, ...] = ()
+    stats: Mapping[str, Any] = field(default_factory=dict)  # of the run that made it; plain numbers and words
+    hold: str = "linear"
+
+    def __post_init__(self) -> None:
+        require_choice("Trajectory", "hold", self.hold, ("zero-order", "linear"))
+        object.__setattr__(self, "t", read_only_times("Trajectory.t", self.t))
+        for kind in KINDS:
+            signals = getattr(self, kind)
+            object.__setattr__(self, kind, as_signals(f"Trajectory.{kind}", signals, len(signals), ""))
+        sizes = {"x": self.states, "dx": self.states, "u": self.inputs, "y": self.outputs}
+        sizes["w"] = self.disturbances
+        for name, signals in sizes.items():
+            value = getattr(self, name)
+            if value is not None:
+                shape = (len(self.t), len(signals))
+                object.__setattr__(self, name, read_only(f"Trajectory.{name}", value, shape))
+
+    @classmethod
+    def from_arrays(
+        cls,
+        t: Any,
+        x: Any,
+        u: Any = None,
+        *,
+        plant: Any = None,
+        states: Sequence[str | Signal] | None = None,
+        inputs: Sequence[str | Signal] | None = None,
+        outputs: Sequence[str | Signal] = (),
+        disturbances: Sequence[str | Signal] = (),
+        y: Any = None,
+        w: Any = None,
+        dx: Any = None,
+        hold: str = "linear",
+    ) -> Trajectory:
+        """A motion that another program made: t (nt,) [s], x (nt, nx), u (nt, nu) (None: zero).
+
+        With `plant` the signals are the plant's and y, where None, is what the plant measures. Without it
+        the names are given; states and inputs default to x1.., u1...
+        """
+        t = read_only_times("Trajectory.t", t)
+        x = require_finite("Trajectory.x", x, (len(t), -1))
+        if plant is not None:
+            states, inputs, outputs, disturbances = (
+                getattr(plant, kind) for kind in ("states", "inputs", "outputs", "disturbances")
+            )
+            x = require_finite("Trajectory.x", x, (len(t), len(states or ())))
+        if u is None:
+            u = np.zeros((len(t), len(inputs or ())))
+        u = require_finite("Trajectory.u", u, (len(t), -1))
+        if plant is not None and y is None:
+            u = require_finite("Trajectory.u", u, (len(t), len(inputs or ())))
+            y = plant.measure(x, u, w=w, t=t)
+        return cls(
+            t,
+            x,
+            u,
+            np.zeros((len(t), 0)) if y is None else y,
+            states=as_signals("Trajectory.states", states, x.shape[1], "x"),
+            inputs=as_signals("Trajectory.inputs", inputs, u.shape[1], "u"),
+            outputs=as_signals("Trajectory.outputs", outputs, len(outputs), ""),
+            dx=dx,
+            w=w,
+            disturbances=as_signals("Trajectory.disturbances", disturbances, len(disturbances), ""),
+            hold=hold,
+        )
+
+    def _columns(self) -> dict[str, np.ndarray]:
+        """Every column (nt,) by name; of equal names the state's, then the output's, the input's."""
+        found: dict[str, np.ndarray] = {}
+        for kind, rows in zip(KINDS, (self.x, self.y, self.u, self.w)):
+            if rows is not None:
+                for name, column in zip(names(getattr(self, kind)), rows.T):
+                    found.setdefault(name, column)
+        return found
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """The column (nt,) of a state, output, input or disturbance; ValueError that lists the names."""
+        columns = self._columns()
+        if name not in columns:
+            raise ValueError(f"Trajectory[{name!r}] must be one of {', '.join(columns)}")
+        return columns[name]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        sizes = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        return f"Trajectory({len(self.t)} times, {self.t[0]:g} to {self.t[-1]:g} s, {sizes})"
+
+    def derivative(self) -> np.ndarray:
+        """dx/dt (nt, nx): exact where known, else of a cubic spline through x."""
+        if self.dx is not None:
+            return self.dx
+        from scipy.interpolate import CubicSpline
+
+        return CubicSpline(self.t, self.x)(self.t, 1)
+
+    def resample(self, t: Any) -> Trajectory:
+        """The motion at other times within [t[0], t[-1]].
+
+        x by cubic Hermite polynomials where dx is known (the new dx is theirs), else by a spline; y by a
+        spline; u and w as `hold` says. Under "zero-order" the rate jumps at the old times and y with it: x
+        is then of third order.
+        """
+        from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
+        new = read_only_times("resample.t", t)
+        outside = (new < self.t[0]) | (new > self.t[-1])
+        if outside.any():
+            worst = new[outside][0]
+            raise ValueError(f"resample.t = {worst:.9g} must be within [{self.t[0]:.9g}, {self.t[-1]:.9g}]")
+        known = self.dx is not None
+        path = CubicHermiteSpline(self.t, self.x, self.dx) if known else CubicSpline(self.t, self.x)
+        return Trajectory(
+            new,
+            path(new),
+            self._held(self.u, new),
+            CubicSpline(self.t, self.y)(new) if self.y.size else np.zeros((len(new), 0)),
+            states=self.states,
+            inputs=self.inputs,
+            outputs=self.outputs,
+            dx=path(new, 1) if known else None,
+            w=None if self.w is None else self._held(self.w, new),
+            disturbances=self.disturbances,
+            hold=self.hold,
+        )
+
+    def _held(self, rows: np.ndarray, new: np.ndarray) -> np.ndarray:
+        if self.hold == "zero-order":
+            return rows[np.searchsorted(self.t, new, side="right") - 1]
+        return np.array([np.interp(new, self.t, column) for column in rows.T]).reshape(-1, len(new)).T
+
+    def save(self, path: str | Path) -> None:
+        """Write one .npz file: the arrays, and names, units and stats as JSON text."""
+        arrays = {
+            k: getattr(self, k) for k in ("t", "x", "u", "y", "dx", "w") if getattr(self, k) is not None
+        }
+        about: dict[str, Any] = {kind: [[s.name, s.unit] for s in getattr(self, kind)] for kind in KINDS}
+        about |= {"stats": dict(self.stats), "hold": self.hold, "format": 1}
+        text = json.dumps(about, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
+        with open(path, "wb") as file:
+            np.savez(file, about=np.array(text), **arrays)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Trajectory:
+        """Read what `save` wrote; ValueError where the file is something else."""
+        with np.load(path, allow_pickle=False) as data:
+            if "about" not in data:
+                raise ValueError(
+                    f"Trajectory.load: {str(path)!r} has arrays {sorted(data)}, must have 'about'"
+                )
+            about = json.loads(str(data["about"]))
+            arrays = {k: data[k] for k in data if k != "about"}
+        signals = {kind: tuple(Signal(*pair) for pair in about[kind]) for kind in KINDS}
+        return cls(**arrays, **signals, stats=about["stats"], hold=about["hold"])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A DataFrame indexed by time [s], one column per name. pandas is not installed with Pliant."""
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError("Trajectory.to_pandas needs pandas: pip install pandas") from error
+        return pandas.DataFrame(self._columns(), index=pandas.Index(self.t, name="t"))
