@@ -25,7 +25,8 @@ bench: $(VENV)/ready
 check: $(VENV)/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/python -m mypy -p pliant.plants -p pliant.envs -p pliant.controllers -p pliant.studies
+	rm -rf build/check && $(BIN)/python -m pip install --quiet --no-deps --target build/check .
+	MYPYPATH=build/check $(BIN)/python -m mypy -p pliant.plants -p pliant.envs -p pliant.controllers -p pliant.studies
 
 clean:
 	rm -rf $(VENV) build dist reports

@@ -129,7 +129,7 @@ class LQR:
         self._last: float | None = None
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
-        """u (nu,) from y (len(reads),) at time t [s]. The integrals move on by dt, or by the time since the last act."""
+        """u (nu,) from y (len(reads),) at time t [s]; the integrals move on by dt, or by the time passed."""
         y = require_finite("LQR.y", y, (len(self.reads),))
         error = y[self.picks] - self.target
         if self.dt is None and self._last is not None:
@@ -141,7 +141,7 @@ class LQR:
         return np.clip(u, *self.limits)
 
     def cost_to_go(self, x: Any, xi: Any = None) -> float:
-        """The cost from state x (nx,) and integrals xi (ni,) (None: zero) on, of the linear model without limits."""
+        """The cost from x (nx,) and integrals xi (ni,) (None: zero) on, linear and without limits."""
         x = require_finite("LQR.x", x, self.x0.shape)
         xi = np.zeros(len(self.target)) if xi is None else require_finite("LQR.xi", xi, self.target.shape)
         error = np.concatenate([x - self.x0, xi])

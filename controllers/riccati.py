@@ -19,12 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg as sla
 from pliant.plants.errors import PliantError, UncontrollableError
-from pliant.plants.modal import dominant
+from pliant.plants.modal import dominant, eigen, stays
 from pliant.plants.parameters import require_finite
 
 LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
-UNREACHED = 1e-10  # smallest singular value of [A - s I, B] against its largest, below which a mode is not
-reached
+UNREACHED = 1e-10  # least singular value of [A - s I, B] over |A - s I| of a mode that is not reached
 
 
 class Regulator(NamedTuple):
@@ -103,7 +102,7 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     Q, R = require_finite("Q", Q, (nx, nx)), require_finite("R", R, (nu, nu))
     F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
     M = np.block([[Q, N], [N.T, R]])
-    j = max(0, int(np.ceil(np.log2(max(np.linalg.norm(F[:, :nx], 1) * dt, 1e-300)))))
+    j = max(0, int(np.ceil(np.log2(max(float(np.linalg.norm(A, 1)) * dt, 1e-300)))))
     h = dt / 2**j
     big = sla.expm(h * np.block([[-F.T, M], [np.zeros_like(F), F]]))
     step = big[nx + nu :, nx + nu :]
@@ -172,10 +171,9 @@ def _require_reached(
     """UncontrollableError that names every mode of A that neither decays nor is reached through B."""
     scaled, scale = sla.matrix_balance(A, permute=False)
     B = np.linalg.solve(scale, B)
-    lam, vectors = np.linalg.eig(scaled)
-    lag = lam.real / max(np.abs(lam).max(initial=0.0), 1e-300) if dt is None else np.abs(lam) - 1.0
+    lam, _, vectors, rounding = eigen(A)
     found: dict[str, None] = {}
-    for s in lam[(lag >= -1e-10) & (lam.imag >= 0)]:
+    for s in lam[stays(lam, rounding, dt) & (lam.imag >= 0)]:
         shifted = scaled - s * np.eye(len(A))
         size = np.linalg.norm(shifted) or 1.0
         gain = np.linalg.norm(B)
@@ -193,11 +191,9 @@ def _require_reached(
 
 
 def _state_of(z: np.ndarray, shifted: np.ndarray, right: np.ndarray) -> int:
-    """The state that takes part most in the mode with left eigenvector z; `right` (nx, k) span its right
-    ones.
+    """The state that takes part most in the mode with left eigenvector z; `right` (nx, k) are its right ones.
 
-    Of a double root without a second eigenvector (a free body) z is its rate; the position that it moves is
-    named.
+    Of a double root without a second eigenvector (a free body) z is the rate; the position is named.
     """
     spread = np.linalg.norm(right, axis=1)
     if (np.abs(z) * spread).sum() < 1e-6:
@@ -230,9 +226,7 @@ def _weight(name: str, value: Any, n: int, *, definite: bool) -> np.ndarray:
     size = np.abs(weight).max(initial=0.0)
     if np.abs(weight - weight.T).max(initial=0.0) > 1e-9 * size:
         i, j = np.unravel_index(np.argmax(np.abs(weight - weight.T)), weight.shape)
-        raise ValueError(
-            f"{name}[{i}, {j}] = {weight[i, j]:g} must equal {name}[{j}, {i}] = {weight[j, i]:g}"
-        )
+        raise ValueError(f"{name}[{i}, {j}] = {weight[i, j]:g} must equal {name}[{j}, {i}], {weight[j, i]:g}")
     lowest = np.linalg.eigvalsh(weight).min(initial=np.inf)
     if definite and not lowest > 0:
         raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be > 0 (positive definite)")

@@ -1,2 +1,51 @@
+"""Models of flexible machines and their linear descriptions."""
+
 if __name__ != "pliant.plants":
     raise ImportError("this folder is installed as pliant.plants: write `import pliant.plants`")
+
+from . import beams
+from .beams import Beam, Material, Payload
+from .errors import (
+    EquilibriumError,
+    InfeasibleError,
+    IntegrationError,
+    MassMatrixError,
+    PliantError,
+    StabilityLimitError,
+    UncontrollableError,
+)
+from .integrate import step_limit
+from .lagrange import LagrangianPlant
+from .linear import LinearModel
+from .ltv import LTVModel
+from .plant import Plant
+from .signals import Signal
+from .single_link import SingleLinkArm
+from .trajectory import Trajectory
+from .two_link import TwoLinkArm
+from .two_link_terms import Terms, paper_terms
+
+__all__ = [
+    "Beam",
+    "EquilibriumError",
+    "InfeasibleError",
+    "IntegrationError",
+    "LTVModel",
+    "LagrangianPlant",
+    "LinearModel",
+    "MassMatrixError",
+    "Material",
+    "Payload",
+    "Plant",
+    "PliantError",
+    "Signal",
+    "SingleLinkArm",
+    "StabilityLimitError",
+    "Terms",
+    "Trajectory",
+    "TwoLinkArm",
+    "UncontrollableError",
+    "beams",
+    "paper_terms",
+    "step_limit",
+]

@@ -165,7 +165,7 @@ class LTVModel:
             fine = np.repeat(flat[:1], len(at), axis=0)
             if vary.any():
                 fine[:, vary] = CubicSpline(self.t, flat[:, vary])(at)
-            found.append(fine.reshape(-1, 2, *values.shape[1:]))
+            found.append(fine.reshape(len(self.t) - 1, 2, *values.shape[1:]))
         return tuple(found)
 
     @cached_property

@@ -52,22 +52,39 @@ def dominant(left: np.ndarray, right: np.ndarray) -> int:
     return int(np.flatnonzero(part >= 0.95 * part.max())[0])
 
 
+def eigen(A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Eigenvalues (nx,), left and right eigenvectors as columns (nx, nx) of the balanced A, and rounding (nx,).
+
+    An eigenvalue is known to 10 eps |A| / |left' right|, and a double one to sqrt(10 eps) |A| (Golub and Van Loan).
+    """
+    scaled, _ = sla.matrix_balance(A, permute=False)
+    lam, left, right = sla.eig(scaled, left=True, right=True)
+    size, eps = np.linalg.norm(scaled), 10 * np.finfo(float).eps
+    cosine = np.abs(np.sum(left.conj() * right, axis=0))
+    return lam.astype(complex), left.conj(), right, size * np.minimum(eps / np.maximum(cosine, eps), eps**0.5)
+
+
+def stays(lam: np.ndarray, rounding: np.ndarray, dt: float | None) -> np.ndarray:
+    """Whether each mode (nx,) fails to decay, as far as rounding lets one tell."""
+    return (lam.real if dt is None else np.abs(lam) - 1.0) >= -rounding
+
+
 def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tuple[Mode, ...]:
     """Modes of A (nx, nx), slowest first. With `dt` [s], A maps one sample to the next."""
     if not len(A):
         return ()
-    values, left, right = sla.eig(A, left=True, right=True)
-    lam = values.astype(complex)
+    values, left, right, rounding = eigen(A)
+    lam, still = values, np.abs(values) <= rounding
     if dt is not None:
         with np.errstate(divide="ignore"):
-            lam = np.log(lam) / dt
-    rows = []
+            lam, still = np.log(values) / dt, np.abs(values - 1.0) <= rounding
+    rows: list[Mode] = []
     for i in np.argsort(np.abs(lam), kind="stable"):
         if values[i].imag < 0:
             continue
         size = abs(lam[i])
-        zeta = -lam[i].real / size if size > 1e-9 * np.abs(lam[np.isfinite(lam)]).max(initial=0.0) else 0.0
-        state = states[dominant(left[:, i].conj(), right[:, i])]
+        zeta = 0.0 if still[i] else -lam[i].real / size
+        state = states[dominant(left[:, i], right[:, i])]
         f, fd = size / (2 * np.pi), abs(lam[i].imag) / (2 * np.pi)
         rows.append(Mode(len(rows) + 1, complex(lam[i]), float(f), float(fd), float(zeta), state))
     return tuple(rows)
@@ -88,13 +105,6 @@ def hankel_values(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float | None 
     return np.linalg.svd(R.T @ S, compute_uv=False)
 
 
-def _lag(lam: np.ndarray, dt: float | None) -> np.ndarray:
-    """Real part of the eigenvalues over the fastest, or |z| - 1: from -1e-10 up a mode does not decay."""
-    if dt is not None:
-        return np.abs(lam) - 1.0
-    return lam.real / max(np.abs(lam).max(initial=0.0), 1e-300)
-
-
 def truncation(
     A: np.ndarray, B: np.ndarray, C: np.ndarray, order: int, method: str = "balanced", dt: float | None = None
 ) -> tuple[np.ndarray, np.ndarray, float]:
@@ -112,9 +122,10 @@ def truncation(
 def _balanced(
     A: np.ndarray, B: np.ndarray, C: np.ndarray, order: int, dt: float | None
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    lam = np.linalg.eigvals(A)
-    worst = lam[np.argmax(_lag(lam, dt))]
-    if _lag(lam, dt).max() >= -1e-10:
+    lam, _, _, rounding = eigen(A)
+    still = stays(lam, rounding, dt)
+    if still.any():
+        worst = lam[still][0]
         raise ValueError(
             f"LinearModel.reduce: method = 'balanced' needs modes that all decay; "
             f"eigenvalue {worst:.4g} does not: take method='modal'"
@@ -133,10 +144,10 @@ def _balanced(
 def _modal(
     A: np.ndarray, B: np.ndarray, C: np.ndarray, order: int, dt: float | None
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    lam = np.linalg.eigvals(A)
+    lam, _, _, rounding = eigen(A)
     with np.errstate(divide="ignore"):
-        speed = np.abs(lam) if dt is None else np.abs(np.log(lam.astype(complex)))
-    rank = np.where(_lag(lam, dt) >= -1e-10, -1.0, speed)
+        speed = np.abs(lam) if dt is None else np.abs(np.log(lam))
+    rank = np.where(stays(lam, rounding, dt), -1.0, speed)
     near = 1e-9 * max(rank[np.isfinite(rank)].max(initial=0.0), 1e-300)
     allowed = sorted({int(np.sum(rank <= r + near)) for r in rank})
     if order not in allowed:
