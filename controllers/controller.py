@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, final, runtime_checkable
 
 import numpy as np
+
 from pliant.plants.parameters import require_finite
 from pliant.plants.signals import as_signals, index, read_only
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
+
 from pliant.controllers import riccati
 from pliant.controllers.controller import saturation
 from pliant.plants.parameters import require_finite

@@ -6,9 +6,8 @@ lqi      lqr with the integrals of y = C x + D u as extra states
 sampled  the discrete problem that is the continuous one with u held over each step
 kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L (y - C z), L = P C' V^-1
 
-Riccati equations by SciPy's QZ method; the residual is checked. A mode that does not decay must be reached
-by the input and seen by the cost (Popov, Belevitch and Hautus); UncontrollableError names the ones that are
-not.
+Riccati equations by SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay
+must be reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
 """
 
 from __future__ import annotations
@@ -18,11 +17,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
+
 from pliant.plants.errors import PliantError, UncontrollableError
 from pliant.plants.modal import dominant, eigen, stays
 from pliant.plants.parameters import require_finite
 
 LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
+NEWTON_STEPS = 6  # at most, of Kleinman (1968), each from a stabilising gain
 UNREACHED = 1e-10  # least singular value of [A - s I, B] over |A - s I| of a mode that is not reached
 
 
@@ -81,7 +82,7 @@ def kalman(
     W = _weight("W", W, E.shape[1], definite=False)
     V = _weight("V", V, len(C), definite=True)
     known = _names(names, len(A))
-    _require_reached(A.T, C.T, known, None, "cannot be seen by the output")
+    _require_reached(A.T, C.T, known, None, "cannot be seen by the output", dual=True)
     _require_reached(A, E @ _root(W), known, None, "is not driven by the noise w")
     P, K = _solve(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), None)
     return K.T, P
@@ -126,7 +127,7 @@ def _design(
     _require_reached(A, B, known, dt, "cannot be reached by the input")
     lean = sla.solve(R, N.T, assume_a="pos")
     seen = _root(Q - N @ lean)
-    _require_reached((A - B @ lean).T, seen, known, dt, "cannot be seen by the cost Q")
+    _require_reached((A - B @ lean).T, seen, known, dt, "cannot be seen by the cost Q", dual=True)
     P, K = _solve(A, B, Q, R, N, dt)
     return Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))
 
@@ -141,23 +142,30 @@ def _solve(
         raise PliantError(
             f"the Riccati equation was not solved ({error}): scale the states, or change Q and R"
         ) from error
-    P = (P + P.T) / 2
-    if dt is None:
-        terms = [A.T @ P + P @ A, Q]
-        H, G = R, B.T @ P + N.T
-    else:
-        terms = [A.T @ P @ A, -P, Q]
-        H, G = R + B.T @ P @ B, B.T @ P @ A + N.T
-    K = sla.solve(H, G, assume_a="pos")
-    terms.append(-G.T @ K)
-    residual = np.abs(sum(terms)).max() / max(max(np.abs(term).max() for term in terms), 1e-300)
+    best: tuple[Any, ...] = ()
+    for _ in range(NEWTON_STEPS + 1):
+        P = (P + P.T) / 2
+        K, residual = _gain(A, B, Q, R, N, P, dt)
+        closed = A - B @ K
+        poles = np.linalg.eigvals(closed)
+        decay = -poles.real.max() if dt is None else 1 - np.abs(poles).max()
+        stalled = bool(best) and residual > best[0] / 2
+        if not best or residual < best[0]:
+            best = (residual, P, K, poles, decay)
+        if stalled or residual <= 1e-13 or decay <= 0:
+            break
+        cost = Q + K.T @ R @ K - N @ K - K.T @ N.T
+        if dt is None:
+            P = sla.solve_continuous_lyapunov(closed.T, -cost)
+        else:
+            P = sla.solve_discrete_lyapunov(closed.T, cost)
+    residual, P, K, poles, decay = best
     if not residual <= LARGEST_RESIDUAL:
         raise PliantError(
             f"the Riccati equation is solved only to a relative residual of {residual:.2g}, must be "
             f"{LARGEST_RESIDUAL:g}: scale the states, or change Q and R"
         )
-    poles = np.linalg.eigvals(A - B @ K)
-    if (poles.real.max() if dt is None else np.abs(poles).max() - 1) >= 0:
+    if decay <= 0:
         worst = poles[np.argmax(poles.real if dt is None else np.abs(poles))]
         raise PliantError(
             f"the closed loop does not decay: a pole is {worst:.4g}; scale the states, or change Q and R"
@@ -165,10 +173,27 @@ def _solve(
     return P, K
 
 
+def _gain(
+    A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, N: np.ndarray, P: np.ndarray, dt: float | None
+) -> tuple[np.ndarray, float]:
+    """The gain that P gives, and the residual of its Riccati equation relative to the largest term."""
+    if dt is None:
+        terms, H, G = [A.T @ P + P @ A, Q], R, B.T @ P + N.T
+    else:
+        terms, H, G = [A.T @ P @ A, -P, Q], R + B.T @ P @ B, B.T @ P @ A + N.T
+    K = sla.solve(H, G)
+    terms.append(-G.T @ K)
+    largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
+    return K, float(np.abs(sum(terms)).max(initial=0.0)) / (largest or 1.0)
+
+
 def _require_reached(
-    A: np.ndarray, B: np.ndarray, names: tuple[str, ...], dt: float | None, what: str
+    A: np.ndarray, B: np.ndarray, names: tuple[str, ...], dt: float | None, what: str, dual: bool = False
 ) -> None:
-    """UncontrollableError that names every mode of A that neither decays nor is reached through B."""
+    """UncontrollableError that names every mode of A that neither decays nor is reached through B.
+
+    With `dual`, A and B are the transposes of the dynamics and of what sees them.
+    """
     scaled, scale = sla.matrix_balance(A, permute=False)
     B = np.linalg.solve(scale, B)
     lam, _, vectors, rounding = eigen(A)
@@ -184,21 +209,23 @@ def _require_reached(
         missed = left[:, sigma <= UNREACHED * size]
         pivots = sla.qr(missed.conj().T, mode="r", pivoting=True)[1][: missed.shape[1]]
         for z in (missed @ np.linalg.inv(missed[pivots])).T:
-            state = names[_state_of(z, shifted, vectors[:, np.abs(lam - s) <= 1e-6 * size])]
+            state = names[
+                _state_of(z, z if dual else shifted @ z, vectors[:, np.abs(lam - s) <= 1e-6 * size])
+            ]
             found[f"mode {abs(rate) / (2 * np.pi):.2f} Hz ({state})"] = None
     if found:
         raise UncontrollableError(f"{', '.join(found)} {what}", tuple(found))
 
 
-def _state_of(z: np.ndarray, shifted: np.ndarray, right: np.ndarray) -> int:
+def _state_of(z: np.ndarray, position: np.ndarray, right: np.ndarray) -> int:
     """The state that takes part most in the mode with left eigenvector z; `right` (nx, k) are its right ones.
 
-    Of a double root without a second eigenvector (a free body) z is the rate; the position is named.
+    A double root without a second eigenvector is a free body: then z is not its own, and `position` is named.
     """
     spread = np.linalg.norm(right, axis=1)
-    if (np.abs(z) * spread).sum() < 1e-6:
-        return int(np.argmax(np.abs(shifted @ z) * spread))
-    return dominant(z.conj(), spread)
+    if (np.abs(z) * spread).sum() < 1e-6 * np.linalg.norm(z):
+        return int(np.argmax(np.abs(position) * (spread if np.any(np.abs(position) * spread > 0) else 1.0)))
+    return dominant(z, spread)
 
 
 def _root(weight: np.ndarray) -> np.ndarray:

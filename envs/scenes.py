@@ -1,187 +1,53 @@
-"""Scenes: a plant, a manoeuvre, limits, a cost and a tolerance, by name.
+"""The named scenes. Each docstring tables what the scene's environment shows, takes and charges.
 
-A scene is what controllers are scored on, what environments wrap and what the speed-accuracy chart runs. It names
-signals, never indices, so that every fidelity of its plant can play it.
+An observation is a signal less its value at the goal ("sag": what gravity bends there); the reward is minus the sum,
+over the rows of the cost, of the control period times weight times deviation from the goal squared.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from pliant.plants import Payload, Plant, SingleLinkArm, Trajectory, TwoLinkArm
-from pliant.plants.parameters import quantity, require_choice, unit_of, validate
-from pliant.plants.signals import index
+from pliant.plants import Payload, SingleLinkArm, TwoLinkArm
+from pliant.plants.parameters import require_choice
 
-Pairs = tuple[tuple[str, float], ...]
+from .scene import Scene, minimum_jerk
 
-
-def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
-    """The quintic from 0 to 1 over s in [0, 1] with zero end rates and accelerations, and its two derivatives."""
-    s = np.clip(s, 0.0, 1.0)
-    return (
-        10 * s**3 - 15 * s**4 + 6 * s**5,
-        30 * s**2 - 60 * s**3 + 30 * s**4,
-        60 * s - 180 * s**2 + 120 * s**3,
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scene:
-    """Drive `plant` from rest at `start` to rest at `goal`, at least cost, within limits.
-
-    Cost [-]  sum over control periods of dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
-              z any states or outputs by name; reward is minus that.
-    """
-
-    name: str
-    about: str
-    plant: Plant
-    start: Pairs  # coordinates at rest [rad, m]
-    goal: Pairs
-    duration: float = quantity("s", "positive")
-    dt: float = quantity("s", "positive", 0.02)  # control period
-    substeps: int = 10  # RK4 steps a control period
-    move_time: float = quantity("s", "positive", 1.0)  # of the nominal motion from start to goal
-    limits: tuple[float, ...] = quantity("N m", "positive")  # largest |u| of each input
-    bounds: Pairs = ()  # largest |output| [its unit]; beyond it the episode ends
-    weights: Pairs = ()
-    effort: Pairs = ()
-    observe: tuple[str, ...] = ()
-    randomise: tuple[tuple[str, float, float], ...] = ()  # parameter, smallest and largest factor
-    start_spread: float = quantity("rad", "nonnegative", 0.0)  # uniform, on every coordinate of `start`
-    compare: tuple[str, ...] = ("tip_x", "tip_y")  # outputs whose error the chart measures
-    tolerance: float = quantity(
-        "m", "positive", 1e-3
-    )  # largest error of those outputs that the scene can bear
-    tags: tuple[str, ...] = field(default=())
-
-    def __post_init__(self) -> None:
-        validate(self)
-        plant, owner = self.plant, f"scene {self.name!r}"
-        if len(self.limits) != plant.nu:
-            raise ValueError(f"{owner}: limits = {self.limits} must hold {plant.nu} numbers > 0 [N m]")
-        if not (isinstance(self.substeps, int) and self.substeps >= 1):
-            raise ValueError(f"{owner}: substeps = {self.substeps!r} must be an integer >= 1")
-        known = plant.states + plant.outputs
-        for group in ("start", "goal", "bounds", "weights"):
-            for name, value in getattr(self, group):
-                index(known, name, f"{owner}: {group}")
-                if not np.isfinite(value) or (group in ("bounds", "weights") and value < 0):
-                    raise ValueError(
-                        f"{owner}: {group} {name} = {value} must be finite and, as a weight, >= 0"
-                    )
-        for name in (*self.observe, *self.compare):
-            index(known, name, f"{owner}: signal")
-        for name, value in self.effort:
-            index(plant.inputs, name, f"{owner}: effort")
-            if not value > 0:
-                raise ValueError(f"{owner}: effort {name} = {value} must be > 0")
-        for path, low, high in self.randomise:
-            unit_of(plant, path)
-            if not 0 < low <= high:
-                raise ValueError(f"{owner}: randomise {path} from {low} to {high} must be 0 < low <= high")
-
-    @property
-    def steps(self) -> int:
-        """Control periods in an episode."""
-        return round(self.duration / self.dt)
-
-    @property
-    def times(self) -> np.ndarray:
-        """Control times (steps + 1,) [s]."""
-        return self.dt * np.arange(self.steps + 1)
-
-    def with_plant(self, plant: Plant) -> Scene:
-        """The same scene played by another fidelity."""
-        return dataclasses.replace(self, plant=plant)
-
-    @cached_property
-    def initial(self) -> tuple[np.ndarray, np.ndarray]:
-        """(x, u) at rest at the start, deflections in equilibrium."""
-        return self.plant.equilibrium(dict(self.start))
-
-    @cached_property
-    def target(self) -> tuple[np.ndarray, np.ndarray]:
-        """(x, u) at rest at the goal, deflections in equilibrium."""
-        return self.plant.equilibrium(dict(self.goal))
-
-    def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
-        """The named states or outputs from x (..., nx) and y (..., ny)."""
-        known = self.plant.states + self.plant.outputs
-        both = np.concatenate([x, y], axis=-1)
-        return both[..., [index(known, name, "signal") for name in names]]
-
-    @cached_property
-    def _goal_signals(self) -> np.ndarray:
-        x, u = self.target
-        return self.signal_values(x, self.plant.measure(x, u), tuple(n for n, _ in self.weights))
-
-    def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> Any:
-        """Cost rate [1/s] at x (..., nx), u (..., nu), y (..., ny)."""
-        error = self.signal_values(x, y, tuple(n for n, _ in self.weights)) - self._goal_signals
-        chosen = [index(self.plant.inputs, n, "input") for n, _ in self.effort]
-        excess = (np.asarray(u) - self.target[1])[..., chosen]
-        return error**2 @ np.array([v for _, v in self.weights]) + excess**2 @ np.array(
-            [v for _, v in self.effort]
-        )
-
-    def cost(self, motion: Trajectory) -> float:
-        """The scene's cost of a motion sampled at the control times."""
-        if len(motion.t) != self.steps + 1 or not np.allclose(motion.t, self.times, atol=1e-9):
-            raise ValueError(
-                f"motion has {len(motion.t)} times, must have the scene's {self.steps + 1} every {self.dt} s"
-            )
-        return float(self.dt * self.stage_cost(motion.x, motion.u, motion.y)[:-1].sum())
-
-    def quadratic(self) -> tuple[np.ndarray, np.ndarray]:
-        """(Q (nx, nx), R (nu, nu)): the cost to second order about the goal, for linear-quadratic design."""
-        C = self.plant.linearize(*self.target).C
-        rows = np.vstack([np.eye(self.plant.nx), C])
-        known = self.plant.states + self.plant.outputs
-        Q = np.zeros((self.plant.nx, self.plant.nx))
-        for name, weight in self.weights:
-            row = rows[index(known, name, "signal")]
-            Q += weight * np.outer(row, row)
-        R = np.zeros((self.plant.nu, self.plant.nu))
-        for name, weight in self.effort:
-            i = index(self.plant.inputs, name, "input")
-            R[i, i] = weight
-        return Q, R
-
-    @cached_property
-    def nominal_input(self) -> Callable[[float], np.ndarray]:
-        """Torques u(t) that take the rigid plant along a minimum-jerk motion from start to goal, then hold it.
-
-        The same torques drive every fidelity in the speed-accuracy chart.
-        """
-        rigid = self.plant.ladder()[0]
-        n = rigid.nx // 2
-        begin, end = (
-            np.array([dict(g).get(s.name, 0.0) for s in rigid.states[:n]]) for g in (self.start, self.goal)
-        )
-
-        def torque(t: float) -> np.ndarray:
-            s, ds, dds = minimum_jerk(t / self.move_time)
-            x = np.concatenate([begin + (end - begin) * s, (end - begin) * ds / self.move_time])
-            wanted = (end - begin) * dds / self.move_time**2
-            free = rigid.dynamics(x)[n:]
-            B = rigid.jacobians(x)[1][n:]
-            return np.linalg.solve(B, wanted - free)
-
-        return torque
-
-    def open_loop(self, **options: Any) -> Trajectory:
-        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate."""
-        return self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options)
+__all__ = ["SCENES", "Scene", "get", "minimum_jerk", "names"]
 
 
 def _single_link_slew() -> Scene:
+    """Slew a steel link with a 1 kg payload by one radian, rest to rest, in 3 s; control period 0.02 s.
+
+    | observation              | unit  |
+    |--------------------------|-------|
+    | hub_angle - 1            | rad   |
+    | hub_angle_rate           | rad/s |
+    | tip_deflection           | m     |
+    | tip_deflection_rate      | m/s   |
+
+    | action                   | unit  | at -1 | at 1 |
+    |--------------------------|-------|-------|------|
+    | hub_torque               | N m   | -40   | 40   |
+
+    | cost of the deviation in | unit  | weight |
+    |--------------------------|-------|--------|
+    | hub_angle                | rad   | 10     |
+    | hub_angle_rate           | rad/s | 0.1    |
+    | tip_deflection           | m     | 100    |
+    | tip_deflection_rate      | m/s   | 0.1    |
+    | hub_torque               | N m   | 0.002  |
+
+    | ends beyond              | unit  | bound |
+    |--------------------------|-------|-------|
+    | tip_deflection           | m     | 0.3   |
+    | hub_angle_rate           | rad/s | 12    |
+    """
     arm = SingleLinkArm.textbook()
     arm = dataclasses.replace(
         arm,
@@ -212,6 +78,42 @@ def _single_link_slew() -> Scene:
 
 
 def _two_link_reach() -> Scene:
+    """Lift a 0.5 kg payload point to point with two elastic links under gravity, in 3 s; control period 0.02 s.
+
+    | observation              | unit  |
+    |--------------------------|-------|
+    | theta1 - -0.9            | rad   |
+    | theta2 - 0.6             | rad   |
+    | theta1_rate              | rad/s |
+    | theta2_rate              | rad/s |
+    | tip1_deflection - sag    | m     |
+    | tip2_deflection - sag    | m     |
+    | tip1_deflection_rate     | m/s   |
+    | tip2_deflection_rate     | m/s   |
+
+    | action                   | unit  | at -1 | at 1 |
+    |--------------------------|-------|-------|------|
+    | tau1                     | N m   | -60   | 60   |
+    | tau2                     | N m   | -20   | 20   |
+
+    | cost of the deviation in | unit  | weight |
+    |--------------------------|-------|--------|
+    | theta1                   | rad   | 10     |
+    | theta2                   | rad   | 10     |
+    | theta1_rate              | rad/s | 0.1    |
+    | theta2_rate              | rad/s | 0.1    |
+    | tip1_deflection_rate     | m/s   | 0.1    |
+    | tip2_deflection_rate     | m/s   | 0.1    |
+    | tau1                     | N m   | 0.002  |
+    | tau2                     | N m   | 0.002  |
+
+    | ends beyond              | unit  | bound |
+    |--------------------------|-------|-------|
+    | tip1_deflection          | m     | 0.4   |
+    | tip2_deflection          | m     | 0.4   |
+    | theta1_rate              | rad/s | 15    |
+    | theta2_rate              | rad/s | 25    |
+    """
     arm = TwoLinkArm.textbook()
     damped = dataclasses.replace(arm.link1, damping=2e-4)
     arm = dataclasses.replace(
@@ -266,11 +168,17 @@ def names() -> tuple[str, ...]:
     return tuple(SCENES)
 
 
+@lru_cache
+def _own(name: str) -> Scene:
+    """One scene a name, so that what is built from it is built once."""
+    return SCENES[name]()
+
+
 def get(name: str, **overrides: Any) -> Scene:
     """A scene by name; keywords override its fields: get("two-link-reach", duration=5.0, limits=(80.0, 30.0))."""
     require_choice("scenes", "name", name, names())
-    scene = SCENES[name]()
+    scene = _own(name)
     fields = {f.name for f in dataclasses.fields(Scene)}
     for key in overrides:
         require_choice("scenes.get", "keyword", key, sorted(fields))
-    return dataclasses.replace(scene, **overrides)
+    return dataclasses.replace(scene, **overrides) if overrides else scene

@@ -95,7 +95,7 @@ def march(
             scale = atol + rtol * np.maximum(np.abs(z), np.abs(new))
             s5, s3 = (e5 / scale) @ (e5 / scale), (e3 / scale) @ (e3 / scale)
             bottom = s5 + 0.01 * s3
-            error = trial * s5 / np.sqrt(bottom * len(z)) if bottom > 0 else 0.0
+            error = trial * s5 / np.sqrt(bottom * len(z)) if bottom != 0 else 0.0
             if error < 1.0:  # False for NaN too
                 t, z = (float(end) if last else t + trial), new
                 grown = trial * min(GROW, SAFETY * error**-0.125 if error > 0 else GROW)

@@ -15,12 +15,14 @@ class NumericFunction:
     """Evaluate a CasADi function through raw buffers, without conversions to and from DM.
 
     A row-major (B, n) array is CasADi's column-major (n, B) matrix, so a batch needs no transposition.
-    Outputs come back as (rows,) for a column vector and (rows, columns) otherwise, with a leading B in a batch.
+    Outputs come back as (rows,) for a column vector and (rows, columns) otherwise, with a leading B in a batch;
+    with `matrices` a column vector stays (rows, 1).
     """
 
-    def __init__(self, function: ca.Function) -> None:
-        self.function = function
+    def __init__(self, function: ca.Function, *, matrices: bool = False) -> None:
+        self.function, self.matrices = function, matrices
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
+        self._squeeze = [columns == 1 and not matrices for _, columns in self._shapes]
         self._local = threading.local()
 
     def _buffer(self, batch: int) -> tuple:
@@ -46,16 +48,22 @@ class NumericFunction:
             argument[...] = value
         trigger()
         out = []
-        for result, (_, columns) in zip(results, self._shapes):
-            array = result[:, 0, :].copy() if columns == 1 else result.transpose(0, 2, 1).copy()
+        for result, squeeze in zip(results, self._squeeze):
+            array = result[:, 0, :].copy() if squeeze else result.transpose(0, 2, 1).copy()
             out.append(array if batch else array[0])
         return out
 
     def __reduce__(self) -> tuple:
-        return NumericFunction, (self.function,)
+        return _rebuilt, (self.function, self.matrices)
 
 
-def function(name: str, symbols: list[ca.SX], results: list[ca.SX]) -> NumericFunction:
+def _rebuilt(function: ca.Function, matrices: bool) -> NumericFunction:
+    return NumericFunction(function, matrices=matrices)
+
+
+def function(
+    name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices: bool = False
+) -> NumericFunction:
     """A NumericFunction from expressions, common subexpressions removed and outputs dense."""
     shared = ca.cse([ca.densify(r) for r in results])
-    return NumericFunction(ca.Function(name, symbols, shared))
+    return NumericFunction(ca.Function(name, symbols, shared), matrices=matrices)

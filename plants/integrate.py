@@ -23,6 +23,8 @@ from .parameters import require_choice
 if TYPE_CHECKING:
     from .plant import Plant
 
+SOLVED = 1e-8  # largest residual of the implicit midpoint rule, relative to the rates
+
 
 @dataclass(frozen=True)
 class Method:
@@ -77,8 +79,11 @@ def _midpoint(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Functi
     solve = ca.rootfinder("solve", "newton", slope, {"abstol": 1e-11, "max_iter": 20, "error_on_fail": False})
     a = [ca.MX.sym(f"a{i}", *s.shape) for i, s in enumerate(arguments)]
     start = ca.Function("start", arguments, ca.cse([f(t, x, us[:, 0], w, p)]))
-    after = a[1] + a[5] * solve(start(*a), *a)
-    return ca.Function("midpoint", a, [after])
+    found = solve(start(*a), *a)
+    left = ca.mmax(ca.fabs(slope(found, *a)))
+    solved = left <= SOLVED * (1 + ca.mmax(ca.fabs(found)))
+    # An unsolved step gives NaN, which the caller reports.
+    return ca.Function("midpoint", a, [ca.if_else(solved, a[1] + a[5] * found, np.nan)])
 
 
 # RODAS3 in the transformed variables that need no matrix-vector products
@@ -146,8 +151,11 @@ def _slowest_limit(plant: Plant, x: Any, method: str, u: Any, p: Any) -> tuple[f
     fastest = np.abs(poles).max(initial=0.0)
     found = [(np.inf, 0j)]
     for pole in poles:
-        if abs(pole) > 1e-6 * fastest and pole.real <= 1e-9 * abs(pole):
-            found.append((_limit_of(pole, polynomial), complex(pole)))
+        if abs(pole) <= 1e-6 * fastest or (pole.real > 0 and abs(pole.imag) <= pole.real):
+            continue
+        # A vibration of a moving arm may grow a little as it turns: its limit is that of the steady vibration.
+        steady = pole if pole.real <= 1e-9 * abs(pole) else 1j * abs(pole.imag)
+        found.append((_limit_of(steady, polynomial), complex(pole)))
     return min(found, key=lambda pair: pair[0])
 
 

@@ -20,6 +20,10 @@ from .plant import Array, Plant
 from .signals import Signal
 
 
+NEARLY_SINGULAR = 1e-3  # of the smallest eigenvalue of the scaled mass matrix at the start of a motion
+HUGE = 1e6  # root of an inertia that only a diverged state has
+
+
 def ldl(M: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
     """M = L diag(d) L^T without pivoting, which a positive definite M does not need; returns (L, d)."""
     n = M.shape[0]
@@ -137,7 +141,7 @@ class LagrangianPlant(Plant):
 
     @cached_property
     def _mass(self) -> NumericFunction:
-        return function("mass", list(self.symbols), [self._terms[0]])
+        return function("mass", list(self.symbols), [self._terms[0]], matrices=True)
 
     @cached_property
     def _powers(self) -> tuple[ca.SX, ca.SX]:
@@ -166,8 +170,7 @@ class LagrangianPlant(Plant):
     def mass_matrix(self, x: Any, *, p: Any = None) -> Array:
         """M (n, n), or (B, n, n) for a batch of states."""
         values, batch = self._arguments(x, p=p)
-        n = len(self.coordinates)
-        return self._mass(*values, batch=batch)[0].reshape(*(() if batch is None else (batch,)), n, n)
+        return self._mass(*values, batch=batch)[0]
 
     def kinetic(self, x: Any, *, p: Any = None) -> Any:
         """T [J]."""
@@ -204,15 +207,29 @@ class LagrangianPlant(Plant):
             return
         pivots = pivot.reshape(-1)
         k = int(np.argmin(pivots > 0))
-        x = np.atleast_2d(x)[k if x.ndim == 2 else 0]
+        raise self._lost_definiteness(np.atleast_2d(x)[k if x.ndim == 2 else 0], float(pivots[k]))
+
+    def check_near_singular(self, x: Array, start: Array, p: Any) -> None:
+        """Raise MassMatrixError where M at x (nx,) is nearly singular and was not at `start` (nx,)."""
+        smallest = []
+        for M in (self.mass_matrix(x, p=p), self.mass_matrix(start, p=p)):
+            scale = np.sqrt(np.abs(np.diag(M)))
+            if not 0 < scale.min() <= scale.max() < HUGE:
+                return
+            smallest.append(float(np.linalg.eigvalsh(M / scale / scale[:, None])[0]))
+        if smallest[0] < NEARLY_SINGULAR * smallest[1]:
+            values, _ = self._arguments(x, p=p)
+            raise self._lost_definiteness(x, float(self._dynamics(*values)[1][0]))
+
+    def _lost_definiteness(self, x: Array, pivot: float) -> MassMatrixError:
         outputs = dict(zip((s.name for s in self.outputs), self.measure(x)))
         bent = {name: value for name, value in outputs.items() if name.endswith("deflection")}
         where = ", ".join(f"{name} = {value:.4g} m" for name, value in bent.items()) or f"x = {x}"
-        raise MassMatrixError(
-            f"the mass matrix of {self.label} is not positive definite (pivot {pivots[k]:.3g}) at {where}; "
+        return MassMatrixError(
+            f"the mass matrix of {self.label} is not positive definite (pivot {pivot:.3g}) at {where}; "
             "use a fidelity whose mass matrix stays definite, or smaller deflections",
             x.copy(),
-            float(pivots[k]),
+            pivot,
         )
 
     def natural_frequencies(
@@ -221,7 +238,7 @@ class LagrangianPlant(Plant):
         """Undamped natural frequencies [rad/s], ascending, about a rest x0 with the `locked` coordinates held.
 
         From M and the stiffness d(-r)/dq; negative stiffness gives a negative "frequency" -sqrt(|w^2|).
-        Frequencies below 1e-4 of the largest are rigid-body modes and are left out unless `rigid`.
+        Frequencies below 1e-6 of the largest are rigid-body modes and are left out unless `rigid`.
         """
         import scipy.linalg
 
@@ -233,13 +250,13 @@ class LagrangianPlant(Plant):
         free = [i for i in range(n) if i not in held]
         values, _ = self._arguments(x, p=p)
         M = self.mass_matrix(x, p=p)[np.ix_(free, free)]
-        K = self._stiffness(*values)[0].reshape(n, n)[np.ix_(free, free)]
+        K = self._stiffness(*values)[0][np.ix_(free, free)]
         squares = scipy.linalg.eigh((K + K.T) / 2, M, eigvals_only=True)
         found = np.sign(squares) * np.sqrt(np.abs(squares))
-        return found if rigid else found[np.abs(found) > 1e-4 * np.abs(found).max(initial=0.0)]
+        return found if rigid else found[np.abs(found) > 1e-6 * np.abs(found).max(initial=0.0)]
 
     @cached_property
     def _stiffness(self) -> NumericFunction:
         n = len(self.coordinates)
         _, x, _, _, _ = self.symbols
-        return function("stiffness", list(self.symbols), [ca.jacobian(-self._terms[1], x)[:, :n]])
+        return function("stiffness", list(self.symbols), [ca.jacobian(-self._terms[1], x)[:, :n]], matrices=True)

@@ -52,7 +52,8 @@ class LinearModel:
 
     def __post_init__(self) -> None:
         n, m, k, p = (len(s) for s in (self.states, self.inputs, self.disturbances, self.outputs))
-        shapes = {"A": (n, n), "B": (n, m), "E": (n, k), "C": (p, n), "D": (p, m), "F": (p, k)}
+        shapes: dict[str, tuple[int, ...]] = {"A": (n, n), "B": (n, m), "E": (n, k)}
+        shapes |= {"C": (p, n), "D": (p, m), "F": (p, k)}
         shapes |= {"x0": (n,), "u0": (m,), "w0": (k,), "y0": (p,), "f0": (n,)}
         for name, shape in shapes.items():
             object.__setattr__(self, name, read_only(f"LinearModel.{name}", getattr(self, name), shape))
@@ -186,9 +187,9 @@ class LinearModel:
     def reduce(self, order: int, method: str = "balanced") -> LinearModel:
         """A model of `order` states; its `error_bound` is the largest error of the gain from (u, w) to y.
 
-        "balanced" needs modes that all decay. "modal" keeps the modes that do not decay, then the
-        slowest. New states are combinations L x of the old ones; see `modal.truncation`. ValueError where
-        `order` cannot be had.
+        "balanced" needs modes that all decay. "modal" keeps the modes that grow, then the slowest; its
+        bound is infinite where it drops an undamped one. New states are combinations L x of the old ones; see
+        `modal.truncation`. ValueError where `order` cannot be had.
         """
         L, R, bound = modal.truncation(self.A, self._drives[:, :-1], self.C, order, method, self.dt)
         return replace(

@@ -113,9 +113,16 @@ class LTVModel:
         require_count("LTVModel.at", "k", k, -len(self.t), len(self.t) - 1)
         assert self.w is not None
         return LinearModel(
-            *(getattr(self, name)[k] for name in "ABECDF"),
-            *(self.states, self.inputs, self.disturbances, self.outputs),
-            *(self.x[k], self.u[k], self.w[k], self.y[k], self.c[k]),
+            *(self.A[k], self.B[k], self.E[k], self.C[k], self.D[k], self.F[k]),
+            states=self.states,
+            inputs=self.inputs,
+            disturbances=self.disturbances,
+            outputs=self.outputs,
+            x0=self.x[k],
+            u0=self.u[k],
+            w0=self.w[k],
+            y0=self.y[k],
+            f0=self.c[k],
         )
 
     def transition(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -149,8 +156,9 @@ class LTVModel:
         dx[0] = x0
         for k in range(len(push)):
             dx[k + 1] = Phi[k] @ dx[k] + push[k]
-        parts = ((self.C, dx), (self.D, u), (self.F, w))
-        return dx, sum(np.einsum("kij,kj->ki", M, v) for M, v in parts)  # type: ignore[return-value]
+        dy = np.einsum("kij,kj->ki", self.C, dx)
+        dy += np.einsum("kij,kj->ki", self.D, u) + np.einsum("kij,kj->ki", self.F, w)
+        return dx, dy
 
     @cached_property
     def _gauss(self) -> tuple[np.ndarray, ...]:

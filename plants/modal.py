@@ -23,7 +23,7 @@ from .parameters import require_choice, require_count
 class Mode:
     """One mode; a complex pair counts once, with its eigenvalue of positive imaginary part.
 
-    `damping_ratio` is -Re/|eigenvalue|, and 0 where the eigenvalue is 0 (a rigid-body mode).
+    `damping_ratio` is -Re/|eigenvalue|, and 0 where rounding hides the real part (a rigid-body mode too).
     """
 
     number: int
@@ -53,9 +53,9 @@ def dominant(left: np.ndarray, right: np.ndarray) -> int:
 
 
 def eigen(A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Eigenvalues (nx,), left and right eigenvectors as columns (nx, nx) of the balanced A, and rounding (nx,).
+    """Eigenvalues (nx,), left and right eigenvectors (columns) of the balanced A, and rounding (nx,).
 
-    An eigenvalue is known to 10 eps |A| / |left' right|, and a double one to sqrt(10 eps) |A| (Golub and Van Loan).
+    An eigenvalue is known to 10 eps |A| / |left' right|, a double one to sqrt(10 eps) |A| (Wilkinson 1965).
     """
     scaled, _ = sla.matrix_balance(A, permute=False)
     lam, left, right = sla.eig(scaled, left=True, right=True)
@@ -74,16 +74,16 @@ def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tupl
     if not len(A):
         return ()
     values, left, right, rounding = eigen(A)
-    lam, still = values, np.abs(values) <= rounding
+    lam, undamped = values, np.abs(values.real) <= rounding
     if dt is not None:
         with np.errstate(divide="ignore"):
-            lam, still = np.log(values) / dt, np.abs(values - 1.0) <= rounding
+            lam, undamped = np.log(values) / dt, np.abs(np.abs(values) - 1.0) <= rounding
     rows: list[Mode] = []
     for i in np.argsort(np.abs(lam), kind="stable"):
         if values[i].imag < 0:
             continue
         size = abs(lam[i])
-        zeta = 0.0 if still[i] else -lam[i].real / size
+        zeta = 0.0 if undamped[i] else 1.0 if np.isinf(size) else -lam[i].real / size
         state = states[dominant(left[:, i], right[:, i])]
         f, fd = size / (2 * np.pi), abs(lam[i].imag) / (2 * np.pi)
         rows.append(Mode(len(rows) + 1, complex(lam[i]), float(f), float(fd), float(zeta), state))
@@ -111,8 +111,8 @@ def truncation(
     """L (order, nx), R (nx, order) and an error bound: the reduced model is L A R, L B, C R, its state L x.
 
     The bound holds for the largest gain over all frequencies (H-infinity) from all columns of B to all rows
-    of C. "balanced" needs a model whose modes all decay; "modal" keeps every mode that does not, then the
-    slowest.
+    of C. "balanced" needs a model whose modes all decay. "modal" keeps the modes that grow, then the slowest;
+    the bound is infinite where it drops an undamped one.
     """
     require_choice("LinearModel.reduce", "method", method, ("balanced", "modal"))
     require_count("LinearModel.reduce", "order", order, 1, len(A))
@@ -146,14 +146,17 @@ def _modal(
 ) -> tuple[np.ndarray, np.ndarray, float]:
     lam, _, _, rounding = eigen(A)
     with np.errstate(divide="ignore"):
-        speed = np.abs(lam) if dt is None else np.abs(np.log(lam))
-    rank = np.where(stays(lam, rounding, dt), -1.0, speed)
+        rate = lam if dt is None else np.log(lam)
+    undamped = stays(lam, rounding, dt)
+    grows = undamped & ~stays(-lam if dt is None else 1 / np.where(undamped, lam, 1.0), rounding, dt)
+    still = np.abs(lam - (0 if dt is None else 1)) <= rounding
+    rank = np.where(grows, -1.0, np.where(still, 0.0, np.abs(rate)))
     near = 1e-9 * max(rank[np.isfinite(rank)].max(initial=0.0), 1e-300)
     allowed = sorted({int(np.sum(rank <= r + near)) for r in rank})
     if order not in allowed:
         raise ValueError(
             f"LinearModel.reduce: order = {order} must be one of {', '.join(map(str, allowed))}: "
-            "modes that do not decay are kept, and no pair is split"
+            "growing modes are kept, and no pair is split"
         )
     if order == len(A):
         return np.eye(len(A)), np.eye(len(A)), 0.0
@@ -170,5 +173,7 @@ def _modal(
         )
     X = sla.solve_sylvester(T[:order, :order], -T[order:, order:], -T[:order, order:])
     L, R = Z[:, :order].T - X @ Z[:, order:].T, Z[:, :order]
+    if undamped[~kept].any():
+        return L, R, np.inf
     rest = Z[:, :order] @ X + Z[:, order:]
     return L, R, float(2 * hankel_values(T[order:, order:], Z[:, order:].T @ B, C @ rest, dt).sum())

@@ -89,6 +89,18 @@ class ElasticLink:
             + m * _quadratic(v, basis.mass, v) / 2
         )
 
+    def centreline(self, q: np.ndarray, points: int) -> np.ndarray:
+        """Points (points, 2) [m] from root to tip in the root frame, for numeric deflections q (n,)."""
+        L = self.beam.length
+        xi = np.linspace(0.0, 1.0, points)
+        line = np.column_stack([L * xi, self.basis.phi(xi) @ q])
+        if self.stiffened:  # shortening: half the integral of the slope squared, by Gauss's rule between the points
+            node, weight = np.polynomial.legendre.leggauss(6)
+            width = 1.0 / (points - 1)
+            slope = self.basis.phi(xi[:-1, None] + width * (1 + node) / 2, 1) @ q / L
+            line[1:, 0] -= L / 2 * np.cumsum(slope**2 @ weight * width / 2)
+        return line
+
     def strain_energy(self, q: ca.SX) -> ca.SX:
         """(1/2) int E I u''^2 dx [J]."""
         return self.beam.EI / self.beam.length**3 * _quadratic(q, self.basis.stiffness, q) / 2

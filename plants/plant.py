@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Self
 
 import casadi as ca
@@ -23,6 +24,7 @@ from .signals import Signal
 if TYPE_CHECKING:
     import control
 
+    from .batch import Stepper
     from .linear import LinearModel
     from .ltv import LTVModel
     from .simulate import Input
@@ -77,19 +79,19 @@ class Plant(ABC):
         """The parameters that are inputs p, in order; see `vary`."""
         return tuple(Signal(path, parameters.unit_of(self, path)) for path in self.varied)
 
-    @property
+    @cached_property
     def nx(self) -> int:
         return len(self.states)
 
-    @property
+    @cached_property
     def nu(self) -> int:
         return len(self.inputs)
 
-    @property
+    @cached_property
     def nw(self) -> int:
         return len(self.disturbances)
 
-    @property
+    @cached_property
     def ny(self) -> int:
         return len(self.outputs)
 
@@ -147,12 +149,20 @@ class Plant(ABC):
         _, x, u, w, _ = self.symbols
         f, h = self.expressions
         blocks = [ca.jacobian(e, s) for e in (f, h) for s in (x, u, w)]
-        return function("jacobians", list(self.symbols), blocks)
+        return function("jacobians", list(self.symbols), blocks, matrices=True)
+
+    @cached_property
+    def _quiet(self) -> tuple[Array, Array]:
+        """(w, p) where none are given."""
+        return np.zeros(self.nw), self.nominal_parameters
 
     def _arguments(
         self, x: Any, u: Any = None, w: Any = None, p: Any = None, t: Any = 0.0
     ) -> tuple[tuple[Array, ...], int | None]:
         """Checked (t, x, u, w, p) and the batch size (None for one point)."""
+        plain = w is None and p is None and type(t) is float and type(x) is type(u) is np.ndarray
+        if plain and x.shape == (self.nx,) and u.shape == (self.nu,) and isfinite(x.sum() + u.sum()):
+            return (t, x, u, *self._quiet), None
         default = (None, None, np.zeros(self.nu), np.zeros(self.nw), self.nominal_parameters)
         values = [np.asarray(t, dtype=float).reshape(-1, 1) if np.ndim(t) else np.asarray([t], dtype=float)]
         batch = len(values[0]) if np.ndim(t) else None
@@ -189,11 +199,7 @@ class Plant(ABC):
     def jacobians(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> list[Array]:
         """[A, B, E, C, D, F] by automatic differentiation: df/dx, df/du, df/dw, dh/dx, dh/du, dh/dw."""
         values, batch = self._arguments(x, u, w, p, t)
-        found = self._jacobians(*values, batch=batch)
-        widths = (self.nx, self.nu, self.nw) * 2
-        rows = (self.nx,) * 3 + (self.ny,) * 3
-        lead = () if batch is None else (batch,)
-        return [block.reshape(*lead, r, c) for block, r, c in zip(found, rows, widths)]
+        return self._jacobians(*values, batch=batch)
 
     def equilibrium(
         self,
@@ -275,6 +281,39 @@ class Plant(ABC):
             progress=progress,
         )
 
+    def stepper(
+        self,
+        dt: float,
+        *,
+        method: str = "rk4",
+        batch: int = 1,
+        dtype: Any = np.float64,
+        threads: int | None = None,
+        substeps: int = 1,
+    ) -> Stepper:
+        """A batch step `step(x, u, p) -> x` of dt [s] in `substeps` fixed steps, the input held, on a native kernel.
+
+        x, u, p: (batch, n), or (n,) for all lanes; a Fortran-ordered (batch, nx) array is used without a copy.
+        threads None: all processors for large batches. Runs on CasADi's virtual machine where nothing compiles.
+        """
+        from .batch import Stepper, as_dtype
+
+        return Stepper(self, dt, method, batch, as_dtype(dtype), threads, substeps)
+
+    def compile(self) -> Self:
+        """This plant with its dynamics, outputs and Jacobians on native kernels: same calls, same results to rounding.
+
+        Compiled once per user and machine, then loaded from the cache.
+        """
+        from .batch import NativeFunction, random_points
+
+        fast = dataclasses.replace(self)
+        points = random_points(self, np.random.default_rng(0))
+        for name in ("_dynamics", "_output", "_jacobians"):
+            slow = getattr(self, name)
+            fast.__dict__[name] = NativeFunction(slow.function, points, matrices=slow.matrices)
+        return fast
+
     def linearize_along(self, nominal: Trajectory, *, p: Any = None) -> LTVModel:
         """The linear time-varying model about any nominal motion given in this plant's states and inputs.
 
@@ -299,6 +338,7 @@ class Plant(ABC):
             c=rate - nominal.derivative(),
             x=nominal.x,
             u=nominal.u,
+            w=w,
             y=self.measure(nominal.x, nominal.u, w=w, p=p, t=nominal.t),
             states=self.states,
             inputs=self.inputs,

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from .adaptive import march
-from .errors import IntegrationError
+from .errors import IntegrationError, StabilityLimitError
 from .integrate import METHODS, check_step, stepper
 from .lagrange import LagrangianPlant
 from .parameters import require_choice, require_finite
-from .signals import index
+from .signals import index, read_only_times
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ class Acts(Protocol):
 
 Input = None | np.ndarray | tuple[float, ...] | list[float] | Callable[[float], Any] | Acts
 ADAPTIVE = ("dop853", "radau")
+SAME_TIME = 1e-6  # of the sampling period: times this close are one
 CHECKS = 8  # how often along a fixed-step run the step limit is looked at again
 
 
@@ -47,9 +48,7 @@ def simulate(
     progress: Any,
 ) -> Trajectory:
     """See Plant.simulate."""
-    t = require_finite("t", t, (-1,))
-    if len(t) < 2 or (np.diff(t) <= 0).any():
-        raise ValueError(f"t with {len(t)} times must be at least 2 and strictly increasing [s]")
+    t = read_only_times("t", t)
     require_choice("simulate", "method", method, (*ADAPTIVE, "cvodes", *METHODS))
     if (step is not None) != (method in METHODS):
         raise ValueError(
@@ -57,6 +56,9 @@ def simulate(
         )
     if step is not None and not 0 < step < np.inf:
         raise ValueError(f"step = {step!r} must be > 0 [s]")
+    for name, value in (("rtol", rtol), ("atol", atol)):
+        if not 0 < value < 1:
+            raise ValueError(f"{name} = {value!r} must be > 0 and < 1")
     if audit and not (isinstance(plant, LagrangianPlant) and method == "dop853"):
         raise ValueError(f'audit = True needs a plant with energies and method "dop853", not {method!r}')
     (_, x, _, w, p), batch = plant._arguments(x0, None, w, p)
@@ -64,10 +66,11 @@ def simulate(
         raise ValueError(f"simulate takes one state ({plant.nx},), not a batch of {batch}")
 
     began = clock.perf_counter()
-    drive = _Drive(plant, u, t, w, p)
-    run = _Run(plant, drive, t, x, w, p, method, step, rtol, atol, audit, progress)
-    states, work = run.march()
-    dx = plant.dynamics(states, drive.samples, w=w, p=p, t=t)
+    grid, rows = _sampled(t, u)
+    drive = _Drive(plant, u, grid, w, p)
+    run = _Run(plant, drive, grid, x, w, p, method, step, rtol, atol, audit, progress)
+    states, work, samples = (z[rows] for z in (*run.march(), drive.samples))
+    dx = plant.dynamics(states, samples, w=w, p=p, t=t)
     stats: dict[str, Any] = {
         "method": method,
         "seconds": clock.perf_counter() - began,
@@ -81,8 +84,8 @@ def simulate(
     return Trajectory(
         t=t,
         x=states,
-        u=drive.samples,
-        y=plant._output(t[:, None], states, drive.samples, w, p, batch=len(t))[0],
+        u=samples,
+        y=plant._output(t[:, None], states, samples, w, p, batch=len(t))[0],
         states=plant.states,
         inputs=plant.inputs,
         outputs=plant.outputs,
@@ -92,6 +95,20 @@ def simulate(
         hold="linear" if drive.smooth else "zero-order",
         stats=stats,
     )
+
+
+def _sampled(t: np.ndarray, u: Input) -> tuple[np.ndarray, np.ndarray]:
+    """t with the sampling times of a controller put in between, and the places of t's own times in it."""
+    period = getattr(u, "dt", None) if hasattr(u, "act") else None
+    if period is None:
+        return t, np.arange(len(t))
+    if not 0 < period < np.inf:
+        raise ValueError(f"controller dt = {period!r} must be > 0 [s], or None")
+    ticks = t[0] + period * np.arange(1, int(np.ceil((t[-1] - t[0]) / period)))
+    after = np.searchsorted(t, ticks)
+    gap = np.minimum(np.abs(t[after] - ticks), np.abs(t[after - 1] - ticks))
+    grid = np.sort(np.concatenate([t, ticks[gap > SAME_TIME * period]]))
+    return grid, np.searchsorted(grid, t)
 
 
 class _Drive:
@@ -120,7 +137,7 @@ class _Drive:
         known = self.plant.states + self.plant.outputs
         self.picks = [index(known, name, "state or output") for name in reads]
         self.period = getattr(self.controller, "dt", None)
-        self.next_sample = self.t[0]
+        self.taken = 0
         if hasattr(self.controller, "reset"):
             self.controller.reset()
 
@@ -135,7 +152,7 @@ class _Drive:
         if self.controller is None:
             return
         now = self.t[k]
-        if self.period is None or now >= self.next_sample - 1e-9 * max(1.0, abs(now)):
+        if self.period is None or now >= self.t[0] + self.period * (self.taken - SAME_TIME):
             previous = self.samples[max(k - 1, 0)]
             y = self.plant._output(now, x, previous, self.w, self.p)[0]
             u = np.asarray(self.controller.act(float(now), np.append(x, y)[self.picks]), dtype=float).reshape(
@@ -146,8 +163,7 @@ class _Drive:
                     f"controller at t = {now:.6g} s gave {u}, must be {self.plant.nu} finite numbers"
                 )
             self.samples[k] = u
-            if self.period is not None:
-                self.next_sample = now + self.period
+            self.taken += 1
         else:
             self.samples[k] = self.samples[k - 1]
 
@@ -180,18 +196,23 @@ class _Run:
 
     def march(self) -> tuple[np.ndarray, np.ndarray]:
         """States (nt, nx) and net work (nt,) at all times."""
+        nx, k = self.plant.nx, 0
         z = np.empty((len(self.t), len(self.z0)))
         z[0] = self.z0
-        if self.method in ADAPTIVE and self.drive.smooth:
-            z[:] = self._adaptive(self.t, z[0], 0)
-        else:
-            for k in range(len(self.t) - 1):
-                self.drive.decide(k, z[k][: self.plant.nx])
-                z[k + 1] = self._interval(k, z[k])
-                if self.progress is not None:
-                    self.progress(self.t[k + 1])
-            self.drive.decide(len(self.t) - 1, z[-1][: self.plant.nx])
-        nx = self.plant.nx
+        self.plant.dynamics(z[0, :nx], w=self.w, p=self.p, t=self.t[0])  # raises where the start is singular
+        try:
+            if self.method in ADAPTIVE and self.drive.smooth:
+                z[:] = self._adaptive(self.t, z[0], 0)
+            else:
+                for k in range(len(self.t) - 1):
+                    self.drive.decide(k, z[k][:nx])
+                    z[k + 1] = self._interval(k, z[k])
+                    if self.progress is not None:
+                        self.progress(self.t[k + 1])
+                self.drive.decide(len(self.t) - 1, z[-1][:nx])
+        except (IntegrationError, StabilityLimitError) as stopped:
+            self._name_lost_mass(z[: k + 1, :nx], getattr(stopped, "state", z[k])[:nx])
+            raise
         return z[:, :nx], z[:, nx] if self.audit else np.zeros(len(self.t))
 
     def _interval(self, k: int, z: np.ndarray) -> np.ndarray:
@@ -231,29 +252,25 @@ class _Run:
         held, law = self.drive.samples[k], self.drive if self.drive.law else None
         if self.first is None:
             # At an exact equilibrium every error estimate is zero and the first step would be as long as the run.
-            A = self.plant._jacobians(times[0], z[: self.plant.nx], held, self.w, self.p)[0]
+            A = self.plant.jacobians(z[: self.plant.nx], held, w=self.w, p=self.p, t=times[0])[0]
             self.first = 0.1 / max(np.abs(np.linalg.eigvals(A)).max(initial=0.0), 1e-3)
         with np.errstate(all="ignore"):
             if self.method == "radau":
                 return self._radau(times, z, held, law)
-            try:
-                out, tried, self.first = march(
-                    self.plant,
-                    times,
-                    z,
-                    held,
-                    law,
-                    self.w,
-                    self.p,
-                    rtol=self.rtol,
-                    atol=self.atol,
-                    first=min(self.first, times[-1] - times[0]),
-                    audit=self.audit,
-                    report=self.progress,
-                )
-            except IntegrationError as stopped:
-                self._name_lost_mass(stopped.time, stopped.state, held)
-                raise
+            out, tried, self.first = march(
+                self.plant,
+                times,
+                z,
+                held,
+                law,
+                self.w,
+                self.p,
+                rtol=self.rtol,
+                atol=self.atol,
+                first=min(self.first, times[-1] - times[0]),
+                audit=self.audit,
+                report=self.progress,
+            )
         self.steps += tried
         return out
 
@@ -271,14 +288,13 @@ class _Run:
             rtol=self.rtol,
             atol=self.atol,
             first_step=min(self.first or np.inf, times[-1] - times[0]),
-            jac=lambda s, x: plant._jacobians(s, x, at(s), w, p)[0],
+            jac=lambda s, x: plant._jacobians(s, x, at(s), w, p)[0].reshape(plant.nx, plant.nx),
         )
         self.steps += solution.nfev
         if not solution.success or not np.isfinite(solution.y).all():
             done = max(solution.y.shape[1] - 1, 0)
             stopped = float(solution.t[done]) if solution.y.size else float(times[0])
             state = solution.y[:, done] if solution.y.size else z
-            self._name_lost_mass(stopped, state, held)
             raise IntegrationError(
                 f"radau stopped after t = {stopped:.6g} s at state {state}: {solution.message}",
                 stopped,
@@ -287,10 +303,12 @@ class _Run:
             )
         return solution.y.T
 
-    def _name_lost_mass(self, t: float, x: np.ndarray, held: np.ndarray) -> None:
-        """Raise MassMatrixError where that is why the integration stopped."""
-        if np.isfinite(x).all():
-            self.plant.dynamics(x, held, w=self.w, p=self.p, t=t)
+    def _name_lost_mass(self, passed: np.ndarray, last: np.ndarray) -> None:
+        """Raise MassMatrixError where that is why the integration stopped, at `last` (nx,) after `passed` (k, nx)."""
+        if isinstance(self.plant, LagrangianPlant):
+            self.plant.dynamics(passed, w=self.w, p=self.p)
+            if np.isfinite(last).all():
+                self.plant.check_near_singular(last, passed[0], self.p)
 
     def _cvodes(self, k: int, z: np.ndarray) -> np.ndarray:
         from .cvodes import advance

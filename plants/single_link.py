@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Self
 
 import casadi as ca
+import numpy as np
 
 from . import beams
 from .beams import Beam, Payload
@@ -174,3 +175,9 @@ class SingleLinkArm(LagrangianPlant):
         q, v = x[:n], x[n:]
         link = self.elastic
         return ca.vertcat(q[0], link.deflection(q[1:]), link.deflection(v[1:]), self._tip(q))
+
+    def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
+        """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""
+        line = self.elastic.centreline(x[1 : self.nx // 2], points)
+        c, s = np.cos(x[0]), np.sin(x[0])
+        return (line @ np.array([[c, s], [-s, c]]))[None]

@@ -190,7 +190,7 @@ class Trajectory:
                 )
             about = json.loads(str(data["about"]))
             arrays = {k: data[k] for k in data if k != "about"}
-        signals = {kind: tuple(Signal(*pair) for pair in about[kind]) for kind in KINDS}
+        signals: dict[str, Any] = {kind: tuple(Signal(*pair) for pair in about[kind]) for kind in KINDS}
         return cls(**arrays, **signals, stats=about["stats"], hold=about["hold"])
 
     def to_pandas(self) -> pandas.DataFrame:

@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Self
 
 import casadi as ca
+import numpy as np
 
 from . import beams
 from .beams import Beam, Payload
@@ -119,7 +120,7 @@ class TwoLinkArm(LagrangianPlant):
         return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{stage}{slope}"
 
     def ladder(self) -> tuple[Self, ...]:
-        """From the rigid arm through few polynomials and modes to six modes a link, with and without shortening."""
+        """From the rigid arm through one and two modes to four polynomials a link, with and without shortening."""
         steps: list[Self] = [dataclasses.replace(self, reduction="rigid")]
         for kinematics, basis, n in (
             ("linear", "clamped-free", 1),
@@ -245,6 +246,17 @@ class TwoLinkArm(LagrangianPlant):
         link1, link2 = self.links
         bent = [link1.deflection(q1), link2.deflection(q2), link1.deflection(v1), link2.deflection(v2)]
         return ca.vertcat(theta1, theta2, *bent, self._tip(q))
+
+    def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
+        """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""
+        n, n1 = self.nx // 2, self.mode_counts[0]
+        link1, link2 = self.links
+        q1 = x[2 : 2 + n1]
+        turn = x[0] + x[1] + (link1.basis.tip_slope @ q1 / link1.beam.length if self.tip_slope else 0.0)
+        (c1, s1), (c2, s2) = (np.cos(x[0]), np.sin(x[0])), (np.cos(turn), np.sin(turn))
+        first = link1.centreline(q1, points) @ np.array([[c1, s1], [-s1, c1]])
+        second = link2.centreline(x[2 + n1 : n], points) @ np.array([[c2, s2], [-s2, c2]])
+        return np.stack([first, first[-1] + second])
 
 
 def _ratios(basis: str, link: Beam, mass: float, inertia: float) -> dict[str, float]:

@@ -3,10 +3,11 @@
 import control
 import numpy as np
 import pytest
-from pliant.plants.linear import LinearModel, LTVModel
-from pliant.plants.signals import Signal
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+
+from pliant.plants.linear import LinearModel, LTVModel
+from pliant.plants.signals import Signal
 
 
 def chain(n=3, k=40.0, d=0.3, seed=1):
@@ -103,7 +104,7 @@ def test_function_input_is_exact_for_a_line_and_of_order_four():
 
 
 def test_modes_of_two_masses():
-    # Two equal masses, three equal springs: omega^2 = k/m and 3 k/m; damping beta k gives zeta = beta omega / 2.
+    # Two equal masses, three equal springs: omega^2 = k/m, 3 k/m; damping beta k: zeta = beta omega / 2.
     k, m, beta = 100.0, 1.0, 1e-3
     K = k * np.array([[2.0, -1], [-1, 2]])
     A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / m, -beta * K / m]])
@@ -186,6 +187,14 @@ def test_hankel_values_are_those_of_the_hankel_matrix():
     assert model.reduce(5, "balanced").error_bound == pytest.approx(2 * expected[5], rel=1e-6)
 
 
+def test_modal_reduction_of_two_poles():
+    # 100 / ((s + 1) (s + 10)) = 100/9 (1/(s + 1) - 1/(s + 10)); the second part is largest at rest, 100/90
+    model = LinearModel.from_matrices([[-1.0, 100.0], [0.0, -10.0]], [[0.0], [1.0]], [[1.0, 0.0]])
+    reduced = model.reduce(1, "modal")
+    assert (reduced.A[0, 0], (reduced.C @ reduced.B)[0, 0]) == pytest.approx((-1.0, 100 / 9))
+    assert reduced.error_bound == pytest.approx(100 / 90)
+
+
 def test_modal_reduction_keeps_free_motion():
     model = chain()
     A = np.array(model.A)
@@ -201,6 +210,22 @@ def test_modal_reduction_keeps_free_motion():
     t = np.linspace(0, 50, 11)
     full, small = (m.simulate(np.zeros(len(m.A)), [1.0], t)[1][-1, 0] for m in (free, reduced))
     assert small == pytest.approx(full, rel=1e-4)
+
+
+@pytest.mark.parametrize("dt", [None, 0.01])
+def test_modal_reduction_of_an_undamped_model_keeps_the_slow_modes(dt):
+    model = chain(d=0.0)
+    kept = sorted(mode.frequency_hz for mode in model.modes())[:2]
+    reduced = (model if dt is None else model.discretize(dt)).reduce(4, "modal")
+    np.testing.assert_allclose([mode.frequency_hz for mode in reduced.modes()], kept, rtol=1e-9)
+    assert reduced.error_bound == np.inf
+
+
+@pytest.mark.parametrize("dt", [None, 0.01])
+def test_modal_reduction_keeps_a_fast_mode_that_grows(dt):
+    model = LinearModel.from_matrices(np.diag([-1.0, -2.0, 9.0]), np.ones((3, 1)))
+    reduced = (model if dt is None else model.discretize(dt)).reduce(1, "modal")
+    assert reduced.modes()[0].eigenvalue == pytest.approx(9.0)
 
 
 def test_reduced_model_keeps_the_nominal_rate():

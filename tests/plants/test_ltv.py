@@ -4,9 +4,10 @@ import time
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+
 from pliant.plants.ltv import LTVModel
 from pliant.plants.signals import Signal
-from scipy.integrate import solve_ivp
 
 
 def build(t, A, B=None, c=None, E=None, **replaced):
@@ -26,7 +27,8 @@ def build(t, A, B=None, c=None, E=None, **replaced):
         "A": stack(A, 0), "B": stack(B, (n, 0)), "E": stack(E, (n, 0)), "c": stack(c, n),
         "C": np.tile(np.eye(n), (len(t), 1, 1)), "D": np.ones((len(t), n, m)), "F": np.zeros((len(t), n, k)),
         "x": np.zeros((len(t), n)), "u": np.zeros((len(t), m)), "y": np.zeros((len(t), n)),
-        "states": named("x", n), "inputs": named("u", m), "disturbances": named("w", k), "outputs": named("x", n),
+        "states": named("x", n), "inputs": named("u", m), "disturbances": named("w", k),
+        "outputs": named("x", n),
     }  # fmt: skip
     return LTVModel(t, **{**fields, **replaced})
 
@@ -143,14 +145,17 @@ def test_frozen_model():
 def test_two_thousand_steps_of_twenty_states_are_fast():
     rng = np.random.default_rng(4)
     parts = rng.normal(size=(2, 20, 20))
-    model = build(
-        np.linspace(0, 10, 2001),
-        lambda t: parts[0] + np.sin(t) * parts[1],
-        lambda t: np.ones((20, 2)) * np.cos(t),
-    )
-    start = time.process_time()
-    model.transition()
-    assert time.process_time() - start < 1.5  # 0.15 s on a quiet core
+    spent = []
+    for _ in range(3):
+        model = build(
+            np.linspace(0, 10, 2001),
+            lambda t: parts[0] + np.sin(t) * parts[1],
+            lambda t: np.ones((20, 2)) * np.cos(t),
+        )
+        start = time.process_time()
+        model.transition()
+        spent.append(time.process_time() - start)
+    assert min(spent) < 1.0  # 0.15 s on a quiet core
 
 
 @pytest.mark.parametrize(

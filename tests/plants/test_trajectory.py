@@ -4,6 +4,7 @@ import builtins
 
 import numpy as np
 import pytest
+
 from pliant.plants.signals import Signal
 from pliant.plants.trajectory import Trajectory
 
@@ -15,7 +16,8 @@ def swing(n=21, *, exact=True, **kwargs):
         "u": np.cos(2 * t)[:, None], "y": np.sin(t)[:, None] ** 2,
         "states": (Signal("angle", "rad"), Signal("rate", "rad/s")), "inputs": (Signal("torque", "N m"),),
         "outputs": (Signal("tip_x", "m"),), "dx": np.column_stack([np.cos(t), -np.sin(t)]) if exact else None,
-        "w": t[:, None], "disturbances": (Signal("wind", "N"),), "stats": {"steps": np.int64(7), "method": "rk4"},
+        "w": t[:, None], "disturbances": (Signal("wind", "N"),),
+        "stats": {"steps": np.int64(7), "method": "rk4"},
     }  # fmt: skip
     return Trajectory(t, np.column_stack([np.sin(t), np.cos(t)]), **{**fields, **kwargs})
 

@@ -1,0 +1,240 @@
+"""A scene: a plant, a manoeuvre, limits, a cost and a tolerance.
+
+A scene is what controllers are scored on, what environments wrap and what the speed-accuracy chart runs. It names
+signals, never indices, so that every fidelity of its plant can play it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pliant.plants import Plant, Signal, Trajectory
+from pliant.plants.parameters import quantity, unit_of, validate
+from pliant.plants.signals import index
+
+Pairs = tuple[tuple[str, float], ...]
+
+ALLOWED: dict[str, tuple[str, Callable[[float], bool]]] = {
+    "start": ("finite", lambda v: True),
+    "goal": ("finite", lambda v: True),
+    "bounds": ("finite and > 0", lambda v: v > 0),
+    "weights": ("finite and >= 0", lambda v: v >= 0),
+}
+
+
+def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
+    """The quintic from 0 to 1 over s in [0, 1] with zero end rates and accelerations, and its two derivatives."""
+    s = np.clip(s, 0.0, 1.0)
+    return (
+        10 * s**3 - 15 * s**4 + 6 * s**5,
+        30 * s**2 - 60 * s**3 + 30 * s**4,
+        60 * s - 180 * s**2 + 120 * s**3,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Drive `plant` from rest at `start` to rest at `goal`, at least cost, within limits.
+
+    Cost [-]  sum over control periods of dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
+              z any states or outputs by name; reward is minus that.
+    """
+
+    name: str
+    about: str
+    plant: Plant
+    start: Pairs  # coordinates at rest [rad, m]
+    goal: Pairs
+    duration: float = quantity("s", "positive")
+    dt: float = quantity("s", "positive", 0.02)  # control period
+    substeps: int = 10  # RK4 steps a control period
+    move_time: float = quantity("s", "positive", 1.0)  # of the nominal motion from start to goal
+    limits: tuple[float, ...] = quantity("N m", "positive")  # largest |u| of each input
+    bounds: Pairs = ()  # largest |output| [its unit]; beyond it the episode ends
+    weights: Pairs = ()
+    effort: Pairs = ()
+    observe: tuple[str, ...] = ()
+    randomise: tuple[tuple[str, float, float], ...] = ()  # parameter, smallest and largest factor
+    start_spread: float = quantity("rad", "nonnegative", 0.0)  # uniform, on every coordinate of `start`
+    compare: tuple[str, ...] = ("tip_x", "tip_y")  # outputs whose error the chart measures
+    tolerance: float = quantity(
+        "m", "positive", 1e-3
+    )  # largest error of those outputs that the scene can bear
+    tags: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        validate(self)
+        plant, owner = self.plant, f"scene {self.name!r}"
+        if len(self.limits) != plant.nu:
+            raise ValueError(f"{owner}: limits = {self.limits} must hold {plant.nu} numbers > 0 [N m]")
+        if not (isinstance(self.substeps, int) and self.substeps >= 1):
+            raise ValueError(f"{owner}: substeps = {self.substeps!r} must be an integer >= 1")
+        if self.steps < 1:
+            raise ValueError(f"{owner}: duration = {self.duration} s must be at least dt = {self.dt} s")
+        known = self.signals
+        for group in ("start", "goal", "bounds", "weights"):
+            for name, value in getattr(self, group):
+                index(known, name, f"{owner}: {group}")
+                allowed, holds = ALLOWED[group]
+                if not (np.isfinite(value) and holds(value)):
+                    raise ValueError(f"{owner}: {group} {name} = {value} must be {allowed}")
+        for name in (*self.observe, *self.compare):
+            index(known, name, f"{owner}: signal")
+        for name, value in self.effort:
+            index(plant.inputs, name, f"{owner}: effort")
+            if not value > 0:
+                raise ValueError(f"{owner}: effort {name} = {value} must be > 0")
+        for path, low, high in self.randomise:
+            unit_of(plant, path)
+            if not 0 < low <= high:
+                raise ValueError(f"{owner}: randomise {path} from {low} to {high} must be 0 < low <= high")
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """What goal, bounds, weights and observe may name: the plant's states, then its outputs."""
+        return self.plant.states + self.plant.outputs
+
+    @property
+    def steps(self) -> int:
+        """Control periods in an episode."""
+        return round(self.duration / self.dt)
+
+    @property
+    def times(self) -> np.ndarray:
+        """Control times (steps + 1,) [s]."""
+        return self.dt * np.arange(self.steps + 1)
+
+    def with_plant(self, plant: Plant) -> Scene:
+        """The same scene played by another fidelity."""
+        return dataclasses.replace(self, plant=plant)
+
+    @cached_property
+    def varied_plant(self) -> Plant:
+        """The plant with the randomised parameters as inputs p, in the order of `randomise`."""
+        return self.plant.vary(*(path for path, _, _ in self.randomise))
+
+    @cached_property
+    def initial(self) -> tuple[np.ndarray, np.ndarray]:
+        """(x, u) at rest at the start, deflections in equilibrium."""
+        return self.plant.equilibrium(dict(self.start))
+
+    @cached_property
+    def target(self) -> tuple[np.ndarray, np.ndarray]:
+        """(x, u) at rest at the goal, deflections in equilibrium."""
+        return self.plant.equilibrium(dict(self.goal))
+
+    def positions(self, names: Iterable[str]) -> list[int]:
+        """Where the named signals stand in the vector [x; y]."""
+        return [index(self.signals, name, "signal") for name in names]
+
+    def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+        """The named states or outputs from x (..., nx) and y (..., ny)."""
+        return np.concatenate([x, y], axis=-1)[..., self.positions(names)]
+
+    def goal_values(self, names: tuple[str, ...]) -> np.ndarray:
+        """The named states or outputs at rest at the goal."""
+        x, u = self.target
+        return self.signal_values(x, self.plant.measure(x, u), names)
+
+    @property
+    def weighted(self) -> tuple[str, ...]:
+        """The signals that the cost weighs."""
+        return tuple(name for name, _ in self.weights)
+
+    @property
+    def priced_inputs(self) -> list[int]:
+        """Which inputs the cost weighs."""
+        return [index(self.plant.inputs, name, "input") for name, _ in self.effort]
+
+    def cost_rate(self, errors: Iterable[Any], excess: Iterable[Any]) -> Any:
+        """Cost rate [1/s] from the deviations of the weighted signals and inputs: numbers, arrays or expressions."""
+        terms = [weight * e**2 for (_, weight), e in zip(self.weights, errors)]
+        return sum(terms + [weight * e**2 for (_, weight), e in zip(self.effort, excess)])
+
+    @cached_property
+    def _cost_origin(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.goal_values(self.weighted), self.target[1][self.priced_inputs]
+
+    def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> Any:
+        """Cost rate [1/s] at x (..., nx), u (..., nu), y (..., ny)."""
+        z0, u0 = self._cost_origin
+        errors = self.signal_values(x, y, self.weighted) - z0
+        excess = np.asarray(u)[..., self.priced_inputs] - u0
+        rate = self.cost_rate(np.moveaxis(errors, -1, 0), np.moveaxis(excess, -1, 0))
+        return rate + np.zeros(errors.shape[:-1])
+
+    @cached_property
+    def early_end_rate(self) -> float:
+        """Cost rate [1/s] added for the time left when an episode ends early, so that ending never pays.
+
+        The stage cost with every input at its limit and every weighted signal as far from the goal as its bound
+        lets it be, or, without a bound, as it is at the start. No motion that stays that near costs more.
+        """
+        (x, u), (z0, u0) = self.initial, self._cost_origin
+        begin = self.signal_values(x, self.plant.measure(x, u), self.weighted)
+        bounds, spread = dict(self.bounds), {name: self.start_spread for name, _ in self.start}
+        errors = [
+            bounds[name] + abs(goal) if name in bounds else abs(first - goal) + spread.get(name, 0.0)
+            for name, first, goal in zip(self.weighted, begin, z0)
+        ]
+        return float(self.cost_rate(errors, np.array(self.limits)[self.priced_inputs] + np.abs(u0)))
+
+    def cost(self, motion: Trajectory) -> float:
+        """The scene's cost of a motion sampled at the control times."""
+        if len(motion.t) != self.steps + 1 or not np.allclose(motion.t, self.times, atol=1e-9):
+            raise ValueError(
+                f"motion has {len(motion.t)} times, must have the scene's {self.steps + 1} every {self.dt} s"
+            )
+        return float(self.dt * self.stage_cost(motion.x, motion.u, motion.y)[:-1].sum())
+
+    def quadratic(self) -> tuple[np.ndarray, np.ndarray]:
+        """(Q (nx, nx), R (nu, nu)): the cost to second order about the goal, for linear-quadratic design."""
+        C = self.plant.linearize(*self.target).C
+        rows = np.vstack([np.eye(self.plant.nx), C])
+        Q = np.zeros((self.plant.nx, self.plant.nx))
+        for name, weight in self.weights:
+            row = rows[index(self.signals, name, "signal")]
+            Q += weight * np.outer(row, row)
+        R = np.zeros((self.plant.nu, self.plant.nu))
+        for name, weight in self.effort:
+            i = index(self.plant.inputs, name, "input")
+            R[i, i] = weight
+        return Q, R
+
+    @cached_property
+    def nominal_input(self) -> Callable[[float], np.ndarray]:
+        """Torques u(t) that take the rigid plant along a minimum-jerk motion from start to goal, then hold it.
+
+        The same torques drive every fidelity in the speed-accuracy chart.
+        """
+        rigid = self.plant.ladder()[0]
+        n = rigid.nx // 2
+        begin, end = (
+            np.array([dict(g).get(s.name, 0.0) for s in rigid.states[:n]]) for g in (self.start, self.goal)
+        )
+
+        def torque(t: float) -> np.ndarray:
+            s, ds, dds = minimum_jerk(t / self.move_time)
+            x = np.concatenate([begin + (end - begin) * s, (end - begin) * ds / self.move_time])
+            wanted = (end - begin) * dds / self.move_time**2
+            free = rigid.dynamics(x)[n:]
+            B = rigid.jacobians(x)[1][n:]
+            return np.linalg.solve(B, wanted - free)
+
+        return torque
+
+    def open_loop(self, **options: Any) -> Trajectory:
+        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate."""
+        return self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)

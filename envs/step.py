@@ -1,0 +1,95 @@
+"""One control period of a scene's environment, as straight-line CasADi expressions: no branch, loop or callback.
+
+x (nx,) state; action (nu,) in [-1, 1]; u (nu,) inputs; w (nw,) disturbances; p (np,) the randomised parameters, in
+the order of scene.randomise; ref (nr,) what deviations are measured from: the goal's values of the observed signals,
+of the weighted signals and of the priced inputs, one after the other.
+
+Every function here is also the source of compiled code, one lane at a time. Non-finite numbers are told by `sound`,
+outside of them.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.integrate import step_map
+
+from .scene import Scene
+
+LARGEST = 1e30  # a state or observation beyond it has diverged: its square still fits a double, itself a single
+
+
+def reference(scene: Scene) -> np.ndarray:
+    """ref (nr,) of the scene's own goal, from its own plant."""
+    goals = [scene.goal_values(names) for names in (scene.observe, scene.weighted)]
+    return np.concatenate([*goals, scene.target[1][scene.priced_inputs]])
+
+
+def _symbols(scene: Scene) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+    plant = scene.varied_plant
+    count = len(scene.observe) + len(scene.weights) + len(scene.effort)
+    sizes = (plant.nx, plant.nu, count, plant.nw, len(plant.varied))
+    return tuple(ca.SX.sym(name, size) for name, size in zip("xurwp", sizes))  # type: ignore[return-value]
+
+
+@lru_cache(maxsize=32)
+def substep_function(scene: Scene) -> ca.Function:
+    """(x, u, w, p) -> x after one RK4 step of dt / substeps with u held."""
+    plant = scene.varied_plant
+    if any(ca.depends_on(e, plant.symbols[0]) for e in plant.expressions):
+        raise ValueError(f"scene {scene.name!r}: the plant depends on time, which an environment does not show")
+    x, u, _, w, p = _symbols(scene)
+    rk4 = step_map(plant, "rk4")
+    after = rk4(0.0, x, ca.repmat(u, 1, 3), w, p, scene.dt / scene.substeps)
+    return ca.Function("substep", [x, u, w, p], ca.cse([after]), list("xuwp"), ["x_next"])
+
+
+@lru_cache(maxsize=32)
+def observe_function(scene: Scene) -> ca.Function:
+    """(x, u, ref, w, p) -> (obs (no,), cost of a control period that starts here, margin).
+
+    margin  the least of (bound - |signal|) / bound: 1 where all bounded signals are zero, negative out of bounds
+    """
+    plant = scene.varied_plant
+    x, u, ref, w, p = _symbols(scene)
+    output = ca.Function("output", list(plant.symbols), [plant.expressions[1]])
+    signals = ca.vertcat(x, output(0.0, x, u, w, p))
+    n, m = len(scene.observe), len(scene.weights)
+    obs = signals[scene.positions(scene.observe)] - ref[:n]
+    errors = signals[scene.positions(scene.weighted)] - ref[n : n + m]
+    excess = u[scene.priced_inputs] - ref[n + m :]
+    rate = scene.cost_rate(ca.vertsplit(errors), ca.vertsplit(excess))
+    margin = ca.SX(1.0)
+    for name, bound in scene.bounds:
+        value = signals[scene.positions([name])]
+        margin = ca.fmin(margin, (bound - ca.fabs(value)) / bound)
+    results = [ca.densify(e) for e in (obs, scene.dt * ca.SX(rate), margin)]
+    return ca.Function("observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"])
+
+
+@lru_cache(maxsize=32)
+def step_function(scene: Scene) -> ca.Function:
+    """(x, action, ref, w, p) -> (x_next, obs, cost, margin): a control period with the action held.
+
+    The input is the action, clipped to [-1, 1], times the scene's limits. obs and margin are those of x_next; cost is
+    what Scene.cost sums for this period: dt times the stage cost at x and the input.
+    """
+    substep, observe = substep_function(scene), observe_function(scene)
+    x, action, ref, w, p = _symbols(scene)
+    u = ca.fmax(-1.0, ca.fmin(1.0, action)) * ca.DM(scene.limits)
+    cost = observe(x, u, ref, w, p)[1]
+    after = x
+    for _ in range(scene.substeps):
+        after = substep(after, u, w, p)
+    obs, _, margin = observe(after, u, ref, w, p)
+    names = ["x", "action", "ref", "w", "p"], ["x_next", "obs", "cost", "margin"]
+    return ca.Function("step", [x, action, ref, w, p], [after, obs, cost, margin], *names)
+
+
+def sound(x: np.ndarray, obs: np.ndarray) -> np.ndarray:
+    """Whether states (..., nx) and observations (..., no) are finite and within LARGEST -> (...)."""
+    limit = LARGEST**2
+    return (np.einsum("...i,...i", x, x) < limit) & (np.einsum("...i,...i", obs, obs) < limit)

@@ -1,0 +1,227 @@
+"""The smallest model for a scene: climb the plant's ladder until finer rungs no longer change what the scene compares.
+
+Two neighbouring rungs may agree because both lack the same effect: one and two bending modes without the shortening of
+the bent links agree with each other, and both are wrong. So a rung is taken only when it agrees with the *finest* one,
+which holds every effect of the ladder, and the finest rung itself must be confirmed by another variant. The error
+bound of a rung is its difference from the finest plus that shown convergence of the finest.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from pliant.envs.scenes import Scene
+from pliant.plants import Plant
+
+from .chart import Chart, Row, chart
+from .motions import Motions, Progress, share, silent
+
+EFFECTS = {  # (field, value that brings the effect in) -> words; the field's own words where the value is not listed
+    ("kinematics", "stiffened"): "shortening of the bent links",
+    ("kinematics", "linear"): "bending",
+    ("reduction", "full"): "bending",
+    ("modes", None): "more modes",
+    ("basis", None): "other shape functions",
+}
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One variant of the ladder; differences in the compared outputs' unit."""
+
+    variant: str
+    states: int
+    change: float | None  # to the next finer rung
+    error: float  # from the finest rung
+    bound: float  # error plus the shown convergence of the finest
+    chosen: bool = False
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What one field of the chosen plant is worth: the change of the outputs when it alone is changed."""
+
+    name: str
+    field: str
+    chosen: str  # the chosen plant's value
+    other: str
+    change: float
+    kept: bool  # in the chosen plant; else left out of it
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The chosen plant and why. `met` is False where no rung could be shown to keep the tolerance."""
+
+    scene: str
+    compare: tuple[str, ...]
+    tolerance: float
+    plant: Plant = field(repr=False)
+    met: bool
+    rungs: tuple[Rung, ...]
+    effects: tuple[Effect, ...]
+    confirmed_by: str  # the variant nearest to the finest ..
+    convergence: float  # .. and their difference
+    integrator: Row | None  # the fastest within the tolerance, of the chosen plant
+    largest_step: Row | None  # the fixed-step method with the largest step within it
+    text: str
+
+    def to_json(self) -> dict[str, Any]:
+        content = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "plant"}
+        for name in ("rungs", "effects"):
+            content[name] = [asdict(item) for item in content[name]]
+        for name in ("integrator", "largest_step"):
+            content[name] = None if content[name] is None else asdict(content[name])
+        return {"chosen": self.plant.label, "states": self.plant.nx, **content}
+
+
+def choose(
+    scene: Scene,
+    tolerance: float | None = None,
+    *,
+    measured: Chart | None = None,
+    motions: Motions | None = None,
+    progress: Progress | None = None,
+) -> Choice:
+    """The cheapest rung whose error bound is within `tolerance` [unit of scene.compare; None: the scene's].
+
+    Also the fastest integrator and the largest fixed step that keep it, from `measured` or a short chart of that rung.
+    Where none is shown to keep it the finest is returned with met=False. ValueError for a tolerance not above 0.
+    """
+    tolerance = scene.tolerance if tolerance is None else tolerance
+    if not (isinstance(tolerance, (int, float)) and 0 < tolerance < math.inf):
+        raise ValueError(f"choose.tolerance = {tolerance!r} must be a number > 0")
+    told, motions = progress or silent, motions or Motions(scene)
+    ladder = motions.ladder
+    for i, plant in enumerate(ladder):
+        told(0.5 * i / len(ladder), plant.label)
+        motions.difference(plant, plant)
+    rungs, chosen = _climb(motions, tolerance)
+    plant = ladder[chosen]
+    told(0.6, "effects")
+    effects = _effects(motions, plant)
+    if measured is None or any(row.failure and "budget" in row.failure for row in measured.rows):
+        part = dataclasses.replace(scene, tolerance=tolerance)
+        measured = chart(
+            part, budget=6.0, variants=(plant,), motions=motions, progress=share(progress, 0.7, 1.0)
+        )
+    fastest = measured.fastest(tolerance, plant.label)
+    within = [r for r in measured.measured if r.variant == plant.label and r.step and r.error <= tolerance]  # type: ignore[operator]
+    largest = max(within, key=lambda r: (r.step or 0.0, -(r.seconds or 0.0)), default=None)
+    nearest, convergence = motions.shown_convergence
+    found = Choice(
+        scene=scene.name,
+        compare=scene.compare,
+        tolerance=float(tolerance),
+        plant=plant,
+        met=rungs[chosen].bound <= tolerance,
+        rungs=rungs,
+        effects=effects,
+        confirmed_by=nearest,
+        convergence=convergence,
+        integrator=fastest,
+        largest_step=largest,
+        text="",
+    )
+    told(1.0, "choice")
+    return dataclasses.replace(found, text=_words(found, motions))
+
+
+def _climb(motions: Motions, tolerance: float) -> tuple[tuple[Rung, ...], int]:
+    """The rungs, and which is chosen: the first whose bound is within the tolerance, else the finest."""
+    ladder, finest = motions.ladder, motions.reference
+    _, convergence = motions.shown_convergence
+    rungs: list[Rung] = []
+    for i, plant in enumerate(ladder):
+        change = motions.difference(plant, ladder[i + 1]) if i + 1 < len(ladder) else None
+        error = motions.difference(plant, finest)
+        bound = error + convergence
+        note = ""
+        if change is not None and change <= tolerance < bound:
+            note = "agrees with the next rung, not with the finest: both lack an effect"
+        rungs.append(Rung(plant.label, plant.nx, change, error, bound, note=note))
+    chosen = next((i for i, rung in enumerate(rungs) if rung.bound <= tolerance), len(rungs) - 1)
+    rungs[chosen] = dataclasses.replace(rungs[chosen], chosen=True)
+    return tuple(rungs), chosen
+
+
+def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
+    """Each field that differs along the ladder, changed alone: to its next cheaper value and to the finest's."""
+    ladder = motions.ladder
+    found: list[Effect] = []
+    for f in dataclasses.fields(plant):  # type: ignore[arg-type]
+        values = list(dict.fromkeys(getattr(rung, f.name) for rung in ladder))
+        own = getattr(plant, f.name)
+        if len(values) < 2 or own not in values:
+            continue
+        at = values.index(own)
+        others = [(values[at - 1], True)] if at > 0 else []
+        finest = getattr(motions.reference, f.name)
+        if finest != own:
+            others.append((finest, False))
+        for value, kept in others:
+            try:
+                changed = dataclasses.replace(plant, **{f.name: value})  # type: ignore[type-var]
+            except ValueError:
+                continue
+            if changed.label == plant.label:
+                continue
+            change = motions.difference(plant, changed)
+            bringing = own if kept else value
+            name = EFFECTS.get((f.name, bringing)) or EFFECTS.get((f.name, None)) or f.name
+            found.append(Effect(name, f.name, _plain(own), _plain(value), change, kept))
+    return tuple(sorted(found, key=lambda e: -e.change))
+
+
+def _plain(value: Any) -> str:
+    return "+".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def millimetres(value: float) -> str:
+    """A length in m as millimetres or micrometres with two or three digits."""
+    if not math.isfinite(value):
+        return "no result"
+    if value >= 1e-4:
+        return f"{value * 1e3:.3g} mm"
+    return f"{value * 1e6:.2g} µm" if value >= 1e-8 else "< 0.01 µm"
+
+
+def _words(choice: Choice, motions: Motions) -> str:
+    rung = next(r for r in choice.rungs if r.chosen)
+    outputs = " and ".join(choice.compare)
+    if choice.met:
+        lead = (
+            f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
+            f"{millimetres(choice.tolerance)}: it is {millimetres(rung.error)} from the finest, {motions.reference.label}"
+        )
+        lead += "" if choice.plant != motions.reference else " (it is the finest itself)"
+    else:
+        lead = (
+            f"No variant is shown to keep {outputs} within {millimetres(choice.tolerance)}; the finest, {rung.variant}, "
+            "is returned"
+        )
+    parts = [
+        f"{lead}. The finest is confirmed by {choice.confirmed_by} to {millimetres(choice.convergence)}."
+    ]
+    left = [e for e in choice.effects if not e.kept]
+    kept = [e for e in choice.effects if e.kept]
+    if left:
+        each = ", ".join(f"{e.name} ({e.other} for {e.chosen}): {millimetres(e.change)}" for e in left)
+        parts.append(f"Left out: {each}.")
+    if kept:
+        each = ", ".join(f"{e.name} ({e.chosen}, not {e.other}): {millimetres(e.change)}" for e in kept)
+        parts.append(f"Kept: {each}.")
+    if choice.integrator is not None:
+        speed = (choice.integrator.seconds or 0.0) * 1e3
+        parts.append(f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second.")
+    if choice.largest_step is not None:
+        parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
+    misled = [r for r in choice.rungs if r.note]
+    if misled:
+        names = ", ".join(r.variant for r in misled)
+        parts.append(f"Agreeing with the next rung though wrong: {names}.")
+    return " ".join(parts)

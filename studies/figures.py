@@ -1,0 +1,125 @@
+"""The pictures of a motion and of an arm's shape; those of models and charts are in figures_models."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from pliant.envs.scenes import Scene
+from pliant.plants import Plant, Trajectory
+from pliant.plants.signals import names
+
+from . import shapes
+from .figures_models import eigenvalues, frozen, ladder, speed_accuracy
+from .style import COLOURS, INK, QUIET, inline, panels, save
+
+__all__ = [
+    "eigenvalues",
+    "frozen",
+    "histories",
+    "inline",
+    "ladder",
+    "save",
+    "speed_accuracy",
+    "stroboscopic",
+    "tip_path",
+]
+
+GROUPS = (("rad", "angles [rad]"), ("m", "deflections [m]"), ("m/s", "rates of deflection [m/s]"))
+
+
+def words(name: str) -> str:
+    """A signal's name for a legend."""
+    return name.replace("_", " ")
+
+
+def _groups(scene: Scene) -> list[tuple[str, list[str]]]:
+    """Output names by unit, the compared positions left out; then the inputs."""
+    found = []
+    for unit, label in GROUPS:
+        chosen = [s.name for s in scene.plant.outputs if s.unit == unit and s.name not in scene.compare]
+        if chosen:
+            found.append((label, chosen))
+    units = {s.unit for s in scene.plant.inputs}
+    found.append((f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs))))
+    return found
+
+
+def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title: str = "") -> Figure:
+    """Angles, deflections, their rates and inputs against time; several motions differ by line style."""
+    groups = _groups(scene)
+    figure, axes = panels(len(groups), height=1.7, sharex=True)
+    goal, limits = dict(scene.goal), dict(zip(names(scene.plant.inputs), scene.limits))
+    styles = ("-", "--", ":", "-.")
+    for ax, (label, chosen) in zip(axes, groups):
+        for i, name in enumerate(chosen):
+            for k, (_, motion) in enumerate(motions):
+                held = "steps-post" if name in limits and motion.hold == "zero-order" else "default"
+                style = styles[k % len(styles)]
+                ax.plot(motion.t, motion[name], style, color=COLOURS[i], drawstyle=held, lw=1.4 - 0.2 * (k > 0))
+            ax.plot([], [], color=COLOURS[i], label=words(name))
+            if name in goal:
+                ax.axhline(goal[name], color=COLOURS[i], lw=0.8, ls=(0, (1, 3)))
+        shown = max(np.abs(m[n]).max() for _, m in motions for n in chosen)
+        for i, name in enumerate(chosen):
+            if name in limits and limits[name] < 1.3 * shown:
+                for sign in (-1, 1):
+                    ax.axhline(sign * limits[name], color=COLOURS[i], lw=0.8, ls=(0, (5, 2)), alpha=0.7)
+        ax.set_ylabel(label)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    axes[-1].set_xlabel("time [s]")
+    axes[0].set_title(title)
+    if len(motions) > 1:
+        for k, (name, _) in enumerate(motions):
+            axes[-1].plot([], [], styles[k % len(styles)], color=INK, label=name)
+        axes[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
+    """The path of the tip in the plane, for each motion."""
+    figure, (ax,) = panels(1, height=4.0, width=5.6)
+    x, y = scene.compare[:2]
+    for i, (name, motion) in enumerate(motions):
+        ax.plot(motion[x], motion[y], color=COLOURS[i], label=name, lw=1.6 - 0.2 * i)
+        every = max(1, round(0.25 / (motion.t[1] - motion.t[0])))
+        ax.plot(motion[x][::every], motion[y][::every], ".", color=COLOURS[i], ms=4)
+    target = scene.plant.measure(*scene.target)
+    known = names(scene.plant.outputs)
+    start = scene.plant.measure(*scene.initial)
+    for point, marker, label in ((start, "o", "start"), (target, "*", "goal")):
+        at = [point[known.index(n)] for n in (x, y)]
+        ax.plot(*at, marker, color=INK, ms=9 if marker == "*" else 6, mfc="none", label=label, zorder=4)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlabel(f"{words(x)} [m]")
+    ax.set_ylabel(f"{words(y)} [m]")
+    ax.set_title("Tip path, a dot every 0.25 s")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+def stroboscopic(
+    cases: Sequence[tuple[str, Plant, Trajectory]], *, count: int = 16, until: float | None = None
+) -> Figure:
+    """The arm's shape at `count` times, early ones faint, side by side for each case; with the tip's path."""
+    figure, axes = panels(1, len(cases), height=3.6, sharex=True, sharey=True)
+    for ax, (name, plant, motion) in zip(axes, cases):
+        last = len(motion.t) if until is None else int(np.searchsorted(motion.t, until * (1 + 1e-9))) + 1
+        picks = np.unique(np.linspace(0, min(last, len(motion.t)) - 1, count).round().astype(int))
+        curves = shapes.lines(plant, motion.x[picks])
+        faint = LineCollection(list(curves), colors=COLOURS[0], linewidths=1.3)
+        faint.set_alpha(np.linspace(0.2, 1.0, len(picks)))
+        ax.add_collection(faint)
+        everywhere = shapes.lines(plant, motion.x[:last])
+        ax.plot(*everywhere[:, -1].T, color=COLOURS[1], lw=1.0, label="tip")
+        ax.plot(0, 0, "o", color=INK, ms=5)
+        ax.plot(*curves[:, -1].T, ".", color=COLOURS[1], ms=5)
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.autoscale_view()
+        ax.set_title(name)
+        ax.set_xlabel("x [m]")
+        ax.axhline(0, color=QUIET, lw=0.5)
+    axes[0].set_ylabel("y [m]")
+    return figure

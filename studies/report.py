@@ -1,0 +1,213 @@
+"""One scene, everything: the motion, the linear models, LQR in closed loop, the chart and the choice of a model."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pliant.controllers import LQR
+from pliant.envs.scenes import Scene
+from pliant.plants import LinearModel, LTVModel, Plant, PliantError, Trajectory
+from pliant.plants.signals import names
+
+from . import files, machine
+from .chart import Chart, chart
+from .closed_loop import Loop, closed_loop, dearer
+from .fidelity import Choice, choose
+from .motions import Motions, Progress, share, silent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CHART_BUDGET = 14.0  # [s]
+RTOL = 1e-9
+PERTURBATIONS = (0.1, 0.03, 0.01)  # of the first coordinate [rad], to test the LTV model
+
+
+@dataclass
+class Findings:
+    """Everything that the report shows."""
+
+    scene: Scene
+    open_loop: Trajectory
+    goal: LinearModel
+    along: LTVModel
+    ltv_errors: tuple[tuple[float, float], ...]  # perturbation [rad], largest error of the predicted outputs
+    frequencies: tuple[tuple[str, np.ndarray], ...]  # variant, locked natural frequencies [Hz]
+    law: LQR
+    loops: tuple[Loop, ...]
+    chart: Chart
+    choice: Choice
+    scene_error: float  # of the scene's own plant against the finest variant
+    machine: dict[str, str] = field(default_factory=machine.describe)
+    seconds: float = 0.0
+
+
+def report(
+    scene: Scene, out: str | Path, *, progress: Progress | None = None, budget: float = CHART_BUDGET
+) -> Path:
+    """Write the folder `out` with report.html, the figures as png and the tables as json; returns the html's path.
+
+    The folder appears whole or not at all; a former report is replaced. `budget` [s] is the chart's. ValueError
+    where `out` holds other files.
+    """
+    out = Path(out)
+    files.check_target(out)
+    began = clock.perf_counter()
+    found = study(scene, progress=share(progress, 0.0, 0.85), budget=budget)
+    told = share(progress, 0.85, 1.0)
+    from . import page, style
+
+    with files.whole_folder(out) as folder:
+        told(0.0, "figures")
+        drawn = figures_of(found)
+        for i, (name, figure) in enumerate(drawn.items()):
+            told(0.6 * i / len(drawn), f"figure {name}")
+            style.save(figure, folder / f"{name}.png")
+        for name, table in tables_of(found).items():
+            files.write_json(folder / f"{name}.json", table)
+        found.open_loop.save(folder / "open_loop.npz")
+        told(0.7, "page")
+        inlined = {name: style.inline(figure) for name, figure in drawn.items()}
+        found.seconds = clock.perf_counter() - began
+        (folder / "report.html").write_text(page.build(found, inlined), encoding="utf-8")
+        contents = sorted([p.name for p in folder.iterdir()] + [files.MARK])
+        files.write_json(
+            folder / files.MARK,
+            {
+                "scene": scene.name,
+                "plant": scene.plant.label,
+                "seconds": found.seconds,
+                "machine": found.machine,
+                "files": contents,
+            },
+        )
+    told(1.0, "report")
+    return out / "report.html"
+
+
+def study(scene: Scene, *, progress: Progress | None = None, budget: float = CHART_BUDGET) -> Findings:
+    """Simulate, linearise, close the loop, chart and choose."""
+    told, motions = progress or silent, Motions(scene)
+    told(0.0, "open loop")
+    open_loop = scene.open_loop(rtol=RTOL, atol=RTOL / 100)
+    told(0.08, "linear models")
+    goal = scene.plant.linearize(*scene.target)
+    along = scene.plant.linearize_along(open_loop)
+    ltv_errors = _ltv_errors(scene, open_loop, along)
+    told(0.12, "frequencies")
+    frequencies = _frequencies(scene)
+    law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.3))
+    measured = chart(scene, budget=budget, motions=motions, progress=share(progress, 0.3, 0.85))
+    choice = choose(scene, measured=measured, motions=motions, progress=share(progress, 0.85, 1.0))
+    return Findings(
+        scene=scene,
+        open_loop=open_loop,
+        goal=goal,
+        along=along,
+        ltv_errors=ltv_errors,
+        frequencies=frequencies,
+        law=law,
+        loops=loops,
+        chart=measured,
+        choice=choice,
+        scene_error=motions.difference(scene.plant, motions.reference),
+    )
+
+
+def _ltv_errors(scene: Scene, nominal: Trajectory, model: LTVModel) -> tuple[tuple[float, float], ...]:
+    """Start off the nominal by each perturbation; the largest error of the predicted compared outputs."""
+    known = names(scene.plant.outputs)
+    picks = [known.index(name) for name in scene.compare]
+    rows = []
+    for size in PERTURBATIONS:
+        dx0 = np.zeros(scene.plant.nx)
+        dx0[0] = size
+        try:
+            moved = scene.plant.simulate(
+                nominal.x[0] + dx0, scene.nominal_input, nominal.t, rtol=RTOL, atol=RTOL / 100
+            )
+        except PliantError:
+            rows.append((size, float("nan")))
+            continue
+        _, dy = model.simulate(dx0)
+        rows.append((size, float(np.abs(moved.y - nominal.y - dy)[:, picks].max())))
+    return tuple(rows)
+
+
+def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray], ...]:
+    """Natural frequencies [Hz] at the goal, the scene's coordinates locked, by variant."""
+    rows: list[tuple[str, np.ndarray]] = []
+    plants: list[Plant] = [*scene.plant.ladder(), scene.plant, dearer(scene.plant)]
+    for plant in dict.fromkeys(plants):
+        if not hasattr(plant, "natural_frequencies") or plant.nx <= 2 * len(scene.goal):
+            continue
+        x = scene.with_plant(plant).target[0]
+        found = plant.natural_frequencies(x, locked=tuple(name for name, _ in scene.goal))
+        rows.append((plant.label, found / (2 * np.pi)))
+    return tuple(rows)
+
+
+def figures_of(found: Findings) -> dict[str, Figure]:
+    """The pictures by file name, in the page's order."""
+    from . import figures, shapes
+
+    scene, design = found.scene, found.loops[0]
+    closed = [("LQR", design.motion)] if design.motion is not None else []
+    drawn = {"motion": figures.histories(scene, [("open loop", found.open_loop)], title="Open-loop motion")}
+    if shapes.has_shape(scene.plant):
+        cases = [(name, scene.plant, m) for name, m in (("open loop", found.open_loop), *closed)]
+        drawn["shapes"] = figures.stroboscopic(cases)
+    runs = [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
+    if len(scene.compare) >= 2:
+        drawn["tip_path"] = figures.tip_path(scene, [("open loop", found.open_loop), *runs])
+    sets = [("open loop", found.goal.eigenvalues)]
+    sets.append(("LQR, sampled", np.log(found.law.poles.astype(complex)) / scene.dt))
+    drawn["eigenvalues"] = figures.eigenvalues(sets)
+    drawn["frozen_eigenvalues"] = figures.frozen(found.along)
+    if runs:
+        drawn["closed_loop"] = figures.histories(scene, runs, title="LQR in closed loop")
+    drawn["speed_accuracy"] = figures.speed_accuracy(found.chart)
+    drawn["ladder"] = figures.ladder(found.choice)
+    return drawn
+
+
+def tables_of(found: Findings) -> dict[str, Any]:
+    """The tables by file name."""
+    scene, goal = found.scene, found.goal
+    return {
+        "modes": {
+            "at": "goal",
+            "modes": [vars(mode) for mode in goal.modes()],
+            "locked_frequencies_hz": dict(found.frequencies),
+        },
+        "linearization": linear_table(goal),
+        "linearization_along": {
+            "t": found.along.t,
+            "eigenvalues": np.linalg.eigvals(found.along.A).astype(complex),
+            "largest_residual": float(np.abs(found.along.c).max()),
+            "prediction_errors": [{"perturbation": a, "error": b} for a, b in found.ltv_errors],
+        },
+        "closed_loop": {
+            "design_plant": scene.plant.label,
+            "gain": found.law.K,
+            "reads": found.law.reads,
+            "open_loop_cost": scene.cost(found.open_loop),
+            "loops": [loop.to_json() for loop in found.loops],
+        },
+        "speed_accuracy": found.chart.to_json(),
+        "choice": found.choice.to_json(),
+        "machine": found.machine,
+    }
+
+
+def linear_table(model: LinearModel) -> dict[str, Any]:
+    """A linear model as a table: point, names, matrices, eigenvalues."""
+    table: dict[str, Any] = {
+        kind: list(names(getattr(model, kind))) for kind in ("states", "inputs", "disturbances", "outputs")
+    }
+    table |= {key: getattr(model, key) for key in ("x0", "u0", "w0", "y0", "f0", "A", "B", "E", "C", "D", "F")}
+    return table | {"eigenvalues": model.eigenvalues}

@@ -1,0 +1,101 @@
+"""How the pictures look: one style, saved as png on white or inlined as svg in the page's own text colour."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+INK = "#20242a"  # text and lines; in the page it takes the page's text colour
+QUIET = "#8a9099"
+COLOURS = (
+    "#3b7dd8",
+    "#e07b39",
+    "#2e9e6b",
+    "#c2477f",
+    "#8a63d2",
+    "#b8901c",
+    "#2a9db5",
+    "#d64545",
+    "#6f8a3a",
+    "#7c6f64",
+)
+MARKERS = ("o", "s", "^", "D", "P", "X", "v")
+WIDTH = 8.0  # [in]
+DPI = 150
+
+RC: dict[str, Any] = {
+    "font.size": 9.0,
+    "font.family": "sans-serif",
+    "axes.titlesize": 10.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.facecolor": "none",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": QUIET,
+    "grid.alpha": 0.25,
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 5.0,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "figure.facecolor": "none",
+    "svg.fonttype": "none",
+    "svg.hashsalt": "pliant",
+}
+RC["axes.prop_cycle"] = matplotlib.cycler(color=COLOURS)
+
+
+def panels(
+    rows: int, columns: int = 1, *, height: float = 2.2, width: float = WIDTH, **options: Any
+) -> tuple[Figure, list[Axes]]:
+    """A figure of rows x columns panels, each row `height` [in] high, and its axes row by row."""
+    with matplotlib.rc_context(RC):
+        figure = Figure(figsize=(width, height * rows), layout="constrained")
+        axes = figure.subplots(rows, columns, squeeze=False, **options)
+    return figure, list(axes.flat)
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write the figure as its ending says (png, svg, pdf), on white. ValueError for an ending that is not known."""
+    ending = Path(path).suffix.lower().lstrip(".")
+    known = sorted(figure.canvas.get_supported_filetypes())
+    if ending not in known:
+        raise ValueError(f"picture {str(path)!r} must end with one of {', '.join(known)}")
+    with matplotlib.rc_context(RC):
+        figure.savefig(path, dpi=DPI, facecolor="white")
+
+
+def inline(figure: Figure) -> str:
+    """The figure as an svg element for a page: no links, its ink in the page's text colour."""
+    buffer = io.StringIO()
+    with matplotlib.rc_context(RC):
+        figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = re.sub(r' xmlns(:\w+)?="[^"]*"', "", text)
+    text = re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"|(<svg[^>]*?) height="[^"]*" width="[^"]*"', _bare, text)
+    return text.replace(INK, "currentColor").replace("xlink:href", "href")
+
+
+def _bare(match: re.Match[str]) -> str:
+    """Only the viewBox is left, so that the page sets the size."""
+    return match.group(1) or match.group(2)
