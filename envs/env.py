@@ -30,29 +30,30 @@ def _functions(scene: Scene) -> tuple[NumericFunction, NumericFunction]:
 class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     """Drive a scene's plant from rest at its start to rest at its goal.
 
-    | what        | is                                                                    | unit, range             |
-    |-------------|-----------------------------------------------------------------------|-------------------------|
-    | action      | inputs over scene.limits, float32; clipped to its range               | [-1, 1]                 |
-    | observation | scene.observe less their values at the goal, `dtype`                  | the signals' own        |
-    | reward      | -dt * stage cost at the period's start, with the clipped input        | what Scene.cost sums    |
-    | terminated  | a bounded signal left its bound, or the state diverged                | scene.bounds            |
-    | truncated   | the time is over                                                      | scene.steps periods     |
+    | what        | is                                                             | unit, range          |
+    |-------------|----------------------------------------------------------------|----------------------|
+    | action      | inputs over scene.limits, float32; clipped to its range        | [-1, 1]              |
+    | observation | scene.observe less their values at the goal, `dtype`           | the signals' own     |
+    | reward      | -dt * stage cost at the period's start, with the clipped input | what Scene.cost sums |
+    | terminated  | a bounded signal left its bound, or the state diverged         | scene.bounds         |
+    | truncated   | the time is over                                               | scene.steps periods  |
 
-    Signal by signal, with units: the docstring of each scene in pliant.envs.scenes.SCENES. Goal values are those of the
-    scene's own plant, also where parameters are drawn.
+    Signal by signal, with units: the docstring of each scene in pliant.envs.scenes.SCENES. Goal values are
+    those of the scene's own plant, also where parameters are drawn.
 
-    Ending early never pays: the last reward also charges, for every period left, dt times (scene.early_end_rate + the
-    stage cost of that last period). A diverged state is not shown: the last finite observation is returned again.
+    Ending early does not pay: the last reward also charges, for every period left, dt times
+    (scene.early_end_rate + the stage cost of that last period). A diverged state is not shown: the last
+    finite observation comes again.
 
-    info: "cost" = -reward, "early_end_cost" the part of it charged for the time left, "diverged", and "parameters",
-    the values of the randomised parameters by name.
+    info: "cost" = -reward, "early_end_cost" the part of it charged for the time left, "diverged", and
+    "parameters", the values of the randomised parameters by name.
 
-    randomise  False: the scene's own start and parameters, every episode the same. True: both drawn at each reset
-               from `np_random` alone, uniformly within scene.start_spread and the factors of scene.randomise
+    randomise  False: the scene's own start and parameters, every episode the same. True: both drawn at each
+               reset from `np_random` alone, uniformly within scene.start_spread and scene.randomise's factors
     options of reset: "state" (nx,) to start from, "parameters" by name, each instead of what was drawn
     """
 
-    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 50}  # noqa: RUF012 (Gymnasium's convention)
+    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 50}  # noqa: RUF012
 
     def __init__(
         self,
@@ -63,7 +64,9 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         render_mode: str | None = None,
     ) -> None:
         self.scene = scene = scenes.get(scene) if isinstance(scene, str) else scene
-        parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
+        parameters.require_choice(
+            "PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"])
+        )
         kind = np.dtype(dtype)
         parameters.require_choice("PlantEnv", "dtype", kind.name, ("float64", "float32"))
         if not scene.observe:
@@ -85,7 +88,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._check_step()
 
     def _check_step(self) -> None:
-        """Raise StabilityLimitError where RK4's step is too long at the goal, for any corner of the parameters."""
+        """Raise StabilityLimitError where RK4's step is too long at the goal, for any extreme parameters."""
         scene = self.scene
         x, u = scene.target
         factors = [(low, high) if self.randomise else (1.0,) for _, low, high in scene.randomise]
@@ -95,7 +98,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
     @property
     def spec(self) -> EnvSpec | None:
-        """The registered specification; its max_episode_steps is the scene's, which this class enforces itself."""
+        """The registered specification, with the scene's max_episode_steps, which this class enforces."""
         return getattr(self, "_spec", None)
 
     @spec.setter
@@ -130,7 +133,9 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             p = self._given(p[0], options["parameters"])[None]
         if "state" in options:
             shape = (scene.plant.nx,)
-            self._x = parameters.require_finite("PlantEnv.reset: options['state']", options["state"], shape).copy()
+            self._x = parameters.require_finite(
+                "PlantEnv.reset: options['state']", options["state"], shape
+            ).copy()
         elif self.randomise or "parameters" in options:
             self._x = initial_states(scene, starts, p)[0]
         else:
@@ -150,7 +155,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         p = p.copy()
         for name, value in values.items():
             parameters.require_choice("PlantEnv.reset", "options['parameters']", name, self._names)
-            parameters.put(self.scene.plant, name, float(value))  # raises where the value is out of range
+            parameters.put(self.scene.plant, name, float(value))  # ValueError where it is out of range
             p[self._names.index(name)] = value
         return p
 
@@ -163,7 +168,9 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             raise gymnasium.error.ResetNeeded("PlantEnv.step: no episode is running; call reset first")
         action = np.asarray(action, dtype=float)
         if action.shape != self._idle.shape or not np.dot(action, action) < np.inf:
-            raise ValueError(f"PlantEnv.step: action = {action} must be {len(self._idle)} finite numbers in [-1, 1]")
+            raise ValueError(
+                f"PlantEnv.step: action = {action} must be {len(self._idle)} finite numbers in [-1, 1]"
+            )
         x, obs, charged, margin = self._step(self._x, action, self._reference, self._disturbance, self._p)
         cost, early = charged.item(), 0.0
         self._done += 1
@@ -182,10 +189,12 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         truncated = self._over and not terminated
         return self._obs.astype(self._dtype), -cost, terminated, truncated, self._info(cost, early, diverged)
 
-    def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """The arm, its goal and its tip's path: an image (height, width, 3) of uint8, or drawn in a window."""
+    def render(self) -> np.ndarray | None:
+        """The arm, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
         if self.render_mode is None:
-            gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
+            gymnasium.logger.warn(
+                'PlantEnv.render: make the environment with render_mode="rgb_array" or "human"'
+            )
             return None
         if self._renderer is None:
             from .render import Renderer
@@ -201,12 +210,12 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
 
 def environment_id(scene_name: str) -> str:
-    """ "two-link-reach" -> "pliant/TwoLinkReach-v0"."""
+    """The registered id of a named scene: "two-link-reach" -> "pliant/TwoLinkReach-v0"."""
     return f"pliant/{''.join(word.capitalize() for word in scene_name.split('-'))}-v0"
 
 
 def register() -> None:
-    """Register every named scene with Gymnasium; the time limit is the environment's own, so no wrapper adds one."""
+    """Register every named scene with Gymnasium; the environment keeps the time limit, so no wrapper does."""
     for name in scenes.names():
         gymnasium.register(
             id=environment_id(name),

@@ -60,7 +60,8 @@ class Renderer:
         for link in goal:
             axes.plot(*link.T, color=GOAL, lw=2, ls=(0, (3, 2)), alpha=0.7, zorder=1)
         axes.plot(*goal[-1][-1], "o", ms=17, mfc="none", mec=GOAL, mew=2, alpha=0.7, zorder=1)
-        self._trail = axes.add_collection(LineCollection([], linewidths=2.2, zorder=2, capstyle="butt"))
+        self._trail = LineCollection([], linewidths=2.2, zorder=2, capstyle="butt")
+        axes.add_collection(self._trail)
         style: dict[str, Any] = {"solid_capstyle": "round", "zorder": 4}
         self._links = [
             axes.plot([], [], color=LINKS[i % len(LINKS)], lw=max(9 - 2 * i, 4), **style)[0]
@@ -72,7 +73,7 @@ class Renderer:
         (self._joints,) = axes.plot([], [], "o", ms=11, mfc="white", mec=INK, mew=2.2, zorder=5)
         (self._payload,) = axes.plot([], [], "o", ms=13, mfc=TIP, mec="white", mew=1.5, zorder=6)
         about = f"{scene.name}\n{scene.plant.label}"
-        text = {"transform": axes.transAxes, "va": "top", "color": INK, "fontsize": 11}
+        text: dict[str, Any] = {"transform": axes.transAxes, "va": "top", "color": INK, "fontsize": 11}
         axes.text(0.03, 0.975, about, linespacing=1.4, **text)
         self._status = axes.text(0.97, 0.975, "", ha="right", linespacing=1.4, **text)
         self._bars = [self._bar(0.035 + 0.04 * i, s.name) for i, s in enumerate(reversed(scene.plant.inputs))]
@@ -85,7 +86,14 @@ class Renderer:
         options: dict[str, Any] = {"transform": axes.transAxes, "zorder": 3}
         axes.add_patch(Rectangle((0.3, height), 0.4, 0.018, color=PALE, lw=0, **options))
         axes.text(
-            0.285, height + 0.009, name, ha="right", va="center", color=INK, fontsize=10, transform=axes.transAxes
+            0.285,
+            height + 0.009,
+            name,
+            ha="right",
+            va="center",
+            color=INK,
+            fontsize=10,
+            transform=axes.transAxes,
         )
         bar = axes.add_patch(Rectangle((0.5, height), 0.0, 0.018, color=LINKS[1], lw=0, **options))
         axes.plot([0.5, 0.5], [height - 0.004, height + 0.022], color=INK, lw=1, transform=axes.transAxes)
@@ -111,9 +119,9 @@ class Renderer:
         self._path.append(tip)
         path = np.array(self._path)
         segments = np.stack([path[:-1], path[1:]], axis=1)
-        fade = np.linspace(0.08, 0.85, len(segments))[:, None]
+        fade = np.linspace(0.08, 0.85, len(segments))
         self._trail.set_segments(list(segments))
-        self._trail.set_color(np.hstack([np.tile(to_rgb(TIP), (len(segments), 1)), fade]))
+        self._trail.set_color([(*to_rgb(TIP), alpha) for alpha in fade])
         for bar, value in zip(self._bars, np.clip(action, -1.0, 1.0)[::-1]):
             bar.set_width(0.2 * value)
         self._status.set_text(f"{time:.2f} s\ncost {cost:.2f}")

@@ -1,7 +1,7 @@
 """A scene: a plant, a manoeuvre, limits, a cost and a tolerance.
 
-A scene is what controllers are scored on, what environments wrap and what the speed-accuracy chart runs. It names
-signals, never indices, so that every fidelity of its plant can play it.
+A scene is what controllers are scored on, what environments wrap and what the speed-accuracy chart runs. It
+names signals, never indices, so that every fidelity of its plant can play it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ALLOWED: dict[str, tuple[str, Callable[[float], bool]]] = {
 
 
 def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
-    """The quintic from 0 to 1 over s in [0, 1] with zero end rates and accelerations, and its two derivatives."""
+    """The quintic from 0 to 1 over s in [0, 1], end rates and accelerations zero, and its two derivatives."""
     s = np.clip(s, 0.0, 1.0)
     return (
         10 * s**3 - 15 * s**4 + 6 * s**5,
@@ -42,7 +42,8 @@ def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
 class Scene:
     """Drive `plant` from rest at `start` to rest at `goal`, at least cost, within limits.
 
-    Cost [-]  sum over control periods of dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
+    Cost [-]  sum over control periods of
+              dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
               z any states or outputs by name; reward is minus that.
     """
 
@@ -153,7 +154,7 @@ class Scene:
         return [index(self.plant.inputs, name, "input") for name, _ in self.effort]
 
     def cost_rate(self, errors: Iterable[Any], excess: Iterable[Any]) -> Any:
-        """Cost rate [1/s] from the deviations of the weighted signals and inputs: numbers, arrays or expressions."""
+        """Cost rate [1/s] from deviations of the weighted signals and inputs: numbers, arrays or SX."""
         terms = [weight * e**2 for (_, weight), e in zip(self.weights, errors)]
         return sum(terms + [weight * e**2 for (_, weight), e in zip(self.effort, excess)])
 
@@ -171,10 +172,11 @@ class Scene:
 
     @cached_property
     def early_end_rate(self) -> float:
-        """Cost rate [1/s] added for the time left when an episode ends early, so that ending never pays.
+        """Cost rate [1/s] added for the time left when an episode ends early, so that ending does not pay.
 
-        The stage cost with every input at its limit and every weighted signal as far from the goal as its bound
-        lets it be, or, without a bound, as it is at the start. No motion that stays that near costs more.
+        The stage cost with every input at its limit and every weighted signal as far from the goal as its
+        bound lets it be, or, without a bound, as it is at the start: no motion that stays that near costs
+        more. From states that have run away much farther, coming back could still cost more than ending.
         """
         (x, u), (z0, u0) = self.initial, self._cost_origin
         begin = self.signal_values(x, self.plant.measure(x, u), self.weighted)
@@ -209,7 +211,7 @@ class Scene:
 
     @cached_property
     def nominal_input(self) -> Callable[[float], np.ndarray]:
-        """Torques u(t) that take the rigid plant along a minimum-jerk motion from start to goal, then hold it.
+        """Torques u(t) that take the rigid plant along a minimum-jerk motion to the goal, then hold it.
 
         The same torques drive every fidelity in the speed-accuracy chart.
         """

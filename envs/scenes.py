@@ -1,7 +1,7 @@
 """The named scenes. Each docstring tables what the scene's environment shows, takes and charges.
 
-An observation is a signal less its value at the goal ("sag": what gravity bends there); the reward is minus the sum,
-over the rows of the cost, of the control period times weight times deviation from the goal squared.
+An observation is a signal less its value at the goal ("sag": what gravity bends there); the reward is minus
+the sum, over the rows of the cost, of the control period times weight times deviation from the goal squared.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _single_link_slew() -> Scene:
 
 
 def _two_link_reach() -> Scene:
-    """Lift a 0.5 kg payload point to point with two elastic links under gravity, in 3 s; control period 0.02 s.
+    """Lift a 0.5 kg payload with two elastic links under gravity, in 3 s; control period 0.02 s.
 
     | observation              | unit  |
     |--------------------------|-------|
@@ -175,7 +175,7 @@ def _own(name: str) -> Scene:
 
 
 def get(name: str, **overrides: Any) -> Scene:
-    """A scene by name; keywords override its fields: get("two-link-reach", duration=5.0, limits=(80.0, 30.0))."""
+    """A scene by name; keywords override its fields: get("two-link-reach", limits=(80.0, 30.0))."""
     require_choice("scenes", "name", name, names())
     scene = _own(name)
     fields = {f.name for f in dataclasses.fields(Scene)}

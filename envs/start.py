@@ -19,7 +19,7 @@ SMALL = 1e-3  # [m, rad, N m] below which a change counts absolutely
 
 
 def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """(starts (n, len(scene.start)), p (n, np)): uniform within the start's spread and the parameters' factors."""
+    """(starts (n, len(scene.start)), p (n, np)): uniform within start_spread and the parameters' factors."""
     own = np.array([value for _, value in scene.start])
     starts = own + scene.start_spread * rng.uniform(-1.0, 1.0, (n, len(own)))
     low, high = np.array([pair for _, *pair in scene.randomise]).reshape(-1, 2).T
@@ -27,7 +27,7 @@ def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np
 
 
 def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Rest states (n, nx) with the coordinates of scene.start held at the rows of `starts`, for parameters p (n, np).
+    """Rest states (n, nx) with the coordinates of scene.start held at the rows of `starts`, for p (n, np).
 
     Newton's method on the statics, all lanes at once, from the scene's own start. Raises EquilibriumError.
     """
@@ -54,10 +54,11 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
             break
     else:
         k = int(np.argmax(moving))
+        held = ", ".join(f"{name} = {value:.4g}" for (name, _), value in zip(scene.start, starts[k]))
         worst = float(np.abs(change[k]).max())
         raise EquilibriumError(
-            f"no rest state of scene {scene.name!r} with {dict(zip((n for n, _ in scene.start), starts[k]))} held: "
-            f"Newton's steps still change it by {worst:.3g}; narrow start_spread or randomise",
+            f"scene {scene.name!r} has no rest state with {held} and p = {p[k]}: Newton's steps still change "
+            f"it by {worst:.3g}; narrow start_spread or randomise",
             worst,
         )
     x = np.zeros((len(starts), plant.nx))
@@ -81,7 +82,7 @@ def _in_chunks(newton: NumericFunction, *arrays: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=32)
 def _newton(scene: Scene) -> NumericFunction:
-    """(z, start, p) -> Newton's change of z = [free coordinates; inputs] towards zero generalised force at rest."""
+    """(z, start, p) -> Newton's change of z = [free coordinates; inputs] towards no net force at rest."""
     plant = scene.varied_plant
     assert isinstance(plant, LagrangianPlant)
     t, x, u, w, p = plant.symbols
@@ -90,5 +91,7 @@ def _newton(scene: Scene) -> NumericFunction:
     rest = ca.SX.zeros(plant.nx)
     rest[columns], rest[free] = start, z[: len(free)]
     force = plant.symbolic.equations(t, x, u, w)[1]
-    force = ca.substitute(force, ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw)))
+    force = ca.substitute(
+        force, ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw))
+    )
     return function("newton", [z, start, p], [-ca.solve(ca.jacobian(force, z), force)])

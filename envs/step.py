@@ -1,11 +1,11 @@
-"""One control period of a scene's environment, as straight-line CasADi expressions: no branch, loop or callback.
+"""One control period of a scene's environment as straight-line CasADi expressions, without branch or loop.
 
-x (nx,) state; action (nu,) in [-1, 1]; u (nu,) inputs; w (nw,) disturbances; p (np,) the randomised parameters, in
-the order of scene.randomise; ref (nr,) what deviations are measured from: the goal's values of the observed signals,
-of the weighted signals and of the priced inputs, one after the other.
+x (nx,) state; action (nu,) in [-1, 1]; u (nu,) inputs; w (nw,) disturbances; p (np,) the randomised
+parameters, in the order of scene.randomise; ref (nr,) what deviations are measured from: the goal's values of
+the observed signals, of the weighted signals and of the priced inputs, one after the other.
 
-Every function here is also the source of compiled code, one lane at a time. Non-finite numbers are told by `sound`,
-outside of them.
+The functions here are also the source of compiled code, one lane at a time. `sound` tells non-finite numbers,
+outside of it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pliant.plants.integrate import step_map
 
 from .scene import Scene
 
-LARGEST = 1e30  # a state or observation beyond it has diverged: its square still fits a double, itself a single
+LARGEST = 1e30  # beyond it a state has diverged: the square still fits a double, the number itself a single
 
 
 def reference(scene: Scene) -> np.ndarray:
@@ -40,7 +40,9 @@ def substep_function(scene: Scene) -> ca.Function:
     """(x, u, w, p) -> x after one RK4 step of dt / substeps with u held."""
     plant = scene.varied_plant
     if any(ca.depends_on(e, plant.symbols[0]) for e in plant.expressions):
-        raise ValueError(f"scene {scene.name!r}: the plant depends on time, which an environment does not show")
+        raise ValueError(
+            f"scene {scene.name!r}: the plant depends on time, which an environment does not show"
+        )
     x, u, _, w, p = _symbols(scene)
     rk4 = step_map(plant, "rk4")
     after = rk4(0.0, x, ca.repmat(u, 1, 3), w, p, scene.dt / scene.substeps)
@@ -51,7 +53,7 @@ def substep_function(scene: Scene) -> ca.Function:
 def observe_function(scene: Scene) -> ca.Function:
     """(x, u, ref, w, p) -> (obs (no,), cost of a control period that starts here, margin).
 
-    margin  the least of (bound - |signal|) / bound: 1 where all bounded signals are zero, negative out of bounds
+    margin  the least of (bound - |signal|) / bound: 1 where all bounded signals are zero, < 0 out of bounds
     """
     plant = scene.varied_plant
     x, u, ref, w, p = _symbols(scene)
@@ -67,15 +69,17 @@ def observe_function(scene: Scene) -> ca.Function:
         value = signals[scene.positions([name])]
         margin = ca.fmin(margin, (bound - ca.fabs(value)) / bound)
     results = [ca.densify(e) for e in (obs, scene.dt * ca.SX(rate), margin)]
-    return ca.Function("observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"])
+    return ca.Function(
+        "observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"]
+    )
 
 
 @lru_cache(maxsize=32)
 def step_function(scene: Scene) -> ca.Function:
     """(x, action, ref, w, p) -> (x_next, obs, cost, margin): a control period with the action held.
 
-    The input is the action, clipped to [-1, 1], times the scene's limits. obs and margin are those of x_next; cost is
-    what Scene.cost sums for this period: dt times the stage cost at x and the input.
+    The input is the action, clipped to [-1, 1], times the scene's limits. obs and margin are those of x_next;
+    cost is what Scene.cost sums for this period: dt times the stage cost at x and the input.
     """
     substep, observe = substep_function(scene), observe_function(scene)
     x, action, ref, w, p = _symbols(scene)

@@ -94,7 +94,9 @@ class ElasticLink:
         L = self.beam.length
         xi = np.linspace(0.0, 1.0, points)
         line = np.column_stack([L * xi, self.basis.phi(xi) @ q])
-        if self.stiffened:  # shortening: half the integral of the slope squared, by Gauss's rule between the points
+        if (
+            self.stiffened
+        ):  # shortening: half the integral of the slope squared, by Gauss's rule between the points
             node, weight = np.polynomial.legendre.leggauss(6)
             width = 1.0 / (points - 1)
             slope = self.basis.phi(xi[:-1, None] + width * (1 + node) / 2, 1) @ q / L

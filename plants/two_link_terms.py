@@ -61,11 +61,11 @@ def paper_terms(arm: TwoLinkArm, x: Any, u: Any = None) -> Terms:
         slope[2 : 2 + n1] = arm.links[0].basis.tip_slope / arm.link1.length
         for motion in (q, v, a):
             motion[1] += slope @ motion
-    J, F, Gamma = _without_slope(arm, q, v, a)
+    J, F, Gamma, coupling = _without_slope(arm, q, v, a)
     if arm.tip_slope:
         second = J[1] * a[1] + F[1] * v[1] + Gamma[1]  # the equation of link 2's absolute turn
         Gamma[1] += J[1] * (slope @ acceleration) + F[1] * (slope @ x[n:])
-        own = slope**2 * J[1]
+        own = slope**2 * J[1] + 2 * slope * coupling
         J += own
         Gamma += slope * second - own * acceleration
     Gamma += _losses(arm, x[n:])
@@ -87,8 +87,11 @@ def _losses(arm: TwoLinkArm, v: Array) -> Array:
     return lost
 
 
-def _without_slope(arm: TwoLinkArm, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
-    """Corrected (34)-(51), theta2 measured from link 1's root direction; the names are the paper's."""
+def _without_slope(arm: TwoLinkArm, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array]:
+    """Corrected (34)-(51), theta2 measured from link 1's root direction; the names are the paper's.
+
+    Returns J, F, Gamma and row 2 of the mass matrix, link 1's columns only, each (n,).
+    """
     n1 = arm.mode_counts[0]
     e1, e2 = slice(2, 2 + n1), slice(2 + n1, None)
     (q1, q2), (q1d, q2d), (q1dd, q2dd) = ((z[e1], z[e2]) for z in (q, v, a))
@@ -154,4 +157,6 @@ def _without_slope(arm: TwoLinkArm, q: Array, v: Array, a: Array) -> tuple[Array
 
     J = np.concatenate([[J1, J2], J3, J5])
     F = np.concatenate([[F1, F2], np.zeros(len(J3) + len(J5))])
-    return J, F, np.concatenate([[Gam1, Gam2], Gam3, Gam5])
+    coupling = np.zeros(len(J))
+    coupling[e1] = phi1 * (alpha * c2 / 2 - X * s2)
+    return J, F, np.concatenate([[Gam1, Gam2], Gam3, Gam5]), coupling

@@ -1,7 +1,7 @@
 """Speed against accuracy: every fidelity of a scene's plant, by every integrator, at several steps.
 
-Error  the largest difference of the scene's compared outputs from the reference, over the scene's open-loop motion
-       [the outputs' unit]; the reference is the finest variant at tight tolerance
+Error  the largest difference of the scene's compared outputs from the reference, over the scene's open-loop
+       motion [the outputs' unit]; the reference is the finest variant at tight tolerance
 Time   wall time of the integration per simulated second, the median of several runs after a warm-up
 """
 
@@ -18,6 +18,7 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+
 from pliant.envs.scenes import Scene
 from pliant.plants import Plant, PliantError
 
@@ -26,7 +27,7 @@ from .motions import TIGHT, Motions, Progress, silent
 
 SUBSTEPS = (1, 2, 5, 10, 20, 50)  # fixed steps a control period
 TOLERANCES = {"dop853": (1e-3, 1e-5, 1e-7, 1e-9), "cvodes": (1e-4, 1e-6, 1e-8)}
-METHODS = ("rk4", "midpoint", "rosenbrock", "dop853", "cvodes")
+METHODS = ("dop853", "rk4", "rosenbrock", "midpoint", "cvodes")
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
 FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
@@ -107,6 +108,7 @@ class Chart:
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[bool]:
     """Which of the points (error, time) no other point beats in one and equals or beats in the other."""
+
     def beaten(e: float, s: float) -> bool:
         return any(a <= e and b <= s and (a, b) != (e, s) for a, b in points)
 
@@ -119,14 +121,16 @@ def chart(
     budget: float = 15.0,
     variants: Sequence[Plant] | None = None,
     methods: Sequence[str] = METHODS,
+    prune: bool = True,
     motions: Motions | None = None,
     progress: Progress | None = None,
 ) -> Chart:
     """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones.
 
     `variants` (None: the plant's ladder) are charted; errors are against the finest of the ladder in any case.
-    What is not run is a row that says so; a setting finer than one whose error no longer matters is left out.
-    ValueError for a budget that is not positive or an unknown method.
+    A setting is not run when the time is spent, when it would take too long, or when a measured row is faster
+    and better than its variant can be at any step (`prune`); its row says so. A setting finer than one whose
+    error no longer matters has no row. ValueError for a budget that is not positive or an unknown method.
     """
     if not 0 < budget < math.inf:
         raise ValueError(f"chart.budget = {budget!r} must be > 0 [s]")
@@ -138,7 +142,7 @@ def chart(
     told(0.0, "reference")
     nearest, difference = motions.shown_convergence
     reference = Reference(motions.reference.label, TIGHT, nearest, difference)
-    runner = _Runner(motions, began + budget)
+    runner = Runner(motions, began + budget, prune)
     plants = tuple(variants) if variants is not None else motions.ladder
     rows: list[Row] = []
     for level in range(len(SUBSTEPS)):
@@ -168,43 +172,55 @@ def chart(
     )
 
 
-class _Runner:
+class Runner:
     """Runs one setting after another; remembers what is built, what is enough and how long things take."""
 
-    def __init__(self, motions: Motions, deadline: float) -> None:
-        self.motions, self.deadline = motions, deadline
+    def __init__(self, motions: Motions, deadline: float, prune: bool) -> None:
+        self.motions, self.deadline, self.prune = motions, deadline, prune
         self.duration = motions.scene.steps * motions.scene.dt
         self.built: set[tuple[Plant, str]] = set()
         self.enough: set[tuple[Plant, str]] = set()
         self.last: dict[tuple[Plant, str], tuple[float, float]] = {}  # work units, seconds
+        self.done: list[Row] = []
 
     def measure(self, plant: Plant, method: str, level: int) -> Row | None:
         """The row of a setting, or None where there is nothing to gain by it."""
-        scene, key = self.motions.scene, (plant, method)
-        if key in self.enough:
+        key = plant, method
+        if key in self.enough or level >= len(TOLERANCES.get(method, SUBSTEPS)):
             return None
         options: dict[str, Any]
         if method in TOLERANCES:
-            if level >= len(TOLERANCES[method]):
-                return None
             rtol = TOLERANCES[method][level]
             row = Row(plant.label, plant.nx, method, None, rtol)
             options, work = {"rtol": rtol, "atol": rtol / 100}, rtol ** (-1 / 8)
         else:
-            step = scene.dt / SUBSTEPS[level]
+            step = self.motions.scene.dt / SUBSTEPS[level]
             row = Row(plant.label, plant.nx, method, step, None)
             options, work = {"step": step}, 1 / step
-        expected = 0.0
-        if key in self.last:
-            expected = self.last[key][1] * work / self.last[key][0]
-        if expected > SLOW:
-            return dataclasses.replace(row, failure=f"too slow: about {expected:.2g} s a run, limit {SLOW:g} s")
-        if clock.perf_counter() + expected > self.deadline:
-            return dataclasses.replace(row, failure="not run: the time budget was spent")
+        expected = self.last[key][1] * work / self.last[key][0] if key in self.last else 0.0
+        why = self._refusal(plant, expected)
+        if why:
+            return dataclasses.replace(row, failure=why)
         try:
-            return self._timed(row, plant, work, {"method": method, **options})
+            row = self._timed(row, plant, work, {"method": method, **options})
         except PliantError as failure:
             return dataclasses.replace(row, failure=f"{type(failure).__name__}: {failure}")
+        self.done.append(row)
+        return row
+
+    def _refusal(self, plant: Plant, expected: float) -> str:
+        """Why a setting expected to take this long [s] is not run; empty where it is."""
+        if self.prune and expected > 0:
+            best = self.motions.difference(plant, self.motions.reference)
+            for row in self.done:
+                assert row.error is not None and row.seconds is not None
+                if row.error <= best and row.seconds * self.duration <= expected:
+                    return f"not run: dominated by {row.variant}, {row.setting}"
+        if expected > SLOW:
+            return f"too slow: about {expected:.2g} s a run, limit {SLOW:g} s"
+        if clock.perf_counter() + expected > self.deadline:
+            return "not run: the time budget was spent"
+        return ""
 
     def _timed(self, row: Row, plant: Plant, work: float, options: dict[str, Any]) -> Row:
         motions, key = self.motions, (plant, row.method)

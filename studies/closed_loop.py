@@ -1,7 +1,7 @@
-"""One linear-quadratic regulator, designed on a scene's plant, run on that plant and on plants that differ from it.
+"""A linear-quadratic regulator designed on a scene's plant, run on that plant and on plants that differ from it.
 
-Spillover is a mode that the design model lacks and that the loop makes unstable. It is looked for in the sampled loop
-about the goal: eigenvalues of A_d - B_d K S, with S picking what the regulator reads.
+Spillover is a mode that the design model lacks and that the loop makes unstable. It is looked for in the sampled
+loop about the goal: eigenvalues of A_d - B_d K S, with S picking what the regulator reads.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
 from pliant.controllers import LQR
 from pliant.envs.scenes import Scene
 from pliant.plants import Plant, PliantError, Trajectory, modal, parameters
@@ -145,10 +146,10 @@ def _stability(scene: Scene, law: LQR) -> tuple[float, str, str]:
     found = modal.modes(loop, names(plant.states), scene.dt)
     radius = float(np.abs(np.linalg.eigvals(loop)).max())
     worst = max(found, key=lambda m: m.eigenvalue.real)
-    # Above half the sampling rate a sampled mode shows a folded frequency: the plant's own mode names it better.
+    # A mode above half the sampling rate shows a folded frequency there: the plant's own mode names it better.
     coordinate = worst.dominant_state.removesuffix("_rate")
-    own = [m for m in model.modes() if m.dominant_state.removesuffix("_rate") == coordinate]
-    frequency = own[0].frequency_hz if own else worst.frequency_hz
+    own = [m.frequency_hz for m in model.modes() if m.dominant_state.removesuffix("_rate") == coordinate]
+    frequency = own[0] if own and own[0] > 0.5 / scene.dt else worst.frequency_hz
     grows = "grows" if radius >= 1 else "decays"
     words = f"{frequency:.3g} Hz ({worst.dominant_state}) {grows} at {abs(worst.eigenvalue.real):.3g} 1/s"
     return radius, words, worst.dominant_state

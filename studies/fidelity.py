@@ -1,31 +1,34 @@
-"""The smallest model for a scene: climb the plant's ladder until finer rungs no longer change what the scene compares.
+"""The smallest model for a scene: climb the plant's ladder until finer rungs no longer change its outputs.
 
-Two neighbouring rungs may agree because both lack the same effect: one and two bending modes without the shortening of
-the bent links agree with each other, and both are wrong. So a rung is taken only when it agrees with the *finest* one,
-which holds every effect of the ladder, and the finest rung itself must be confirmed by another variant. The error
-bound of a rung is its difference from the finest plus that shown convergence of the finest.
+Two neighbouring rungs may agree because both lack the same effect: one and two bending modes without the
+shortening of the bent links agree with each other, and both are wrong. So a rung is taken only when it agrees
+with the *finest* one, which holds every effect of the ladder, and the finest rung itself must be confirmed by
+another variant. The error bound of a rung is its difference from the finest plus that shown convergence.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+import time as clock
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from pliant.envs.scenes import Scene
 from pliant.plants import Plant
 
-from .chart import Chart, Row, chart
+from .chart import METHODS, SUBSTEPS, TOLERANCES, Chart, Row, Runner, chart
 from .motions import Motions, Progress, share, silent
 
-EFFECTS = {  # (field, value that brings the effect in) -> words; the field's own words where the value is not listed
+# (field, value that brings the effect in) -> words; None: any value
+EFFECTS = {
     ("kinematics", "stiffened"): "shortening of the bent links",
     ("kinematics", "linear"): "bending",
     ("reduction", "full"): "bending",
-    ("modes", None): "more modes",
-    ("basis", None): "other shape functions",
+    ("modes", None): "modes",
+    ("basis", None): "shape functions",
 }
+STEP_SEARCH = 4.0  # [s] for the largest step
 
 
 @dataclass(frozen=True)
@@ -89,8 +92,9 @@ def choose(
 ) -> Choice:
     """The cheapest rung whose error bound is within `tolerance` [unit of scene.compare; None: the scene's].
 
-    Also the fastest integrator and the largest fixed step that keep it, from `measured` or a short chart of that rung.
-    Where none is shown to keep it the finest is returned with met=False. ValueError for a tolerance not above 0.
+    Also the fastest integrator and the largest fixed step that keep it, from `measured` or a short chart of that
+    rung. Where none is shown to keep it the finest is returned with met=False. ValueError for a tolerance not
+    above 0.
     """
     tolerance = scene.tolerance if tolerance is None else tolerance
     if not (isinstance(tolerance, (int, float)) and 0 < tolerance < math.inf):
@@ -104,14 +108,19 @@ def choose(
     plant = ladder[chosen]
     told(0.6, "effects")
     effects = _effects(motions, plant)
-    if measured is None or any(row.failure and "budget" in row.failure for row in measured.rows):
-        part = dataclasses.replace(scene, tolerance=tolerance)
-        measured = chart(
-            part, budget=6.0, variants=(plant,), motions=motions, progress=share(progress, 0.7, 1.0)
+    fastest = None if measured is None else measured.fastest(tolerance, plant.label)
+    if fastest is None:
+        told(0.7, "integrators")
+        part = chart(
+            dataclasses.replace(scene, tolerance=tolerance),
+            budget=STEP_SEARCH,
+            variants=(plant,),
+            motions=motions,
+            progress=share(progress, 0.7, 0.9),
         )
-    fastest = measured.fastest(tolerance, plant.label)
-    within = [r for r in measured.measured if r.variant == plant.label and r.step and r.error <= tolerance]  # type: ignore[operator]
-    largest = max(within, key=lambda r: (r.step or 0.0, -(r.seconds or 0.0)), default=None)
+        fastest = part.fastest(tolerance, plant.label)
+    told(0.9, "largest step")
+    largest = _largest_step(motions, plant, tolerance)
     nearest, convergence = motions.shown_convergence
     found = Choice(
         scene=scene.name,
@@ -131,6 +140,17 @@ def choose(
     return dataclasses.replace(found, text=_words(found, motions))
 
 
+def _largest_step(motions: Motions, plant: Plant, tolerance: float) -> Row | None:
+    """The fixed-step method with the largest step within the tolerance, of several the fastest."""
+    runner = Runner(motions, clock.perf_counter() + STEP_SEARCH, prune=False)
+    for level in range(len(SUBSTEPS)):
+        rows = [runner.measure(plant, method, level) for method in METHODS if method not in TOLERANCES]
+        good = [r for r in rows if r is not None and r.error is not None and r.error <= tolerance]
+        if good:
+            return min(good, key=lambda r: r.seconds or 0.0)
+    return None
+
+
 def _climb(motions: Motions, tolerance: float) -> tuple[tuple[Rung, ...], int]:
     """The rungs, and which is chosen: the first whose bound is within the tolerance, else the finest."""
     ladder, finest = motions.ladder, motions.reference
@@ -143,6 +163,8 @@ def _climb(motions: Motions, tolerance: float) -> tuple[tuple[Rung, ...], int]:
         note = ""
         if change is not None and change <= tolerance < bound:
             note = "agrees with the next rung, not with the finest: both lack an effect"
+        if plant == finest:
+            note = "the finest"
         rungs.append(Rung(plant.label, plant.nx, change, error, bound, note=note))
     chosen = next((i for i, rung in enumerate(rungs) if rung.bound <= tolerance), len(rungs) - 1)
     rungs[chosen] = dataclasses.replace(rungs[chosen], chosen=True)
@@ -150,11 +172,16 @@ def _climb(motions: Motions, tolerance: float) -> tuple[tuple[Rung, ...], int]:
 
 
 def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
-    """Each field that differs along the ladder, changed alone: to its next cheaper value and to the finest's."""
+    """Each field that differs along the ladder, changed alone: to its next cheaper value, to the finest's."""
     ladder = motions.ladder
     found: list[Effect] = []
     for f in dataclasses.fields(plant):  # type: ignore[arg-type]
         values = list(dict.fromkeys(getattr(rung, f.name) for rung in ladder))
+        if all(
+            isinstance(v, int) or (isinstance(v, tuple) and all(isinstance(n, int) for n in v))
+            for v in values
+        ):
+            values.sort()
         own = getattr(plant, f.name)
         if len(values) < 2 or own not in values:
             continue
@@ -196,13 +223,14 @@ def _words(choice: Choice, motions: Motions) -> str:
     if choice.met:
         lead = (
             f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
-            f"{millimetres(choice.tolerance)}: it is {millimetres(rung.error)} from the finest, {motions.reference.label}"
+            f"{millimetres(choice.tolerance)}: it is {millimetres(rung.error)} from the finest, "
+            f"{motions.reference.label}"
         )
         lead += "" if choice.plant != motions.reference else " (it is the finest itself)"
     else:
         lead = (
-            f"No variant is shown to keep {outputs} within {millimetres(choice.tolerance)}; the finest, {rung.variant}, "
-            "is returned"
+            f"No variant is shown to keep {outputs} within {millimetres(choice.tolerance)}; the finest, "
+            f"{rung.variant}, is returned"
         )
     parts = [
         f"{lead}. The finest is confirmed by {choice.confirmed_by} to {millimetres(choice.convergence)}."
@@ -217,11 +245,13 @@ def _words(choice: Choice, motions: Motions) -> str:
         parts.append(f"Kept: {each}.")
     if choice.integrator is not None:
         speed = (choice.integrator.seconds or 0.0) * 1e3
-        parts.append(f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second.")
+        parts.append(
+            f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second."
+        )
     if choice.largest_step is not None:
         parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
-    misled = [r for r in choice.rungs if r.note]
+    misled = [r for r in choice.rungs if r.note.startswith("agrees")]
     if misled:
-        names = ", ".join(r.variant for r in misled)
-        parts.append(f"Agreeing with the next rung though wrong: {names}.")
+        names = "; ".join(r.variant for r in misled)
+        parts.append(f"Within the tolerance of the next rung and yet wrong: {names}.")
     return " ".join(parts)

@@ -1,4 +1,4 @@
-"""The pictures of a motion and of an arm's shape; those of models and charts are in figures_models."""
+"""The pictures of a motion and of an arm's shape; the other figures_* hold the rest."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+
 from pliant.envs.scenes import Scene
 from pliant.plants import Plant, Trajectory
 from pliant.plants.signals import names
 
 from . import shapes
-from .figures_models import eigenvalues, frozen, ladder, speed_accuracy
-from .style import COLOURS, INK, QUIET, inline, panels, save
+from .figures_chart import ladder, settings, speed_accuracy
+from .figures_models import eigenvalues, frozen
+from .style import COLOURS, INK, QUIET, inline, panels, save, styled
 
 __all__ = [
     "eigenvalues",
@@ -22,6 +24,7 @@ __all__ = [
     "inline",
     "ladder",
     "save",
+    "settings",
     "speed_accuracy",
     "stroboscopic",
     "tip_path",
@@ -43,10 +46,13 @@ def _groups(scene: Scene) -> list[tuple[str, list[str]]]:
         if chosen:
             found.append((label, chosen))
     units = {s.unit for s in scene.plant.inputs}
-    found.append((f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs))))
+    found.append(
+        (f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs)))
+    )
     return found
 
 
+@styled
 def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title: str = "") -> Figure:
     """Angles, deflections, their rates and inputs against time; several motions differ by line style."""
     groups = _groups(scene)
@@ -58,7 +64,9 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
             for k, (_, motion) in enumerate(motions):
                 held = "steps-post" if name in limits and motion.hold == "zero-order" else "default"
                 style = styles[k % len(styles)]
-                ax.plot(motion.t, motion[name], style, color=COLOURS[i], drawstyle=held, lw=1.4 - 0.2 * (k > 0))
+                ax.plot(
+                    motion.t, motion[name], style, color=COLOURS[i], drawstyle=held, lw=1.4 - 0.2 * (k > 0)
+                )
             ax.plot([], [], color=COLOURS[i], label=words(name))
             if name in goal:
                 ax.axhline(goal[name], color=COLOURS[i], lw=0.8, ls=(0, (1, 3)))
@@ -78,6 +86,7 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
     return figure
 
 
+@styled
 def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
     """The path of the tip in the plane, for each motion."""
     figure, (ax,) = panels(1, height=4.0, width=5.6)
@@ -92,7 +101,7 @@ def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
     for point, marker, label in ((start, "o", "start"), (target, "*", "goal")):
         at = [point[known.index(n)] for n in (x, y)]
         ax.plot(*at, marker, color=INK, ms=9 if marker == "*" else 6, mfc="none", label=label, zorder=4)
-    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_aspect("equal", adjustable="box")
     ax.set_xlabel(f"{words(x)} [m]")
     ax.set_ylabel(f"{words(y)} [m]")
     ax.set_title("Tip path, a dot every 0.25 s")
@@ -100,6 +109,7 @@ def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
     return figure
 
 
+@styled
 def stroboscopic(
     cases: Sequence[tuple[str, Plant, Trajectory]], *, count: int = 16, until: float | None = None
 ) -> Figure:
@@ -116,7 +126,7 @@ def stroboscopic(
         ax.plot(*everywhere[:, -1].T, color=COLOURS[1], lw=1.0, label="tip")
         ax.plot(0, 0, "o", color=INK, ms=5)
         ax.plot(*curves[:, -1].T, ".", color=COLOURS[1], ms=5)
-        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_aspect("equal", adjustable="box")
         ax.autoscale_view()
         ax.set_title(name)
         ax.set_xlabel("x [m]")

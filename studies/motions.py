@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+
 from pliant.envs.scenes import Scene
 from pliant.plants import Plant, PliantError, Trajectory
 

@@ -9,6 +9,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from pliant.plants.signals import names
 
 from . import shapes
@@ -29,9 +30,14 @@ def build(found: Findings, inlined: dict[str, str]) -> str:
         _section("The motion", _moving(found) + _pictures(inlined, "motion", "shapes", "tip_path")),
         _section("Modes and frequencies", _modes(found)),
         _section("The linear model at the goal", _linear(found) + _pictures(inlined, "eigenvalues")),
-        _section("The linear model along the motion", _along(found) + _pictures(inlined, "frozen_eigenvalues")),
+        _section(
+            "The linear model along the motion", _along(found) + _pictures(inlined, "frozen_eigenvalues")
+        ),
         _section("LQR in closed loop", _loops(found) + _pictures(inlined, "closed_loop")),
-        _section("Speed against accuracy", _chart_words(found) + _pictures(inlined, "speed_accuracy") + _rows(found)),
+        _section(
+            "Speed against accuracy",
+            _chart_words(found) + _pictures(inlined, "speed_accuracy", "settings") + _rows(found),
+        ),
         _section("The smallest model", _choice(found) + _pictures(inlined, "ladder")),
         _section("Versions and machine", table(("what", "value"), list(found.machine.items()))),
     ]
@@ -69,7 +75,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[Any]], *, marked: Sequenc
     lines = []
     for i, row in enumerate(rows):
         cells = "".join(
-            f'<td class="n">{number(v)}</td>' if isinstance(v, (int, float)) else f"<td>{escape(str(v))}</td>" for v in row
+            f'<td class="n">{number(v)}</td>' if isinstance(v, (int, float)) else f"<td>{escape(str(v))}</td>"
+            for v in row
         )
         lines.append(f'<tr class="marked">{cells}</tr>' if i in marked else f"<tr>{cells}</tr>")
     return f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>\n'
@@ -129,7 +136,8 @@ def _moving(found: Findings) -> str:
     data = {
         "t": [round(float(t), 4) for t in scene.times[picks]],
         "arms": [
-            {"name": name, "lines": shapes.lines(scene.plant, m.x[picks], 13).round(4).tolist()} for name, m in motions
+            {"name": name, "lines": shapes.lines(scene.plant, m.x[picks], 13).round(4).tolist()}
+            for name, m in motions
         ],
     }
     packed = json.dumps(data, separators=(",", ":"))
@@ -147,7 +155,8 @@ def _modes(found: Findings) -> str:
     ]
     text = paragraph("Modes of the linear model at the goal, joints free.")
     text += table(
-        ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in"), rows
+        ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in"),
+        rows,
     )
     count = min(6, max(len(f) for _, f in found.frequencies)) if found.frequencies else 0
     if count:
@@ -181,8 +190,16 @@ def _along(found: Findings) -> str:
         "is slow against them. To test the model itself the motion is started off the nominal and its deviation is "
         "compared with the prediction; the error should fall with the square of the perturbation."
     )
-    rows = [(f"{a:g} rad", millimetres(b)) for a, b in found.ltv_errors]
-    return text + table(("perturbation of the first coordinate", "error of the predicted tip"), rows)
+    rows = []
+    for i, (size, error) in enumerate(found.ltv_errors):
+        slope = "–"
+        if i:
+            before = found.ltv_errors[i - 1]
+            slope = f"{np.log(error / before[1]) / np.log(size / before[0]):.2f}"
+        rows.append((f"{size:g} rad", millimetres(error), slope))
+    return text + table(
+        ("perturbation of the first coordinate", "error of the prediction", "falls with power"), rows
+    )
 
 
 def _loops(found: Findings) -> str:
@@ -204,7 +221,15 @@ def _loops(found: Findings) -> str:
         )
         for loop in found.loops
     ]
-    head = ("run on", "states", "cost", "error at the end", "at a limit", "about the goal", "least damped mode")
+    head = (
+        "run on",
+        "states",
+        "cost",
+        "error at the end",
+        "at a limit",
+        "about the goal",
+        "least damped mode",
+    )
     return text + table(head, rows)
 
 
@@ -241,7 +266,9 @@ def _rows(found: Findings) -> str:
     text += table(head, [line(r) for r in chart.measured], marked=marked) + "</details>\n"
     if chart.failed:
         text += f"<details><summary>{len(chart.failed)} settings without a result, and why</summary>"
-        text += table(("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed])
+        text += table(
+            ("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed]
+        )
         text += "</details>\n"
     return text
 
@@ -265,7 +292,12 @@ def _choice(found: Findings) -> str:
     marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
     text += table(("variant", "states", "from the next rung", "from the finest", ""), rows, marked=marked)
     effects = [
-        (e.name, f"{e.chosen}, not {e.other}" if e.kept else f"{e.chosen} for {e.other}", millimetres(e.change), kept)
+        (
+            e.name,
+            f"{e.chosen}, not {e.other}" if e.kept else f"{e.chosen} for {e.other}",
+            millimetres(e.change),
+            kept,
+        )
         for e in choice.effects
         for kept in ("kept" if e.kept else "left out",)
     ]

@@ -1,4 +1,4 @@
-"""One scene, everything: the motion, the linear models, LQR in closed loop, the chart and the choice of a model."""
+"""One scene, everything: motion, linear models, LQR in closed loop, speed-accuracy chart, choice of a model."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from pliant.controllers import LQR
 from pliant.envs.scenes import Scene
 from pliant.plants import LinearModel, LTVModel, Plant, PliantError, Trajectory
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 CHART_BUDGET = 14.0  # [s]
 RTOL = 1e-9
+FINER = 10  # times a control period of the motion that is linearised along: its modes must be followed
 PERTURBATIONS = (0.1, 0.03, 0.01)  # of the first coordinate [rad], to test the LTV model
 
 
@@ -32,7 +34,8 @@ class Findings:
     """Everything that the report shows."""
 
     scene: Scene
-    open_loop: Trajectory
+    nominal: Trajectory  # open loop, at finer times
+    open_loop: Trajectory  # the same at the control times
     goal: LinearModel
     along: LTVModel
     ltv_errors: tuple[tuple[float, float], ...]  # perturbation [rad], largest error of the predicted outputs
@@ -49,10 +52,10 @@ class Findings:
 def report(
     scene: Scene, out: str | Path, *, progress: Progress | None = None, budget: float = CHART_BUDGET
 ) -> Path:
-    """Write the folder `out` with report.html, the figures as png and the tables as json; returns the html's path.
+    """Write the folder `out`: report.html, the figures as png, the tables as json. Returns the html's path.
 
-    The folder appears whole or not at all; a former report is replaced. `budget` [s] is the chart's. ValueError
-    where `out` holds other files.
+    The folder appears whole or not at all; a former report is replaced. `budget` [s] is the chart's.
+    ValueError where `out` holds other files.
     """
     out = Path(out)
     files.check_target(out)
@@ -93,11 +96,12 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float = CHA
     """Simulate, linearise, close the loop, chart and choose."""
     told, motions = progress or silent, Motions(scene)
     told(0.0, "open loop")
-    open_loop = scene.open_loop(rtol=RTOL, atol=RTOL / 100)
+    nominal = _nominal(scene)
+    open_loop = _every(nominal, FINER, scene.plant)
     told(0.08, "linear models")
     goal = scene.plant.linearize(*scene.target)
-    along = scene.plant.linearize_along(open_loop)
-    ltv_errors = _ltv_errors(scene, open_loop, along)
+    along = scene.plant.linearize_along(nominal)
+    ltv_errors = _ltv_errors(scene, nominal, along)
     told(0.12, "frequencies")
     frequencies = _frequencies(scene)
     law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.3))
@@ -105,6 +109,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float = CHA
     choice = choose(scene, measured=measured, motions=motions, progress=share(progress, 0.85, 1.0))
     return Findings(
         scene=scene,
+        nominal=nominal,
         open_loop=open_loop,
         goal=goal,
         along=along,
@@ -115,6 +120,20 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float = CHA
         chart=measured,
         choice=choice,
         scene_error=motions.difference(scene.plant, motions.reference),
+    )
+
+
+def _nominal(scene: Scene) -> Trajectory:
+    """The open-loop motion at FINER times a control period."""
+    t = scene.dt / FINER * np.arange(FINER * scene.steps + 1)
+    return scene.plant.simulate(scene.initial[0], scene.nominal_input, t, rtol=RTOL, atol=RTOL / 100)
+
+
+def _every(motion: Trajectory, k: int, plant: Plant) -> Trajectory:
+    """Every k-th time of a motion."""
+    assert motion.dx is not None
+    return Trajectory.from_arrays(
+        motion.t[::k], motion.x[::k], motion.u[::k], plant=plant, y=motion.y[::k], dx=motion.dx[::k]
     )
 
 
@@ -157,13 +176,15 @@ def figures_of(found: Findings) -> dict[str, Figure]:
 
     scene, design = found.scene, found.loops[0]
     closed = [("LQR", design.motion)] if design.motion is not None else []
-    drawn = {"motion": figures.histories(scene, [("open loop", found.open_loop)], title="Open-loop motion")}
+    drawn = {"motion": figures.histories(scene, [("open loop", found.nominal)], title="Open-loop motion")}
     if shapes.has_shape(scene.plant):
         cases = [(name, scene.plant, m) for name, m in (("open loop", found.open_loop), *closed)]
-        drawn["shapes"] = figures.stroboscopic(cases)
+        drawn["shapes"] = figures.stroboscopic(cases, until=1.2 * scene.move_time)
     runs = [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
     if len(scene.compare) >= 2:
-        drawn["tip_path"] = figures.tip_path(scene, [("open loop", found.open_loop), *runs])
+        drawn["tip_path"] = figures.tip_path(
+            scene, [("open loop", found.open_loop), *((f"LQR, {name}", m) for name, m in runs)]
+        )
     sets = [("open loop", found.goal.eigenvalues)]
     sets.append(("LQR, sampled", np.log(found.law.poles.astype(complex)) / scene.dt))
     drawn["eigenvalues"] = figures.eigenvalues(sets)
@@ -171,6 +192,7 @@ def figures_of(found: Findings) -> dict[str, Figure]:
     if runs:
         drawn["closed_loop"] = figures.histories(scene, runs, title="LQR in closed loop")
     drawn["speed_accuracy"] = figures.speed_accuracy(found.chart)
+    drawn["settings"] = figures.settings(found.chart)
     drawn["ladder"] = figures.ladder(found.choice)
     return drawn
 
@@ -186,8 +208,8 @@ def tables_of(found: Findings) -> dict[str, Any]:
         },
         "linearization": linear_table(goal),
         "linearization_along": {
-            "t": found.along.t,
-            "eigenvalues": np.linalg.eigvals(found.along.A).astype(complex),
+            "t": found.along.t[::FINER],
+            "eigenvalues": np.linalg.eigvals(found.along.A[::FINER]).astype(complex),
             "largest_residual": float(np.abs(found.along.c).max()),
             "prediction_errors": [{"perturbation": a, "error": b} for a, b in found.ltv_errors],
         },
@@ -209,5 +231,7 @@ def linear_table(model: LinearModel) -> dict[str, Any]:
     table: dict[str, Any] = {
         kind: list(names(getattr(model, kind))) for kind in ("states", "inputs", "disturbances", "outputs")
     }
-    table |= {key: getattr(model, key) for key in ("x0", "u0", "w0", "y0", "f0", "A", "B", "E", "C", "D", "F")}
+    table |= {
+        key: getattr(model, key) for key in ("x0", "u0", "w0", "y0", "f0", "A", "B", "E", "C", "D", "F")
+    }
     return table | {"eigenvalues": model.eigenvalues}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -62,19 +64,31 @@ RC: dict[str, Any] = {
 }
 RC["axes.prop_cycle"] = matplotlib.cycler(color=COLOURS)
 
+P = ParamSpec("P")
+
+
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """A function that draws in this style, whatever the caller's own settings are."""
+
+    @wraps(draw)
+    def drawn(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with matplotlib.rc_context(RC):
+            return draw(*args, **kwargs)
+
+    return drawn
+
 
 def panels(
     rows: int, columns: int = 1, *, height: float = 2.2, width: float = WIDTH, **options: Any
 ) -> tuple[Figure, list[Axes]]:
     """A figure of rows x columns panels, each row `height` [in] high, and its axes row by row."""
-    with matplotlib.rc_context(RC):
-        figure = Figure(figsize=(width, height * rows), layout="constrained")
-        axes = figure.subplots(rows, columns, squeeze=False, **options)
+    figure = Figure(figsize=(width, height * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, **options)
     return figure, list(axes.flat)
 
 
 def save(figure: Figure, path: str | Path) -> None:
-    """Write the figure as its ending says (png, svg, pdf), on white. ValueError for an ending that is not known."""
+    """Write the figure on white, as its ending says (png, svg, pdf). ValueError for an unknown ending."""
     ending = Path(path).suffix.lower().lstrip(".")
     known = sorted(figure.canvas.get_supported_filetypes())
     if ending not in known:
@@ -92,7 +106,9 @@ def inline(figure: Figure) -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r' xmlns(:\w+)?="[^"]*"', "", text)
-    text = re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"|(<svg[^>]*?) height="[^"]*" width="[^"]*"', _bare, text)
+    text = re.sub(
+        r'(<svg[^>]*?) width="[^"]*" height="[^"]*"|(<svg[^>]*?) height="[^"]*" width="[^"]*"', _bare, text
+    )
     return text.replace(INK, "currentColor").replace("xlink:href", "href")
 
 

@@ -42,7 +42,9 @@ def test_energy_changes_at_the_net_power(plant, random_state):
         put_in, lost = plant.power(x, u, w=w)
         rate = plant.dynamics(x, u, w=w)
         step = 1e-3 / np.abs(rate).max()
-        differences = [(plant.energy(x + h * rate) - plant.energy(x - h * rate)) / (2 * h) for h in (step, step / 2)]
+        differences = [
+            (plant.energy(x + h * rate) - plant.energy(x - h * rate)) / (2 * h) for h in (step, step / 2)
+        ]
         change = (4 * differences[1] - differences[0]) / 3
         v = np.abs(x[plant.nx // 2 :]) @ np.abs(plant.mass_matrix(x)) @ np.abs(rate[plant.nx // 2 :])
         assert put_in - lost == pytest.approx(change, abs=1e-7 * (v + abs(put_in)))
@@ -58,3 +60,243 @@ def test_work_done_equals_energy_gained_over_twenty_seconds(undamped):
     )
     assert np.ptp(undamped.energy(motion.x)) > 1e-3  # work was done
     assert motion.stats["energy_balance"] < 1e-9
+
+
+@pytest.mark.parametrize("method", list(METHOD_ORDER))
+@pytest.mark.parametrize("arm", [HUBBED, LINK], ids=["two", "one"])
+def test_drift_of_each_fixed_step_method_falls_at_its_order(arm, method):
+    x = np.zeros(arm.nx)
+    x[:2] = [-1.0, 0.5 if arm.nu == 2 else 0.01]
+    t = np.linspace(0, 0.5, 3)
+    exact = arm.simulate(x, None, t, rtol=1e-12, atol=1e-14).x[-1]
+    steps = np.array([5e-4, 2.5e-4, 1.25e-4]) * (2 if method == "rk4" else 1)
+    motions = [arm.simulate(x, None, t, method=method, step=h).x[-1] for h in steps]
+    order = METHOD_ORDER[method]
+    assert slope(steps, [np.abs(z - exact).max() for z in motions]) == pytest.approx(order, abs=0.25)
+    drift = np.abs(arm.energy(np.array(motions)) - arm.energy(x))
+    # Midpoint keeps a quadratic energy exactly, and RK4 loses it at one order above its own (|R(iz)| = 1 - z^6/144).
+    assert drift.max() < 1e-8 * abs(arm.energy(x)) or slope(steps, drift) > order - 0.25
+
+
+def complex_step(function, point, h=1e-30):
+    """Jacobians of an SX function's first output, by running its instructions on complex numbers."""
+    width = sum(len(p) for p in point)
+    inputs = [np.tile(np.asarray(p, dtype=complex)[:, None], (1, width)) for p in point]
+    column = 0
+    for block in inputs:
+        for row in block:
+            row[column] += 1j * h
+            column += 1
+    unary = {
+        ca.OP_NEG: np.negative, ca.OP_SIN: np.sin, ca.OP_COS: np.cos, ca.OP_SQ: np.square, ca.OP_SQRT: np.sqrt,
+        ca.OP_TWICE: lambda a: 2 * a, ca.OP_INV: lambda a: 1 / a, ca.OP_ASSIGN: np.copy,
+    }  # fmt: skip
+    binary = {ca.OP_ADD: np.add, ca.OP_SUB: np.subtract, ca.OP_MUL: np.multiply, ca.OP_DIV: np.divide}
+    work, result = {}, np.zeros((function.numel_out(0), width), dtype=complex)
+    for i in range(function.n_instructions()):
+        op, into, of = (
+            function.instruction_id(i),
+            function.instruction_output(i),
+            function.instruction_input(i),
+        )
+        if op == ca.OP_CONST:
+            work[into[0]] = np.full(width, complex(function.instruction_constant(i)))
+        elif op == ca.OP_INPUT:
+            work[into[0]] = inputs[of[0]][of[1]]
+        elif op == ca.OP_OUTPUT:
+            if into[0] == 0:
+                result[into[1]] = work[of[0]]
+        elif op in unary:
+            work[into[0]] = unary[op](work[of[0]])
+        else:
+            work[into[0]] = binary[op](work[of[0]], work[of[1]])
+    return np.split(result.imag / h, np.cumsum([len(p) for p in point])[:-1], axis=1)
+
+
+def test_jacobians_agree_with_the_complex_step(plant, random_state):
+    t, x, u, w, p = plant.symbols
+    functions = [ca.Function("f", [t, x, u, w, p], [e]) for e in plant.expressions]
+    for seed in range(3):
+        point = [
+            np.array([0.3]),
+            random_state(plant, seed),
+            np.full(plant.nu, 2.0),
+            np.array([1.0, -3.0]),
+            np.zeros(0),
+        ]
+        exact = [block for f in functions for block in complex_step(f, point)[1:4]]
+        found = plant.jacobians(point[1], point[2], w=point[3], t=0.3)
+        for name, a, b in zip("ABECDF", found, exact):
+            np.testing.assert_allclose(
+                a, b, rtol=0, atol=1e-12 * max(1.0, np.abs(b).max(initial=0.0)), err_msg=name
+            )
+
+
+def test_jacobians_agree_with_central_differences(plant, random_state):
+    x, u, w = random_state(plant, 7), np.full(plant.nu, 0.5), np.array([0.2, 0.1])
+    found = plant.jacobians(x, u, w=w)
+    point, sizes = [x, u, w], (plant.nx, plant.nu, plant.nw)
+    for rows, of in ((found[:3], plant.dynamics), (found[3:], plant.measure)):
+        for i, (block, size) in enumerate(zip(rows, sizes)):
+            for k in range(size):
+                # A step of the size at which the curvature of fast modes and rounding balance.
+                h = 1e-6 if i == 0 and plant.states[k].unit == "m" else 1e-5
+                unit = h * np.eye(size)[k]
+                left, right = (
+                    of(*(z + s * unit if i == j else z for j, z in enumerate(point[:2])),
+                       w=w + s * unit if i == 2 else w)
+                    for s in (-1, 1)
+                )  # fmt: skip
+                np.testing.assert_allclose(
+                    (right - left) / (2 * h),
+                    block[:, k],
+                    rtol=1e-6,
+                    atol=1e-6 * max(1.0, np.abs(block).max()),
+                )
+
+
+def test_batched_calls_equal_single_ones(plant, random_state):
+    x = np.array([random_state(plant, seed) for seed in range(4)])
+    u, w = np.linspace(-1, 1, 4 * plant.nu).reshape(4, -1), np.array([0.3, 0.2])
+    for call in (plant.dynamics, plant.measure):
+        rows = call(x, u, w=w)
+        assert rows.shape[0] == 4
+        for k in range(4):
+            np.testing.assert_array_equal(rows[k], call(x[k], u[k], w=w))
+    for many, *single in zip(
+        plant.jacobians(x, u, w=w), *(plant.jacobians(x[k], u[k], w=w) for k in range(4))
+    ):
+        np.testing.assert_array_equal(many, single)
+    np.testing.assert_array_equal(plant.energy(x), [plant.energy(z) for z in x])
+    assert plant.energy(x[0]) == pytest.approx(plant.kinetic(x[0]) + plant.potential(x[0]))
+
+
+def test_mirror_image_moves_in_mirror_image(plant, random_state):
+    """Without gravity, (q, v, u) -> (-q, -v, -u) and a tip force mirrored in x give mirrored rates."""
+    straight = dataclasses.replace(plant, gravity=0.0)
+    if any(straight.payload.offset):
+        straight = dataclasses.replace(
+            straight, payload=dataclasses.replace(plant.payload, offset=(0.05, 0.0, 0.0))
+        )
+    for seed in range(4):
+        x, u, w = random_state(straight, seed), np.full(plant.nu, 0.6), np.array([0.4, -0.9])
+        one, other = straight.dynamics(x, u, w=w), straight.dynamics(-x, -u, w=w * [1, -1])
+        np.testing.assert_allclose(other, -one, rtol=0, atol=1e-11 * np.abs(one).max())
+        mirrored = -np.ones(plant.ny)
+        mirrored[[s.name == "tip_x" for s in plant.outputs]] = 1.0
+        np.testing.assert_allclose(straight.measure(-x), mirrored * straight.measure(x), atol=1e-14)
+
+
+def test_stiff_plant_tends_to_the_rigid_one(plant):
+    """At rest with its deflections settled, joint accelerations and tip differ from the rigid arm's as 1/EI."""
+    rigid = plant.ladder()[0]
+    assert rigid.label == "rigid"
+    if plant.label == "rigid" or any(plant.driven):
+        pytest.skip("rigid already, or its hub is driven")
+    nj = plant.nu
+    errors, factors = [], np.array([10.0, 100.0, 1000.0])
+    for factor in factors:
+        stiff = stiffer(plant, factor)
+        angles = {s.name: 0.4 for s in stiff.states[:nj]}
+        x0, u0 = stiff.equilibrium(angles)
+        xr, ur = rigid.equilibrium(angles)
+        tip = np.abs(stiff.measure(x0, u0)[-2:] - rigid.measure(xr, ur)[-2:]).max()
+        errors.append(tip if plant.gravity else 1 / stiff.natural_frequencies(locked=tuple(angles))[0] ** 2)
+    assert slope(factors, errors) == pytest.approx(-1, abs=0.02)
+
+
+def test_outputs_of_all_fidelities_agree_as_stiffness_grows():
+    for arm in (dataclasses.replace(ARM, hub_inertia=(0.1, 0.02)), dataclasses.replace(LINK, gravity=9.81)):
+
+        def drive(t, n=arm.nu):
+            return 0.5 * np.sin(2 * np.pi * t) * np.ones(n)
+
+        spread = []
+        for factor in (1.0, 10.0):
+            tips = []
+            for step in arm.ladder()[:6:2] + arm.ladder()[5:6]:
+                stiff = stiffer(step, factor)
+                x0, _ = stiff.equilibrium(
+                    {s.name: -np.pi / 2 if i == 0 else 0.0 for i, s in enumerate(stiff.states[: arm.nu])}
+                )
+                motion = stiff.simulate(x0, drive, np.linspace(0, 1, 21), rtol=1e-8, atol=1e-11)
+                tips.append([motion["tip_x"], motion["tip_y"]])
+            spread.append(np.abs(np.array(tips) - tips[0]).max())
+        assert spread[1] < 0.15 * spread[0] < 1e-2
+
+
+def moving(arm, times):
+    """A smooth motion of the arm from rest, with its torques."""
+
+    def drive(t):
+        return (np.array([4.0, 1.5]) if arm.nu == 2 else np.array([30.0])) * np.sin(np.pi * t) ** 2
+
+    x0, _ = arm.equilibrium(
+        {s.name: -np.pi / 2 if i == 0 else 0.0 for i, s in enumerate(arm.states[: arm.nu])}
+    )
+    return x0, drive, arm.simulate(x0, drive, times, rtol=1e-12, atol=1e-14)
+
+
+LTV_ARMS = {
+    "two": dataclasses.replace(ARM, hub_inertia=(0.1, 0.02)),
+    "two stiffened": dataclasses.replace(
+        ARM, basis="polynomial", kinematics="stiffened", hub_inertia=(0.1, 0.02), modes=(1, 1)
+    ),
+    "one": LINK,
+}
+SIZES = np.array([1 / 32, 1 / 64, 1 / 128])
+
+
+@pytest.mark.parametrize("name", list(LTV_ARMS))
+def test_nonlinear_minus_ltv_error_falls_quadratically(name):
+    arm, times = LTV_ARMS[name], np.linspace(0, 1, 1001)
+    x0, drive, nominal = moving(arm, times)
+    ltv = arm.linearize_along(nominal)
+    assert np.abs(ltv.c).max() < 1e-9 * np.abs(nominal.dx).max()
+    n = arm.nx // 2
+    start, extra = np.zeros(arm.nx), 0.2 * np.ones(arm.nu)
+    start[: arm.nu], start[arm.nu : n], start[n : n + arm.nu] = 0.1, 1e-3, 0.3
+    errors = []
+    for size in SIZES:
+        true = arm.simulate(
+            x0 + size * start, lambda t, s=size: drive(t) + s * extra, times, rtol=1e-12, atol=1e-14
+        )
+        dx, dy = ltv.simulate(size * start, size * extra)
+        errors.append([np.abs(true.x - nominal.x - dx).max(), np.abs(true.y - nominal.y - dy).max()])
+    for column in np.transpose(errors):
+        assert slope(SIZES, column) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("name", list(LTV_ARMS))
+def test_nominal_of_the_rigid_arm_is_corrected_by_its_residual(name):
+    """The nominal goes from the elastic arm's own motion (size 0) to the rigid arm's (size 1)."""
+    arm, times = LTV_ARMS[name], np.linspace(0, 1, 1001)
+    _, drive, elastic = moving(arm, times)
+    _, _, rigid = moving(arm.ladder()[0], times)
+    n, k = arm.nx // 2, arm.nu
+    x, dx = np.zeros_like(elastic.x), np.zeros_like(elastic.x)
+    for full, small in ((x, rigid.x), (dx, rigid.dx)):
+        full[:, :k], full[:, n : n + k] = small[:, :k], small[:, k:]
+    errors = []
+    for size in 4 * SIZES:
+        nominal = Trajectory.from_arrays(
+            times,
+            (1 - size) * elastic.x + size * x,
+            elastic.u,
+            plant=arm,
+            dx=(1 - size) * elastic.dx + size * dx,
+        )
+        ltv = arm.linearize_along(nominal)
+        deviation, _ = ltv.simulate(elastic.x[0] - nominal.x[0])
+        errors.append(np.abs(nominal.x + deviation - elastic.x).max())
+        without = np.abs(nominal.x - elastic.x).max()
+        assert np.abs(ltv.c).max() > 1e-3 and errors[-1] < 0.2 * without
+    assert slope(4 * SIZES, errors) == pytest.approx(2, abs=0.1)
+
+
+def test_linear_model_along_a_nominal_keeps_its_disturbance():
+    times = np.linspace(0, 0.2, 11)
+    nominal = ARM.simulate(np.zeros(ARM.nx), None, times, w=[0.5, -2.0])
+    ltv = ARM.linearize_along(nominal)
+    np.testing.assert_array_equal(ltv.w, np.tile([0.5, -2.0], (11, 1)))
+    assert np.abs(ltv.c).max() < 1e-9 * np.abs(nominal.dx).max()

@@ -1,0 +1,292 @@
+"""The `pliant` command: tables and pictures for people, --json for programs. Data on stdout, progress on stderr."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from .console import Commands, bar, complain, scene_with, show
+
+if TYPE_CHECKING:
+    from pliant.envs.scenes import Scene
+    from pliant.plants import Trajectory
+
+app = typer.Typer(
+    cls=Commands,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Plants that bend, for people who design controllers.",
+)
+
+SceneName = Annotated[str, typer.Argument(help="A scene's name; `pliant scenes` lists them.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="NAME=VALUE", help="Change the plant (payload.mass=0.7) or the scene (duration=5)."
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Write JSON to stdout in place of the table.")]
+Picture = Annotated[Path | None, typer.Option("--plot", help="Draw into this file: png, svg or pdf.")]
+Budget = Annotated[float, typer.Option(help="Seconds that the measurement may take.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from .machine import version
+
+        print(f"pliant {version('pliant')}")
+        raise typer.Exit()
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and end.")
+    ] = False,
+) -> None:
+    """Plants that bend, for people who design controllers."""
+
+
+def _print_json(value: Any) -> None:
+    from .files import dumps
+
+    print(dumps(value))
+
+
+def _draw(figure: Any, path: Path) -> None:
+    from .style import save
+
+    save(figure, path)
+
+
+@app.command()
+def scenes(as_json: AsJson = False) -> None:
+    """List the scenes."""
+    from pliant.envs import scenes as known
+
+    found = [known.get(name) for name in known.names()]
+    if as_json:
+        _print_json(
+            [
+                {
+                    "name": s.name,
+                    "about": s.about,
+                    "plant": s.plant.label,
+                    "states": s.plant.nx,
+                    "duration": s.duration,
+                    "dt": s.dt,
+                    "limits": s.limits,
+                    "tolerance": s.tolerance,
+                }
+                for s in found
+            ]
+        )
+        return
+    rows = [(s.name, s.about, s.plant.label, s.plant.nx, s.duration, s.tolerance * 1e3) for s in found]
+    show("Scenes", ("name", "about", "plant", "states", "seconds", "tolerance [mm]"), rows)
+
+
+@app.command()
+def simulate(
+    scene: SceneName,
+    settings: Settings = None,
+    lqr: Annotated[
+        bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal torques.")
+    ] = False,
+    method: Annotated[
+        str, typer.Option(help="dop853, radau, cvodes (with --lqr), rk4, midpoint, rosenbrock")
+    ] = "dop853",
+    step: Annotated[float | None, typer.Option(help="Step [s] of rk4, midpoint and rosenbrock.")] = None,
+    rtol: Annotated[float, typer.Option(help="Relative tolerance of the adaptive methods.")] = 1e-8,
+    out: Annotated[Path | None, typer.Option(help="Save the motion as npz.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Play a scene: its nominal torques, or its LQR."""
+    chosen = scene_with(scene, settings or [])
+    if not 0 < rtol < 1:
+        raise ValueError(f"--rtol {rtol} must be within (0, 1)")
+    motion = _simulated(chosen, lqr, {"method": method, "step": step, "rtol": rtol, "atol": rtol / 100})
+    if out is not None:
+        motion.save(out)
+    if plot is not None:
+        from .figures import histories
+
+        _draw(histories(chosen, [(chosen.plant.label, motion)], title=chosen.name), plot)
+    cost = chosen.cost(motion)
+    if as_json:
+        signals = (*motion.states, *motion.inputs, *motion.outputs)
+        _print_json(
+            {
+                "scene": chosen.name,
+                "plant": chosen.plant.label,
+                "cost": cost,
+                "stats": motion.stats,
+                "t": motion.t,
+                "signals": {s.name: motion[s.name] for s in signals},
+                "units": {s.name: s.unit for s in signals},
+            }
+        )
+        return
+    rows = []
+    for kind in ("outputs", "inputs"):
+        for signal in getattr(motion, kind):
+            values = motion[signal.name]
+            rows.append(
+                (
+                    signal.name,
+                    signal.unit,
+                    *(float(v) for v in (values[0], values[-1], values.min(), values.max())),
+                )
+            )
+    took = motion.stats["seconds"]
+    caption = f"{chosen.plant.label}, {method}, {motion.t[-1]:g} s simulated in {took:.3g} s, cost {cost:.5g}"
+    show(chosen.name, ("signal", "unit", "start", "end", "least", "most"), rows, caption=caption)
+
+
+def _simulated(scene: Scene, lqr: bool, options: dict[str, Any]) -> Trajectory:
+    title = f"simulate {scene.name}"
+    with bar(title) as tell:
+
+        def progress(t: float) -> None:
+            tell(t / scene.duration, f"{t:.2f} s")
+
+        if not lqr:
+            return scene.open_loop(progress=progress, **options)
+        from .closed_loop import regulator
+
+        return scene.plant.simulate(
+            scene.initial[0], regulator(scene), scene.times, progress=progress, **options
+        )
+
+
+@app.command()
+def linearize(
+    scene: SceneName,
+    settings: Settings = None,
+    at: Annotated[Literal["goal", "start"], typer.Option(help="Where to linearise, at rest.")] = "goal",
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """The exact linear model of a scene's plant at rest: modes, matrices with --json."""
+    chosen = scene_with(scene, settings or [])
+    model = chosen.plant.linearize(*(chosen.target if at == "goal" else chosen.initial))
+    if plot is not None:
+        from .figures import eigenvalues
+
+        _draw(eigenvalues([(chosen.plant.label, model.eigenvalues)], title=f"Eigenvalues at the {at}"), plot)
+    if as_json:
+        from .report import linear_table
+
+        _print_json({"scene": chosen.name, "plant": chosen.plant.label, "at": at, **linear_table(model)})
+        return
+    rows = [
+        (m.number, m.frequency_hz, m.damping_ratio, f"{m.eigenvalue:.4g}", m.dominant_state)
+        for m in model.modes()
+    ]
+    inputs = ", ".join(f"{s.name} = {v:.5g} {s.unit}" for s, v in zip(model.inputs, model.u0))
+    caption = f"{chosen.plant.label}, at rest with {inputs}; matrices with --json"
+    head = ("mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "mostly in")
+    show(f"{chosen.name}, modes at the {at}", head, rows, caption=caption)
+
+
+@app.command()
+def chart(
+    scene: SceneName,
+    settings: Settings = None,
+    budget: Budget = 15.0,
+    out: Annotated[Path | None, typer.Option(help="Save the table as json.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure speed against accuracy: every variant of the plant, by every method, at several steps."""
+    from .chart import chart as measure
+    from .files import dumps
+
+    chosen = scene_with(scene, settings or [])
+    with bar(f"chart {chosen.name}") as tell:
+        found = measure(chosen, budget=budget, progress=tell)
+    found.save(out, plot)
+    if as_json:
+        print(dumps(found.to_json()))
+        return
+    front = sorted((r for r in found.measured if r.pareto), key=lambda r: r.error or 0.0)
+    rows = [(r.variant, r.setting, (r.seconds or 0.0) * 1e3, r.error, r.step_error) for r in front]
+    caption = (
+        f"{len(found.measured)} settings measured, {len(found.failed)} without a result (see --json). Errors are from "
+        f"{found.reference.variant}, confirmed by {found.reference.nearest} to {found.reference.difference:.2g} m."
+    )
+    head = ("variant", "method", "ms per simulated s", "error [m]", "of it by the step [m]")
+    show(f"{chosen.name}, the Pareto front", head, rows, caption=caption)
+
+
+@app.command()
+def choose(
+    scene: SceneName,
+    settings: Settings = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Largest error [m]; the scene's own if not given.")
+    ] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the smallest model that a scene needs. Exit code 1 where none is shown to be good enough."""
+    from .fidelity import choose as climb
+    from .fidelity import millimetres
+
+    chosen = scene_with(scene, settings or [])
+    with bar(f"choose {chosen.name}") as tell:
+        found = climb(chosen, tolerance, progress=tell)
+    if plot is not None:
+        from .figures import ladder
+
+        _draw(ladder(found), plot)
+    if as_json:
+        _print_json(found.to_json())
+    else:
+        rows = [
+            (
+                r.variant,
+                r.states,
+                millimetres(r.change) if r.change is not None else "-",
+                millimetres(r.error),
+                "chosen" if r.chosen else r.note,
+            )
+            for r in found.rungs
+        ]
+        show(
+            f"{chosen.name}, the ladder", ("variant", "states", "from the next", "from the finest", ""), rows
+        )
+        print(found.text)
+    if not found.met:
+        complain("no variant is shown to keep the tolerance")
+        raise typer.Exit(1)
+
+
+@app.command()
+def report(
+    scene: SceneName,
+    settings: Settings = None,
+    out: Annotated[Path | None, typer.Option(help="Folder to write; reports/SCENE if not given.")] = None,
+    budget: Budget = 14.0,
+    as_json: AsJson = False,
+) -> None:
+    """Everything about one scene in one folder: report.html, the pictures, the tables."""
+    from .report import report as write
+
+    chosen = scene_with(scene, settings or [])
+    folder = Path("reports") / chosen.name if out is None else out
+    with bar(f"report {chosen.name}") as tell:
+        page = write(chosen, folder, progress=tell, budget=budget)
+    if as_json:
+        print((folder / "report.json").read_text(encoding="utf-8"), end="")
+    else:
+        print(page)
+
+
+def main() -> None:
+    """The console script."""
+    app()

@@ -1,0 +1,178 @@
+"""SingleLinkArm against closed-form roots, a rotating beam's frequencies and its own prescribed motion."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from pliant.plants import Beam, Material, Payload, SingleLinkArm
+from scipy.interpolate import CubicSpline
+
+ARM = SingleLinkArm.textbook()
+HELD = ("hub_angle",)
+UNIT = Beam(length=1.0, area=1.0, I_y=1.0, I_z=1.0, J=2.0, density=1.0, E=1.0, G=1.0)
+
+
+def unit(**changes):
+    """Length, linear density and E I all one: frequencies are lambda^2, and a hub rate is gamma."""
+    return SingleLinkArm(link=UNIT, hub_inertia=1.0, **changes)
+
+
+def bending_roots(case):
+    """lambda of a case without offset, bending only: the torsion roots tan and cot know are left out."""
+    chi, mu = case["params"]["chi"], case["params"]["mu"]
+    roots = np.array([float(r) for r in case["lambda"]])
+    turns = roots**2 * chi * mu / (np.pi / 2)  # odd integers for torsion with a free end
+    return roots[np.abs(turns - np.round(turns)) > 1e-6]
+
+
+@pytest.mark.parametrize("case", ["i_plain", "ii_Mt1"])
+def test_frequencies_with_a_centred_payload(reference, case):
+    found = reference("offset_payload")["cases"][case]
+    expected = bending_roots(found)
+    assert len(expected) == 4
+    arm = unit(payload=Payload(mass=found["params"]["Mt"]), basis="payload", modes=4)
+    np.testing.assert_allclose(arm.natural_frequencies(locked=HELD), expected**2, rtol=1e-8)
+    driven = dataclasses.replace(arm, drive="motion")
+    np.testing.assert_allclose(driven.natural_frequencies(), expected**2, rtol=1e-8)
+
+
+@pytest.mark.parametrize("gamma", [0, 4, 8, 12])
+def test_stiffened_link_on_a_turning_hub_has_the_lag_frequencies(reference, gamma):
+    expected = np.array([float(f) for f in reference("rotating_beam")["gamma"][str(gamma)]["lag"]])
+    arm = unit(basis="polynomial", modes=12, kinematics="stiffened", drive="motion")
+    x = np.zeros(arm.nx)
+    x[arm.nx // 2] = gamma
+    poles = arm.linearize(x).eigenvalues
+    bending = np.sort(poles.imag[poles.imag > 0.5])[:3]
+    np.testing.assert_allclose(bending, expected, rtol=1e-8)
+    np.testing.assert_allclose(arm.natural_frequencies(x)[:3], expected, rtol=1e-8)
+    # Without shortening lag^2 = omega^2 - gamma^2.
+    still = np.array([float(f) for f in reference("rotating_beam")["gamma"]["0"]["lag"]])
+    squares = np.sign(expected) * still**2 - gamma**2
+    loose = dataclasses.replace(arm, kinematics="linear").natural_frequencies(x)[:3]
+    np.testing.assert_allclose(loose * np.abs(loose), squares, rtol=1e-8)
+
+
+def test_geometric_stiffness_is_the_papers_with_payload(random_state):
+    """Xi22 = int rho A W W^T + m W_L W_L^T - int vartheta W' W'^T, vartheta = m L + rho A (L^2 - x^2)/2."""
+    m, gamma = 0.7, 3.0
+    arm = unit(payload=Payload(mass=m), basis="polynomial", modes=4, drive="motion")
+    phi = arm.elastic.basis.phi
+    x, w = np.polynomial.legendre.leggauss(20)
+    x, w = (1 + x) / 2, w / 2
+    value, slope, curvature, end = phi(x), phi(x, 1), phi(x, 2), phi(1.0)
+    Xi = value.T @ (w[:, None] * value) + m * np.outer(end, end)
+    Xi -= slope.T @ ((w * (m + (1 - x**2) / 2))[:, None] * slope)
+    K = curvature.T @ (w[:, None] * curvature)
+    M = value.T @ (w[:, None] * value) + m * np.outer(end, end)
+    state = np.zeros(arm.nx)
+    state[arm.nx // 2] = gamma
+    stiffness = -M @ arm.jacobians(state)[0][6:, 1:5]
+    np.testing.assert_allclose(stiffness, K - gamma**2 * Xi, rtol=0, atol=1e-10 * np.abs(K).max())
+
+
+@pytest.mark.parametrize(
+    ("payload", "rate"),
+    [(Payload(mass=1.0), -3), (Payload(mass=1.0, inertia=0.3), -1)],
+    ids=["mass", "inertia"],
+)
+def test_clamped_free_modes_converge_at_the_rate_of_what_they_miss(payload, rate):
+    """A carried mass puts a jump into phi''' of the tip, a carried inertia into phi'': N^-3 and N^-1."""
+    exact = unit(payload=payload, basis="payload", modes=2).natural_frequencies(locked=HELD)[0]
+    counts = np.array([8, 12, 18, 27])
+    errors = [
+        unit(payload=payload, basis="clamped-free", modes=int(n)).natural_frequencies(locked=HELD)[0] / exact
+        - 1
+        for n in counts
+    ]
+    assert min(errors) > 0
+    assert np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(rate, abs=0.1 * abs(rate))
+
+
+def reaction(free, driven, x, acceleration):
+    """The hub torques (B,) [N m] under which the free arm has these hub accelerations (B, 1) at x (B, nx)."""
+    n = free.nx // 2
+    change = driven.dynamics(x, acceleration)[:, n:] - free.dynamics(x)[:, n:]
+    torque = np.einsum("bij,bj->bi", free.mass_matrix(x), change)
+    assert np.abs(torque[:, 1:]).max(initial=0.0) < 1e-9 * np.abs(torque).max()  # the hub alone is pushed
+    return torque[:, 0]
+
+
+@pytest.mark.parametrize("kinematics", ["rigid", "linear", "stiffened"])
+def test_driven_hub_and_its_reaction_torque_give_the_same_motion(kinematics):
+    free = dataclasses.replace(
+        ARM,
+        kinematics=kinematics,
+        gravity=9.81,
+        hub_friction=0.3,
+        link=dataclasses.replace(ARM.link, damping=1e-4),
+        payload=Payload(mass=0.5, inertia=0.002, offset=(0.03, 0.02, 0.0)),
+    )
+    driven = dataclasses.replace(free, drive="motion")
+    times = np.linspace(0, 1, 2001)
+    acceleration = 3 * np.sin(4 * times)[:, None]
+    known = driven.simulate(np.zeros(free.nx), lambda t: [3 * np.sin(4 * t)], times)
+    np.testing.assert_allclose(known["hub_angle_rate"], 0.75 * (1 - np.cos(4 * times)), atol=1e-10)
+    torque = reaction(free, driven, known.x, acceleration)
+    np.testing.assert_allclose(
+        free.dynamics(known.x, torque[:, None]), known.dx, rtol=0, atol=1e-9 * np.abs(known.dx).max()
+    )
+    spline = CubicSpline(times, torque)
+    again = free.simulate(np.zeros(free.nx), lambda t: [spline(t)], times[::40])
+    np.testing.assert_allclose(again.x, known.x[::40], rtol=0, atol=2e-7)
+
+
+def test_power_of_a_driven_hub_is_its_reaction_times_its_rate(random_state):
+    free = dataclasses.replace(ARM, gravity=9.81, hub_friction=0.2)
+    driven = dataclasses.replace(free, drive="motion")
+    x = random_state(driven, 5)
+    put_in, lost = driven.power(x, [2.0])
+    rate = x[driven.nx // 2]
+    assert put_in == pytest.approx(reaction(free, driven, x[None], [[2.0]])[0] * rate, rel=1e-9)
+    assert lost == pytest.approx(0.2 * rate**2, rel=1e-12)
+
+
+def test_rigid_link_is_a_pendulum():
+    arm = dataclasses.replace(ARM, kinematics="rigid", gravity=9.81)
+    inertia = arm.hub_inertia + arm.link.mass / 3 + arm.payload.mass + arm.payload.inertia_z
+    moment = arm.link.mass / 2 + arm.payload.mass
+    for angle in (-1.0, 0.3):
+        expected = (2.0 - 9.81 * moment * np.cos(angle)) / inertia
+        assert arm.dynamics([angle, 0.5], [2.0])[1] == pytest.approx(expected, rel=1e-13)
+
+
+def test_tip_deflection_under_a_tip_force_is_the_cantilevers():
+    """F L^3/(3 E I) at the tip, from the equilibrium with the hub held."""
+    arm = dataclasses.replace(ARM, basis="polynomial")
+    M, free = arm.mass_matrix(np.zeros(6)), arm.dynamics(np.zeros(6), [0.0], w=[0.0, 5.0])[3:]
+    K = -M @ arm.jacobians(np.zeros(6))[0][3:, :3]
+    bent = np.linalg.solve(K[1:, 1:], (M @ free)[1:])
+    tip = arm.measure([0.0, *bent, 0.0, 0.0, 0.0])[1]
+    assert tip == pytest.approx(5.0 / (3 * arm.link.EI), rel=1e-10)
+
+
+def test_largest_deflection_of_the_spin_up_and_the_frequency_after_it(reference):
+    """Steel link spun up to 50 rad/s in one second: the linear model shows twice the deflection."""
+    found = reference("rotating_beam")["spin_up_50"]["T=1.0"]
+
+    def law(t):
+        return [50.0 * (1 - np.cos(2 * np.pi * t)) if t < 1 else 0.0]
+
+    largest = {}
+    for kinematics in ("linear", "stiffened"):
+        arm = dataclasses.replace(ARM, payload=Payload(), kinematics=kinematics, drive="motion", modes=3)
+        motion = arm.simulate(np.zeros(arm.nx), law, np.linspace(0, 1.2, 601), rtol=1e-9)
+        assert motion["hub_angle_rate"][-1] == pytest.approx(50.0, rel=1e-8)
+        x = np.zeros(arm.nx)
+        x[arm.nx // 2] = 50.0
+        assert arm.natural_frequencies(x)[0] / (2 * np.pi) == pytest.approx(found[kinematics][2], rel=1e-3)
+        largest[kinematics] = np.abs(motion["tip_deflection"]).max()
+    assert largest["linear"] > 1.5 * largest["stiffened"]
+
+
+def test_ladder_starts_rigid_and_every_step_has_its_own_label():
+    ladder = ARM.ladder()
+    labels = [step.label for step in ladder]
+    assert labels[0] == "rigid" and len(set(labels)) == len(labels)
+    assert [step.nx for step in ladder] == [2, 4, 6, 4, 6, 8, 10]
+    assert all(step.outputs == ARM.outputs for step in ladder)
