@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import itertools
-from functools import lru_cache
 from typing import Any
 
 import gymnasium
@@ -13,18 +12,13 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 
 from pliant.plants import parameters
-from pliant.plants.functions import NumericFunction
 from pliant.plants.integrate import check_step
 
 from . import scenes
+from .kernel import ControlStep
 from .scene import Scene
-from .start import draw, initial_states
-from .step import observe_function, reference, sound, step_function
-
-
-@lru_cache(maxsize=32)
-def _functions(scene: Scene) -> tuple[NumericFunction, NumericFunction]:
-    return NumericFunction(step_function(scene)), NumericFunction(observe_function(scene))
+from .start import draw, early_end_cost, first_observations, initial_states
+from .step import LARGEST
 
 
 class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -64,9 +58,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         render_mode: str | None = None,
     ) -> None:
         self.scene = scene = scenes.get(scene) if isinstance(scene, str) else scene
-        parameters.require_choice(
-            "PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"])
-        )
+        parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
         kind = np.dtype(dtype)
         parameters.require_choice("PlantEnv", "dtype", kind.name, ("float64", "float32"))
         if not scene.observe:
@@ -76,13 +68,11 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
         self._dtype = kind.type
-        self._step, self._observe = _functions(scene)
-        self._reference = reference(scene)
-        self._disturbance = np.zeros(scene.plant.nw)
+        self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
         self._names = scene.varied_plant.varied
         self._nominal = scene.varied_plant.nominal_parameters
         self._idle = np.zeros(scene.plant.nu)
-        self._steps, self._early_end = scene.steps, scene.dt * scene.early_end_rate
+        self._steps = scene.steps
         self._over = True
         self._renderer: Any = None
         self._check_step()
@@ -110,7 +100,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     @property
     def state(self) -> np.ndarray:
         """The plant's state x (nx,), a copy."""
-        return self._x.copy()
+        return self._x.astype(float)
 
     @property
     def time(self) -> float:
@@ -126,25 +116,26 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         for key in options:
             parameters.require_choice("PlantEnv.reset", "options", key, ("state", "parameters"))
         if self.randomise:
-            starts, p = draw(scene, self.np_random, 1)
+            starts, w, p = (drawn[0] for drawn in draw(scene, self.np_random, 1))
         else:
-            starts, p = np.array([[value for _, value in scene.start]]), self._nominal[None]
+            starts, w, p = np.array([v for _, v in scene.start]), np.zeros(scene.plant.nw), self._nominal
         if "parameters" in options:
-            p = self._given(p[0], options["parameters"])[None]
+            p = self._given(p, options["parameters"])
         if "state" in options:
             shape = (scene.plant.nx,)
-            self._x = parameters.require_finite(
-                "PlantEnv.reset: options['state']", options["state"], shape
-            ).copy()
+            x = parameters.require_finite("PlantEnv.reset: options['state']", options["state"], shape).copy()
+            if not np.abs(x).max() < LARGEST:
+                raise ValueError(f"PlantEnv.reset: options['state'] = {x} must be finite numbers below {LARGEST:g}")
         elif self.randomise or "parameters" in options:
-            self._x = initial_states(scene, starts, p)[0]
+            x = initial_states(scene, starts[None], p[None])[0]
         else:
-            self._x = scene.initial[0].copy()
-        self._p, self._u = p[0], self._idle
-        self._drawn = dict(zip(self._names, map(float, self._p)))
+            x = scene.initial[0].copy()
+        step = self._step
+        step.x[:], step.w[:], step.p[:] = x[:, None], w[:, None], p[:, None]
+        self._x, self._u = x.astype(self._dtype), self._idle
+        self._drawn = dict(zip(self._names, map(float, p)))
         self._done, self._over, self._total = 0, False, 0.0
-        observed = self._observe(self._x, self._idle, self._reference, self._disturbance, self._p)
-        self._obs = observed[0]
+        self._obs = first_observations(scene, x[None], p[None])[0].astype(self._dtype)
         if self._renderer is not None:
             self._renderer.clear()
         if self.render_mode == "human":
@@ -168,33 +159,29 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             raise gymnasium.error.ResetNeeded("PlantEnv.step: no episode is running; call reset first")
         action = np.asarray(action, dtype=float)
         if action.shape != self._idle.shape or not np.dot(action, action) < np.inf:
-            raise ValueError(
-                f"PlantEnv.step: action = {action} must be {len(self._idle)} finite numbers in [-1, 1]"
-            )
-        x, obs, charged, margin = self._step(self._x, action, self._reference, self._disturbance, self._p)
-        cost, early = charged.item(), 0.0
+            raise ValueError(f"PlantEnv.step: action = {action} must be {len(self._idle)} finite numbers in [-1, 1]")
+        step = self._step
+        step.action[:] = action[:, None]
+        unsound, outside = step.run()
+        diverged, cost, early = bool(unsound[0]), float(step.cost[0]), 0.0
         self._done += 1
-        left = self._steps - self._done
-        diverged = not sound(x, obs)
-        terminated = diverged or margin.item() < 0.0
+        terminated = diverged or bool(outside[0])
         if terminated:
-            early = left * (self._early_end + cost)
+            early = early_end_cost(self.scene, self._done, cost)
             cost += early
         if not diverged:
-            self._x, self._obs, self._u = x, obs, action
-        self._over = terminated or left == 0
+            self._x, self._obs, self._u = step.x[:, 0].copy(), step.obs[:, 0].copy(), action
+        self._over = terminated or self._done == self._steps
         self._total += cost
         if self.render_mode == "human":
             self.render()
         truncated = self._over and not terminated
-        return self._obs.astype(self._dtype), -cost, terminated, truncated, self._info(cost, early, diverged)
+        return self._obs.copy(), -cost, terminated, truncated, self._info(cost, early, diverged)
 
     def render(self) -> np.ndarray | None:
         """The arm, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
         if self.render_mode is None:
-            gymnasium.logger.warn(
-                'PlantEnv.render: make the environment with render_mode="rgb_array" or "human"'
-            )
+            gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
             return None
         if self._renderer is None:
             from .render import Renderer

@@ -1,4 +1,4 @@
-"""A scene's control period and its rest states as batch kernels: what the single and the vector environment both run."""
+"""A scene's control period as a batch kernel: what the single and the vector environment both run."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import kernels
-from pliant.plants.batch import BatchKernel, map_kernel, random_points, rate_function
+from pliant.plants.batch import FEW, BatchKernel, Workspace, map_kernel, random_points, rate_function
 from pliant.plants.functions import NumericFunction
+from pliant.plants.threads import available
 
 from .scene import Scene
 from .step import LARGEST, observe_function, reference, substep_function
 
 Array = np.ndarray
 T, X, ACTION, REF, W, P = range(6)  # inputs of the kernel
-X_NEXT, OBS, COST, MARGIN, FINITE = range(5)  # its outputs
+X_NEXT, OBS, COST, MARGIN, SOUND = range(5)  # its outputs
 
 
 def _parts(scene: Scene) -> tuple[ca.Function, ca.Function, ca.Function]:
@@ -46,7 +47,7 @@ def _reference(scene: Scene) -> Any:
         for _ in range(count):
             x = substep(x, u, w, p, batch=n)[0]
         obs, margin = sense(x, u, ref, w, p, batch=n)
-        whole = np.isfinite(np.concatenate([x, obs, cost, margin], axis=1)).all(axis=1, keepdims=True)
+        whole = (np.abs(np.concatenate([x, obs, cost, margin], axis=1)) < LARGEST).all(axis=1, keepdims=True)
         return [x, obs, cost, margin, whole.astype(float)]
 
     return compute
@@ -54,7 +55,7 @@ def _reference(scene: Scene) -> Any:
 
 @lru_cache(maxsize=32)
 def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
-    """(t, x, action, ref, w, p) -> (x_next, obs, cost, margin, finite), called with scalars (h,) and the substeps."""
+    """(t, x, action, ref, w, p) -> (x_next, obs, cost, margin, sound), called with scalars (h,) and the substeps."""
     rate = rate_function(scene.varied_plant)
     drive, score, sense = _parts(scene)
     ref = reference(scene)
@@ -63,78 +64,110 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
     action = rng.uniform(-1.5, 1.5, (scene.plant.nu, lanes))
     rows_in = [1, rate.nnz_in(1), scene.plant.nu, len(ref), rate.nnz_in(3), rate.nnz_in(4)]
     return BatchKernel(
-        lambda: kernels.control_step_source(rate, drive, score, sense, dtype),
+        lambda: kernels.control_step_source(rate, drive, score, sense, dtype, LARGEST),
         _reference(scene),
         (rows_in, [rate.nnz_in(1), sense.nnz_out(0), 1, 1, 1]),
         [t, x, action, np.tile(ref[:, None], lanes), w, p],
         dtype,
-        scalars=(scene.dt / scene.substeps / 10,),
-        count=2,
+        scalars=(scene.dt / scene.substeps,),
     )
 
 
 class ControlStep:
     """The arrays of `lanes` environments and the control period on them.
 
-    Attributes x, action, ref, w, p are input arrays (n, lanes) to write into; obs, cost, margin outputs to read.
-    The state is advanced in place.
+    x, action, ref, w, p are input arrays (n, lanes) to write into; obs (no, lanes), cost (lanes,) outputs to read.
+    The state is advanced in place. With `alike` the arrays are whole vectors whose columns the caller keeps alike.
     """
 
-    def __init__(self, scene: Scene, lanes: int, dtype: np.dtype, threads: int) -> None:
+    def __init__(self, scene: Scene, lanes: int, dtype: np.dtype, threads: int, alike: bool = False) -> None:
+        self._made = scene, lanes, dtype, threads, alike
         self.kernel = control_kernel(scene, dtype)
         self.work = self.kernel.workspace(lanes)
-        self.lanes, self.threads = lanes, threads
+        self.threads = threads
         self._scalars, self._count = (scene.dt / scene.substeps,), scene.substeps
         work = self.work
-        self.x, self.action, self.ref, self.w, self.p = (
-            work.inputs[k][:, :lanes] for k in (X, ACTION, REF, W, P)
-        )
-        self._padding = work.padded > lanes
+        self.lanes = work.padded if alike else lanes
+        inputs, outputs = ([a[:, : self.lanes] for a in group] for group in (work.inputs, work.outputs))
+        _, self.x, self.action, self.ref, self.w, self.p = inputs
+        self._after, self.obs, (self.cost,), (self._margin,), (self._sound,) = outputs
+        self._padded = [a for a in work.inputs if work.padded > self.lanes]
         work.set(REF, reference(scene))
         work.set(P, scene.varied_plant.nominal_parameters)
         work.set(X, scene.initial[0])
-        self._after = work.outputs[X_NEXT]
-        self.obs, self.cost = work.outputs[OBS][:, :lanes], work.outputs[COST][0, :lanes]
-        self._margin, self._finite = work.outputs[MARGIN][0, :lanes], work.outputs[FINITE][0, :lanes]
 
     @property
     def native(self) -> bool:
         """Whether compiled code runs."""
         return self.kernel.native
 
+    def __getstate__(self) -> tuple[Any, list[Array]]:
+        return self._made, [a.copy() for a in (*self.work.inputs, *self.work.outputs)]
+
+    def __setstate__(self, state: tuple[Any, list[Array]]) -> None:
+        made, arrays = state
+        self.__init__(*made)  # type: ignore[misc]
+        for array, value in zip((*self.work.inputs, *self.work.outputs), arrays):
+            array[:] = value
+
     def run(self) -> tuple[Array, Array]:
         """Advance all lanes; returns (diverged, out of bounds), both (lanes,) bool.
 
         A diverged lane's x and obs are not to be used: the caller starts that lane again.
         """
-        if self._padding:
-            for array in self.work.inputs:
-                array[:, self.lanes :] = array[:, :1]
+        for array in self._padded:
+            array[:, self.lanes :] = array[:, :1]
         self.work.run(self._scalars, self._count, self.threads)
-        after = self._after[:, : self.lanes]
-        with np.errstate(all="ignore"):
-            peak = np.maximum(np.abs(after).max(axis=0), np.abs(self.obs).max(axis=0))
-            diverged = (self._finite == 0) | ~(peak < LARGEST)
-            self.x[:] = after
-            return diverged, self._margin < 0
+        self.x[:] = self._after
+        return self._sound == 0, self._margin < 0
 
 
 class Rows:
-    """An SX function of rows: arrays (n, columns) in and out, any n, in chunks of one compiled size."""
+    """An SX function of rows: arrays (n, columns) in and out; a row's result depends on no other row."""
 
-    CHUNK = 64
+    CHUNK = 64  # rows of a call where there are few; many are one call on all processors
 
     def __init__(self, function: ca.Function, points: Sequence[Array]) -> None:
-        self._work = map_kernel(function, points).workspace(self.CHUNK)
+        self._made = self._kernel(function, points)
+        self._few = self._made.workspace(self.CHUNK)
+        self._many: Workspace | None = None
 
-    def __call__(self, *arrays: Array) -> list[Array]:
-        n, work = len(arrays[0]), self._work
+    def _kernel(self, function: ca.Function, points: Sequence[Array]) -> BatchKernel:
+        return map_kernel(function, points)
+
+    def __call__(self, *arrays: Array, count: int = 1) -> list[Array]:
+        """Outputs (n, columns); `count` is the number of steps of an iteration."""
+        n, work, chunk, threads = len(arrays[0]), self._few, self.CHUNK, 1
+        if n >= FEW:
+            if self._many is None or self._many.batch != n:
+                self._many = self._made.workspace(n)
+            work, chunk, threads = self._many, n, available()
         found: list[list[Array]] = []
-        for start in range(0, n, self.CHUNK):
-            count = min(self.CHUNK, n - start)
+        for start in range(0, n, chunk):
+            size = min(chunk, n - start)
             for array, have in zip(work.inputs, arrays):
-                array[:, :count] = have[start : start + count].T
-                array[:, count:] = array[:, :1]
-            work.run()
-            found.append([out[:, :count].T.copy() for out in work.outputs])
-        return [np.concatenate(parts) for parts in zip(*found)]
+                array[:, :size] = have[start : start + size].T
+                array[:, size:] = array[:, :1]
+            work.run((), count, threads)
+            found.append([out[:, :size].T.copy() for out in work.outputs])
+        return found[0] if len(found) == 1 else [np.concatenate(parts) for parts in zip(*found)]
+
+
+class Iteration(Rows):
+    """z <- z + change(z, ...), `count` times: (z, ...) -> (z, last change)."""
+
+    def _kernel(self, function: ca.Function, points: Sequence[Array]) -> BatchKernel:
+        numeric = NumericFunction(function)
+
+        def compute(z: Array, *others: Any) -> Sequence[Array]:
+            *fixed, _, count = others
+            change = np.zeros_like(z)
+            for _ in range(count):
+                change = numeric(z, *fixed, batch=len(z))[0]
+                z = z + change
+            return [z, change]
+
+        dtype, (inputs, (nz,)) = np.dtype(float), kernels._sizes(function)
+        return BatchKernel(
+            lambda: kernels.iteration_source(function, dtype), compute, (inputs, [nz, nz]), points, dtype
+        )

@@ -64,8 +64,7 @@ class Renderer:
         axes.add_collection(self._trail)
         style: dict[str, Any] = {"solid_capstyle": "round", "zorder": 4}
         self._links = [
-            axes.plot([], [], color=LINKS[i % len(LINKS)], lw=max(9 - 2 * i, 4), **style)[0]
-            for i in range(len(goal))
+            axes.plot([], [], color=LINKS[i % len(LINKS)], lw=max(9 - 2 * i, 4), **style)[0] for i in range(len(goal))
         ]
         axes.plot(0, 0, "s", ms=24, color=INK, zorder=3)
         thin: dict[str, Any] = {"color": INK, "lw": 0.8, "ls": (0, (4, 3)), "zorder": 3}

@@ -69,27 +69,27 @@ class PlantVecEnv(VecEnv):
     def close(self) -> None:
         self.vector.close()
 
-    def _lanes(self, indices: None | int | Iterable[int]) -> Sequence[int]:
+    def _lanes(self, indices: int | Iterable[int] | None) -> Sequence[int]:
         return list(self._get_indices(indices))
 
-    def get_attr(self, attr_name: str, indices: None | int | Iterable[int] = None) -> list[Any]:
+    def get_attr(self, attr_name: str, indices: int | Iterable[int] | None = None) -> list[Any]:
         """An attribute of this environment, or of the vector environment, once a lane."""
         owner = self if attr_name in self.__dict__ else self.vector
         return [getattr(owner, attr_name)] * len(self._lanes(indices))
 
-    def set_attr(self, attr_name: str, value: Any, indices: None | int | Iterable[int] = None) -> None:
+    def set_attr(self, attr_name: str, value: Any, indices: int | Iterable[int] | None = None) -> None:
         """Set an attribute of the vector environment; all lanes share it, so all must be named."""
         if len(self._lanes(indices)) != self.num_envs:
             raise ValueError(f"set_attr({attr_name!r}): indices = {indices} must name all lanes, which share it")
         setattr(self.vector, attr_name, value)
 
     def env_method(
-        self, method_name: str, *args: Any, indices: None | int | Iterable[int] = None, **kwargs: Any
+        self, method_name: str, *args: Any, indices: int | Iterable[int] | None = None, **kwargs: Any
     ) -> list[Any]:
         """Call a method of the vector environment once; its result is repeated for each lane named."""
         return [getattr(self.vector, method_name)(*args, **kwargs)] * len(self._lanes(indices))
 
     def env_is_wrapped(
-        self, wrapper_class: type[gymnasium.Wrapper], indices: None | int | Iterable[int] = None
+        self, wrapper_class: type[gymnasium.Wrapper], indices: int | Iterable[int] | None = None
     ) -> list[bool]:
         return [False] * len(self._lanes(indices))

@@ -9,8 +9,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Any
+from functools import cached_property, wraps
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from pliant.plants.parameters import quantity, unit_of, validate
 from pliant.plants.signals import index
 
 Pairs = tuple[tuple[str, float], ...]
+R = TypeVar("R")
 
 ALLOWED: dict[str, tuple[str, Callable[[float], bool]]] = {
     "start": ("finite", lambda v: True),
@@ -36,6 +37,20 @@ def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
         30 * s**2 - 60 * s**3 + 30 * s**4,
         60 * s - 180 * s**2 + 120 * s**3,
     )
+
+
+def once_per_scene(build: Callable[[Scene], R]) -> Callable[[Scene], R]:
+    """Keep what a function makes of a scene with the scene: hashing one takes longer than most that it is used for."""
+    key = f"{build.__module__}.{build.__qualname__}"
+
+    @wraps(build)
+    def made(scene: Scene) -> R:
+        kept = scene.__dict__
+        if key not in kept:
+            kept[key] = build(scene)
+        return kept[key]
+
+    return made
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,11 +77,10 @@ class Scene:
     effort: Pairs = ()
     observe: tuple[str, ...] = ()
     randomise: tuple[tuple[str, float, float], ...] = ()  # parameter, smallest and largest factor
+    gusts: Pairs = ()  # largest |disturbance|, constant over an episode, where episodes are randomised
     start_spread: float = quantity("rad", "nonnegative", 0.0)  # uniform, on every coordinate of `start`
     compare: tuple[str, ...] = ("tip_x", "tip_y")  # outputs whose error the chart measures
-    tolerance: float = quantity(
-        "m", "positive", 1e-3
-    )  # largest error of those outputs that the scene can bear
+    tolerance: float = quantity("m", "positive", 1e-3)  # largest error of those outputs that the scene can bear
     tags: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
@@ -91,6 +105,10 @@ class Scene:
             index(plant.inputs, name, f"{owner}: effort")
             if not value > 0:
                 raise ValueError(f"{owner}: effort {name} = {value} must be > 0")
+        for name, value in self.gusts:
+            index(plant.disturbances, name, f"{owner}: gusts")
+            if not 0 <= value < np.inf:
+                raise ValueError(f"{owner}: gusts {name} = {value} must be finite and >= 0")
         for path, low, high in self.randomise:
             unit_of(plant, path)
             if not 0 < low <= high:
@@ -100,6 +118,14 @@ class Scene:
     def signals(self) -> tuple[Signal, ...]:
         """What goal, bounds, weights and observe may name: the plant's states, then its outputs."""
         return self.plant.states + self.plant.outputs
+
+    @cached_property
+    def largest_gusts(self) -> np.ndarray:
+        """Largest |disturbance| of a randomised episode, shape (nw,)."""
+        found = np.zeros(self.plant.nw)
+        for name, value in self.gusts:
+            found[index(self.plant.disturbances, name, "disturbance")] = value
+        return found
 
     @property
     def steps(self) -> int:
@@ -217,9 +243,7 @@ class Scene:
         """
         rigid = self.plant.ladder()[0]
         n = rigid.nx // 2
-        begin, end = (
-            np.array([dict(g).get(s.name, 0.0) for s in rigid.states[:n]]) for g in (self.start, self.goal)
-        )
+        begin, end = (np.array([dict(g).get(s.name, 0.0) for s in rigid.states[:n]]) for g in (self.start, self.goal))
 
         def torque(t: float) -> np.ndarray:
             s, ds, dds = minimum_jerk(t / self.move_time)

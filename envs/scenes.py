@@ -93,8 +93,8 @@ def _two_link_reach() -> Scene:
 
     | action                   | unit  | at -1 | at 1 |
     |--------------------------|-------|-------|------|
-    | tau1                     | N m   | -60   | 60   |
-    | tau2                     | N m   | -20   | 20   |
+    | tau1                     | N m   | -40   | 40   |
+    | tau2                     | N m   | -15   | 15   |
 
     | cost of the deviation in | unit  | weight |
     |--------------------------|-------|--------|
@@ -116,9 +116,7 @@ def _two_link_reach() -> Scene:
     """
     arm = TwoLinkArm.textbook()
     damped = dataclasses.replace(arm.link1, damping=2e-4)
-    arm = dataclasses.replace(
-        arm, link1=damped, link2=damped, hub_inertia=(0.1, 0.02), joint_friction=(0.2, 0.1)
-    )
+    arm = dataclasses.replace(arm, link1=damped, link2=damped, hub_inertia=(0.1, 0.02), joint_friction=(0.2, 0.1))
     return Scene(
         name="two-link-reach",
         about="lift a 0.5 kg payload point to point with two elastic links under gravity",
@@ -126,7 +124,7 @@ def _two_link_reach() -> Scene:
         start=(("theta1", -np.pi / 2), ("theta2", 0.0)),
         goal=(("theta1", -0.9), ("theta2", 0.6)),
         duration=3.0,
-        limits=(60.0, 20.0),
+        limits=(40.0, 15.0),
         bounds=(
             ("tip1_deflection", 0.4),
             ("tip2_deflection", 0.4),

@@ -2,28 +2,51 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants import EquilibriumError, LagrangianPlant
-from pliant.plants.functions import NumericFunction, function
+from pliant.plants.batch import CHECKED, random_points
 
-from .scene import Scene
+from .kernel import Iteration, Rows
+from .scene import Scene, once_per_scene
+from .step import observe_function, reference
 
-LANES = 16  # of a call: one mapped function serves every number of lanes
 TOLERANCE = 1e-9  # relative change of a Newton step whose successor would only move rounding errors
-MOST_STEPS = 30
+STEPS, MOST_ROUNDS = 6, 5  # Newton steps between looks at their size, and how often is looked
 SMALL = 1e-3  # [m, rad, N m] below which a change counts absolutely
 
 
-def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """(starts (n, len(scene.start)), p (n, np)): uniform within start_spread and the parameters' factors."""
-    own = np.array([value for _, value in scene.start])
+def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(starts (n, len(scene.start)), w (n, nw), p (n, np)) of n episodes.
+
+    Uniform within the start's spread, the gusts and the parameters' factors.
+    """
+    own, low, high = _ranges(scene)
     starts = own + scene.start_spread * rng.uniform(-1.0, 1.0, (n, len(own)))
-    low, high = np.array([pair for _, *pair in scene.randomise]).reshape(-1, 2).T
-    return starts, scene.varied_plant.nominal_parameters * rng.uniform(low, high, (n, len(low)))
+    p = rng.uniform(low, high, (n, len(low)))
+    return starts, scene.largest_gusts * rng.uniform(-1.0, 1.0, (n, scene.plant.nw)), p
+
+
+def begin(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(x (n, nx), obs (n, no), w (n, nw), p (n, np)) of n randomised episodes, at rest where drawn."""
+    starts, w, p = draw(scene, rng, n)
+    x = initial_states(scene, starts, p)
+    return x, first_observations(scene, x, p), w, p
+
+
+def first_observations(scene: Scene, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """obs (n, no) at states x (n, nx), before any input or disturbance."""
+    n, ref = len(x), reference(scene)
+    still = np.zeros((n, scene.plant.nu)), np.tile(ref, (n, 1)), np.zeros((n, scene.plant.nw))
+    return _observing(scene)(x, *still, p)[0]
+
+
+def early_end_cost(scene: Scene, done: Any, cost: Any) -> Any:
+    """What an episode that ends after `done` periods, its last one costing `cost`, is charged for the time left."""
+    return (scene.steps - done) * (scene.dt * scene.early_end_rate + cost)
 
 
 def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -45,17 +68,16 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
     columns, free = _split(scene)
     x0, u0 = scene.initial
     z = np.tile(np.concatenate([x0[free], u0]), (len(starts), 1))
-    moving = np.ones(len(starts), dtype=bool)  # a lane stops on its own: its digits depend on no other lane
-    for _ in range(MOST_STEPS):
-        change = _in_chunks(_newton(scene), z, starts, p)
-        z[moving] += change[moving]
-        moving &= ~(np.max(np.abs(change) / (np.abs(z) + SMALL), axis=1) < TOLERANCE)
-        if not moving.any():
+    moving = np.arange(len(starts))  # a lane stops on its own: its digits depend on no other lane
+    for _ in range(MOST_ROUNDS):
+        z[moving], change = _newton(scene)(z[moving], starts[moving], p[moving], count=STEPS)
+        moving = moving[~((np.abs(change) / (np.abs(z[moving]) + SMALL)).max(axis=1) < TOLERANCE)]
+        if not len(moving):
             break
     else:
-        k = int(np.argmax(moving))
+        k = int(moving[0])
         held = ", ".join(f"{name} = {value:.4g}" for (name, _), value in zip(scene.start, starts[k]))
-        worst = float(np.abs(change[k]).max())
+        worst = float(np.abs(change).max())
         raise EquilibriumError(
             f"scene {scene.name!r} has no rest state with {held} and p = {p[k]}: Newton's steps still change "
             f"it by {worst:.3g}; narrow start_spread or randomise",
@@ -66,22 +88,31 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
     return x
 
 
+@once_per_scene
 def _split(scene: Scene) -> tuple[list[int], list[int]]:
     """Indices of the coordinates that scene.start holds, and of the others."""
     held = scene.positions(name for name, _ in scene.start)
     return held, [i for i in range(scene.plant.nx // 2) if i not in held]
 
 
-def _in_chunks(newton: NumericFunction, *arrays: np.ndarray) -> np.ndarray:
-    n = len(arrays[0])
-    if n == 1:
-        return newton(*(a[0] for a in arrays))[0][None]
-    rows = np.minimum(np.arange(-(-n // LANES) * LANES), n - 1).reshape(-1, LANES)
-    return np.concatenate([newton(*(a[r] for a in arrays), batch=LANES)[0] for r in rows])[:n]
+@once_per_scene
+def _ranges(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The start's own values, and the least and largest values of the randomised parameters."""
+    own = np.array([value for _, value in scene.start])
+    low, high = np.array([pair for _, *pair in scene.randomise]).reshape(-1, 2).T
+    nominal = scene.varied_plant.nominal_parameters
+    return own, nominal * low, nominal * high
 
 
-@lru_cache(maxsize=32)
-def _newton(scene: Scene) -> NumericFunction:
+@once_per_scene
+def _observing(scene: Scene) -> Rows:
+    _, x, u, w, p = random_points(scene.varied_plant, np.random.default_rng(0))
+    ref = np.tile(reference(scene)[:, None], x.shape[1])
+    return Rows(observe_function(scene), [x, u, ref, w, p])
+
+
+@once_per_scene
+def _newton(scene: Scene) -> Iteration:
     """(z, start, p) -> Newton's change of z = [free coordinates; inputs] towards no net force at rest."""
     plant = scene.varied_plant
     assert isinstance(plant, LagrangianPlant)
@@ -91,7 +122,9 @@ def _newton(scene: Scene) -> NumericFunction:
     rest = ca.SX.zeros(plant.nx)
     rest[columns], rest[free] = start, z[: len(free)]
     force = plant.symbolic.equations(t, x, u, w)[1]
-    force = ca.substitute(
-        force, ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw))
-    )
-    return function("newton", [z, start, p], [-ca.solve(ca.jacobian(force, z), force)])
+    force = ca.substitute(force, ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw)))
+    newton = ca.Function("newton", [z, start, p], ca.cse([-ca.solve(ca.jacobian(force, z), force)]))
+    rng = np.random.default_rng(0)
+    own = np.concatenate([scene.initial[0][free], scene.initial[1]])[:, None]
+    starts, _, ps = draw(scene, rng, CHECKED)
+    return Iteration(newton, [own + 0.01 * rng.uniform(-1, 1, (len(own), CHECKED)), starts.T, ps.T])

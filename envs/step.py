@@ -10,18 +10,17 @@ outside of it.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import casadi as ca
 import numpy as np
 
 from pliant.plants.integrate import step_map
 
-from .scene import Scene
+from .scene import Scene, once_per_scene
 
-LARGEST = 1e30  # beyond it a state has diverged: the square still fits a double, the number itself a single
+LARGEST = 1e12  # a state or observation beyond it has diverged: its weighted square still fits a single
 
 
+@once_per_scene
 def reference(scene: Scene) -> np.ndarray:
     """ref (nr,) of the scene's own goal, from its own plant."""
     goals = [scene.goal_values(names) for names in (scene.observe, scene.weighted)]
@@ -35,21 +34,19 @@ def _symbols(scene: Scene) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
     return tuple(ca.SX.sym(name, size) for name, size in zip("xurwp", sizes))  # type: ignore[return-value]
 
 
-@lru_cache(maxsize=32)
+@once_per_scene
 def substep_function(scene: Scene) -> ca.Function:
     """(x, u, w, p) -> x after one RK4 step of dt / substeps with u held."""
     plant = scene.varied_plant
     if any(ca.depends_on(e, plant.symbols[0]) for e in plant.expressions):
-        raise ValueError(
-            f"scene {scene.name!r}: the plant depends on time, which an environment does not show"
-        )
+        raise ValueError(f"scene {scene.name!r}: the plant depends on time, which an environment does not show")
     x, u, _, w, p = _symbols(scene)
     rk4 = step_map(plant, "rk4")
     after = rk4(0.0, x, ca.repmat(u, 1, 3), w, p, scene.dt / scene.substeps)
     return ca.Function("substep", [x, u, w, p], ca.cse([after]), list("xuwp"), ["x_next"])
 
 
-@lru_cache(maxsize=32)
+@once_per_scene
 def observe_function(scene: Scene) -> ca.Function:
     """(x, u, ref, w, p) -> (obs (no,), cost of a control period that starts here, margin).
 
@@ -69,12 +66,10 @@ def observe_function(scene: Scene) -> ca.Function:
         value = signals[scene.positions([name])]
         margin = ca.fmin(margin, (bound - ca.fabs(value)) / bound)
     results = [ca.densify(e) for e in (obs, scene.dt * ca.SX(rate), margin)]
-    return ca.Function(
-        "observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"]
-    )
+    return ca.Function("observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"])
 
 
-@lru_cache(maxsize=32)
+@once_per_scene
 def step_function(scene: Scene) -> ca.Function:
     """(x, action, ref, w, p) -> (x_next, obs, cost, margin): a control period with the action held.
 
@@ -91,9 +86,3 @@ def step_function(scene: Scene) -> ca.Function:
     obs, _, margin = observe(after, u, ref, w, p)
     names = ["x", "action", "ref", "w", "p"], ["x_next", "obs", "cost", "margin"]
     return ca.Function("step", [x, action, ref, w, p], [after, obs, cost, margin], *names)
-
-
-def sound(x: np.ndarray, obs: np.ndarray) -> np.ndarray:
-    """Whether states (..., nx) and observations (..., no) are finite and within LARGEST -> (...)."""
-    limit = LARGEST**2
-    return (np.einsum("...i,...i", x, x) < limit) & (np.einsum("...i,...i", obs, obs) < limit)

@@ -10,13 +10,14 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from pliant.plants import native, parameters
+from pliant.plants import parameters
 from pliant.plants.batch import FEW, as_dtype
+from pliant.plants.threads import available
 
 from . import scenes
 from .kernel import ControlStep
 from .scene import Scene
-from .start import draw, initial_states
+from .start import begin, early_end_cost, first_observations
 
 Array = np.ndarray
 
@@ -60,12 +61,17 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
         self.num_envs, self.randomise, self.render_mode = num_envs, bool(randomise), render_mode
         self._dtype = as_dtype(dtype)
         if threads is None:
-            threads = native.available_threads() if num_envs >= FEW else 1
+            threads = available() if num_envs >= FEW else 1
         self._step = ControlStep(scene, num_envs, self._dtype, threads)
         self.single_action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.single_observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), self._dtype.type)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
+        x, p = scene.initial[0], scene.varied_plant.nominal_parameters
+        self._nominal_start = x, first_observations(scene, x[None], p[None])[0]
+        widths = (scene.plant.nx, len(scene.observe), scene.plant.nw, len(p))
+        self._none_drawn = [np.zeros((0, n)) for n in widths]
+        self._drawn = self._none_drawn
         self._done = np.zeros(num_envs, dtype=np.int64)
         self._over = np.ones(num_envs, dtype=bool)
         self._obs = np.zeros((num_envs, len(scene.observe)), dtype=self._dtype)
@@ -85,11 +91,10 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
     ) -> tuple[Array, dict[str, Any]]:
         """Start all lanes, or those of options["reset_mask"] (num_envs,) bool. One seed serves all lanes."""
         if seed is not None and not isinstance(seed, (int, np.integer)):
-            raise ValueError(
-                f"PlantVectorEnv.reset: seed = {seed!r} must be one integer: it seeds every lane"
-            )
+            raise ValueError(f"PlantVectorEnv.reset: seed = {seed!r} must be one integer: it seeds every lane")
         if seed is not None:
             self._np_random, self._np_random_seed = gymnasium.utils.seeding.np_random(int(seed))
+            self._drawn = self._none_drawn
         options = options or {}
         for key in options:
             parameters.require_choice("PlantVectorEnv.reset", "options", key, ("reset_mask",))
@@ -106,14 +111,23 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
         """New episodes in the lanes (k,)."""
         step = self._step
         if self.randomise:
-            x, obs, w, p = begin(self.scene, self.np_random, len(lanes))
+            x, obs, w, p = self._draw(len(lanes))
             step.x[:, lanes], step.w[:, lanes], step.p[:, lanes] = x.T, w.T, p.T
         else:
-            x, obs = nominal_start(self.scene)
+            x, obs = self._nominal_start
             step.x[:, lanes] = x[:, None]
         self._obs[lanes] = obs
         self._done[lanes] = 0
         self._over[lanes] = False
+
+    def _draw(self, n: int) -> list[Array]:
+        """The next n episodes (x, obs, w, p): drawn as many at a time as there are lanes, which costs less each."""
+        if n > len(self._drawn[0]):
+            more = begin(self.scene, self.np_random, self.num_envs)
+            self._drawn = [np.concatenate(pair) for pair in zip(self._drawn, more)]
+        taken = [a[:n] for a in self._drawn]
+        self._drawn = [a[n:] for a in self._drawn]
+        return taken
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Hold `actions` (num_envs, nu) for one control period in every lane."""
@@ -126,9 +140,7 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
         step.action[:] = actions.T
         if not np.isfinite(step.action.sum()):
             k = int(np.argmin(np.isfinite(actions).all(axis=1)))
-            raise ValueError(
-                f"PlantVectorEnv.step: actions[{k}] = {actions[k]} must be finite numbers in [-1, 1]"
-            )
+            raise ValueError(f"PlantVectorEnv.step: actions[{k}] = {actions[k]} must be finite numbers in [-1, 1]")
         waiting = np.flatnonzero(self._over)
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(

@@ -13,6 +13,7 @@ import numpy as np
 from . import kernels, native
 from .functions import NumericFunction
 from .parameters import require_choice, require_count
+from .threads import available
 
 if TYPE_CHECKING:
     from .plant import Plant
@@ -197,7 +198,7 @@ class Stepper:
         require_count("stepper", "batch", batch, 1, 10_000_000)
         require_count("stepper", "substeps", substeps, 1, 1_000_000)
         self.plant, self.dt, self.batch, self.substeps = plant, dt, batch, substeps
-        self.threads = native.available_threads() if threads is None else threads
+        self.threads = available() if threads is None else threads
         if threads is None and batch < FEW:
             self.threads = 1
         self.kernel = step_kernel(plant, method, dtype)
@@ -285,7 +286,7 @@ class NativeFunction(NumericFunction):
                 work = self._work[size] = self._kernel.workspace(size)
             for k, value in enumerate(values):
                 work.set(k, value)
-            work.run(threads=native.available_threads() if size >= FEW else 1)
+            work.run(threads=available() if size >= FEW else 1)
             rows = work.all_outputs[:, :size].T.copy()  # (B, all rows); every output is a slice of its columns
         if batch is None:
             flat = rows[0]

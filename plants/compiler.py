@@ -142,15 +142,20 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
     return Toolchain(command, version[0] if version else "", target, width, tuple(flags), tuple(link))
 
 
-def build(source: str) -> bytes:
+def digest(source: str, tools: Toolchain) -> str:
+    """The name under which what is compiled from a source is kept."""
+    return hashlib.sha256(f"{source}\n{tools.key}".encode()).hexdigest()[:32]
+
+
+def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
     """The shared library made from C source, as bytes."""
     tools = toolchain()
     with tempfile.TemporaryDirectory() as folder:
         c, o, so = (str(Path(folder, f"kernel.{end}")) for end in ("c", "o", "so"))
         Path(c).write_text(source)
         for arguments in (
-            (*tools.compile_flags, "-c", c, "-o", o),
-            ("-shared", o, "-o", so, *tools.link_flags),
+            (*tools.compile_flags, *flags, "-c", c, "-o", o),
+            ("-shared", o, "-o", so, *tools.link_flags, *flags),
         ):
             done = _run(tools.command, *arguments)
             if done.returncode:

@@ -75,6 +75,23 @@ def map_source(function: ca.Function, dtype: np.dtype, lanes: int | None = None)
     return "\n".join([head(dtype, lanes), block_function("function", function), "RUN {", *body, "  }", "}", ""])
 
 
+def iteration_source(change: ca.Function, dtype: np.dtype) -> str:
+    """z <- z + change(z, ...) n times: (z, ...) -> (z, last change)."""
+    inputs, (nz,) = _sizes(change)
+    names = [f"i{k}" for k in range(len(inputs))]
+    body = [f"  BLOCK({name}, {c});" for name, c in zip(names, inputs)]
+    body += [f"  BLOCK(d, {nz});", "  EACH_BLOCK {"]
+    body += [f"    LOAD({name}, {k}, {c});" for k, (name, c) in enumerate(zip(names, inputs))]
+    body += [
+        "    for (long i = 0; i < n; i++) {",
+        "      " + _call("change", names, ["d"]),
+        f"      for (int k = 0; k < {nz}; k++) LANES for (int l = 0; l < W; l++) i0[k][l] += d[k][l];",
+        "    }",
+        f"    STORE(i0, 0, {nz}); STORE(d, 1, {nz});",
+    ]
+    return "\n".join([head(dtype), block_function("change", change), "RUN {", *body, "  }", "}", ""])
+
+
 _RK4 = """
 static inline void ahead(int count, T (*restrict y)[W], in_t x, T h, in_t k) {
   for (int i = 0; i < count; i++) LANES for (int l = 0; l < W; l++) y[i][l] = x[i][l] + h * k[i][l];
@@ -145,22 +162,31 @@ RUN {{
 
 
 def control_step_source(
-    rate: ca.Function, drive: ca.Function, score: ca.Function, sense: ca.Function, dtype: np.dtype
+    rate: ca.Function,
+    drive: ca.Function,
+    score: ca.Function,
+    sense: ca.Function,
+    dtype: np.dtype,
+    largest: float,
 ) -> str:
-    """A control period of an environment: (t, x, action, ref, w, p) -> (x, obs, cost, margin, finite).
+    """A control period of an environment: (t, x, action, ref, w, p) -> (x, obs, cost, margin, sound).
 
     drive (action) -> u; score (x, u, ref, w, p) -> cost at the start of the period; n RK4 steps of s[0] seconds;
-    sense (x, u, ref, w, p) -> (obs, margin) at its end. finite is 1 where every state and observation is a number,
-    read from the bits, since this code is compiled for finite numbers only.
+    sense (x, u, ref, w, p) -> (obs, margin) at its end. sound is 1 where every state and observation is a number below
+    `largest`; that it is a number is read from its bits, since this code is compiled for finite numbers only.
     """
     _, nx, nu, nw, np_ = _sizes(rate)[0]
     na, nr, no = drive.nnz_in(0), score.nnz_in(2), sense.nnz_out(0)
     functions = [block_function(n, f) for n, f in (("drive", drive), ("score", score), ("sense", sense))]
     body = f"""
-static int is_number(T value) {{ BITS bits; memcpy(&bits, &value, sizeof bits); return (bits & EXPONENT) != EXPONENT; }}
+static int is_sound(T value) {{
+  BITS bits;
+  memcpy(&bits, &value, sizeof bits);
+  return (bits & EXPONENT) != EXPONENT && FABS(value) < (T){largest!r};
+}}
 RUN {{
   BLOCK(t, 1); BLOCK(x, {nx}); BLOCK(a, {na}); BLOCK(ref, {nr}); BLOCK(w, {nw}); BLOCK(p, {np_});
-  BLOCK(u, {nu}); BLOCK(obs, {no}); BLOCK(cost, 1); BLOCK(margin, 1); BLOCK(finite, 1);
+  BLOCK(u, {nu}); BLOCK(obs, {no}); BLOCK(cost, 1); BLOCK(margin, 1); BLOCK(sound, 1);
   EACH_BLOCK {{
     LOAD(t, 0, 1); LOAD(x, 1, {nx}); LOAD(a, 2, {na}); LOAD(ref, 3, {nr}); LOAD(w, 4, {nw}); LOAD(p, 5, {np_});
     drive((in_t)a, u);
@@ -168,12 +194,12 @@ RUN {{
     rk4(x, t, (in_t)u, (in_t)w, (in_t)p, (T)s[0], n);
     sense((in_t)x, (in_t)u, (in_t)ref, (in_t)w, (in_t)p, obs, margin);
     for (int l = 0; l < W; l++) {{
-      int whole = is_number(cost[0][l]) && is_number(margin[0][l]);
-      for (int k = 0; k < {nx}; k++) whole &= is_number(x[k][l]);
-      for (int k = 0; k < {no}; k++) whole &= is_number(obs[k][l]);
-      finite[0][l] = (T)whole;
+      int whole = is_sound(cost[0][l]) && is_sound(margin[0][l]);
+      for (int k = 0; k < {nx}; k++) whole &= is_sound(x[k][l]);
+      for (int k = 0; k < {no}; k++) whole &= is_sound(obs[k][l]);
+      sound[0][l] = (T)whole;
     }}
-    STORE(x, 0, {nx}); STORE(obs, 1, {no}); STORE(cost, 2, 1); STORE(margin, 3, 1); STORE(finite, 4, 1);
+    STORE(x, 0, {nx}); STORE(obs, 1, {no}); STORE(cost, 2, 1); STORE(margin, 3, 1); STORE(sound, 4, 1);
   }}
 }}
 """

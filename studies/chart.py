@@ -90,7 +90,7 @@ class Chart:
     def fastest(self, tolerance: float | None = None, variant: str | None = None) -> Row | None:
         """The fastest row within the tolerance (None: the scene's), of one variant if named."""
         bound = self.tolerance if tolerance is None else tolerance
-        rows = [r for r in self.measured if r.error <= bound and variant in (None, r.variant)]  # type: ignore[operator]
+        rows = [r for r in self.measured if (r.error or 0.0) <= bound and variant in (None, r.variant)]
         return min(rows, key=lambda r: r.seconds or 0.0, default=None)
 
     def to_json(self) -> dict[str, Any]:
@@ -127,7 +127,7 @@ def chart(
 ) -> Chart:
     """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones.
 
-    `variants` (None: the plant's ladder) are charted; errors are against the finest of the ladder in any case.
+    `variants` (None: the plant's ladder) are charted; errors are against the finest of the ladder.
     A setting is not run when the time is spent, when it would take too long, or when a measured row is faster
     and better than its variant can be at any step (`prune`); its row says so. A setting finer than one whose
     error no longer matters has no row. ValueError for a budget that is not positive or an unknown method.
@@ -228,7 +228,7 @@ class Runner:
         motion = motions.run(plant, **options)
         times = [motion.stats["seconds"]] if key in self.built else []
         self.built.add(key)
-        while len(times) < (3 if sum(times) < 0.3 else 1):
+        while len(times) < (3 if sum(times) < 0.15 else 1):
             times.append(motions.run(plant, **options).stats["seconds"])
         seconds = median(times)
         self.last[key] = work, seconds

@@ -1,4 +1,4 @@
-"""The `pliant` command: tables and pictures for people, --json for programs. Data on stdout, progress on stderr."""
+"""The `pliant` command: tables and pictures, or --json. Data go to stdout, progress to stderr."""
 
 from __future__ import annotations
 
@@ -24,9 +24,7 @@ app = typer.Typer(
 SceneName = Annotated[str, typer.Argument(help="A scene's name; `pliant scenes` lists them.")]
 Settings = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="NAME=VALUE", help="Change the plant (payload.mass=0.7) or the scene (duration=5)."
-    ),
+    typer.Option("--set", metavar="NAME=VALUE", help="Change the plant (payload.mass=0.7) or the scene (duration=5)."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Write JSON to stdout in place of the table.")]
 Picture = Annotated[Path | None, typer.Option("--plot", help="Draw into this file: png, svg or pdf.")]
@@ -69,21 +67,9 @@ def scenes(as_json: AsJson = False) -> None:
 
     found = [known.get(name) for name in known.names()]
     if as_json:
-        _print_json(
-            [
-                {
-                    "name": s.name,
-                    "about": s.about,
-                    "plant": s.plant.label,
-                    "states": s.plant.nx,
-                    "duration": s.duration,
-                    "dt": s.dt,
-                    "limits": s.limits,
-                    "tolerance": s.tolerance,
-                }
-                for s in found
-            ]
-        )
+        from .tables import scene_table
+
+        _print_json([scene_table(s) for s in found])
         return
     rows = [(s.name, s.about, s.plant.label, s.plant.nx, s.duration, s.tolerance * 1e3) for s in found]
     show("Scenes", ("name", "about", "plant", "states", "seconds", "tolerance [mm]"), rows)
@@ -93,9 +79,7 @@ def scenes(as_json: AsJson = False) -> None:
 def simulate(
     scene: SceneName,
     settings: Settings = None,
-    lqr: Annotated[
-        bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal torques.")
-    ] = False,
+    lqr: Annotated[bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal torques.")] = False,
     method: Annotated[
         str, typer.Option(help="dop853, radau, cvodes (with --lqr), rk4, midpoint, rosenbrock")
     ] = "dop853",
@@ -116,20 +100,10 @@ def simulate(
         from .figures import histories
 
         _draw(histories(chosen, [(chosen.plant.label, motion)], title=chosen.name), plot)
-    cost = chosen.cost(motion)
     if as_json:
-        signals = (*motion.states, *motion.inputs, *motion.outputs)
-        _print_json(
-            {
-                "scene": chosen.name,
-                "plant": chosen.plant.label,
-                "cost": cost,
-                "stats": motion.stats,
-                "t": motion.t,
-                "signals": {s.name: motion[s.name] for s in signals},
-                "units": {s.name: s.unit for s in signals},
-            }
-        )
+        from .tables import motion_table
+
+        _print_json(motion_table(chosen, motion))
         return
     rows = []
     for kind in ("outputs", "inputs"):
@@ -143,7 +117,9 @@ def simulate(
                 )
             )
     took = motion.stats["seconds"]
-    caption = f"{chosen.plant.label}, {method}, {motion.t[-1]:g} s simulated in {took:.3g} s, cost {cost:.5g}"
+    caption = (
+        f"{chosen.plant.label}, {method}, {motion.t[-1]:g} s simulated in {took:.3g} s, cost {chosen.cost(motion):.5g}"
+    )
     show(chosen.name, ("signal", "unit", "start", "end", "least", "most"), rows, caption=caption)
 
 
@@ -158,9 +134,7 @@ def _simulated(scene: Scene, lqr: bool, options: dict[str, Any]) -> Trajectory:
             return scene.open_loop(progress=progress, **options)
         from .closed_loop import regulator
 
-        return scene.plant.simulate(
-            scene.initial[0], regulator(scene), scene.times, progress=progress, **options
-        )
+        return scene.plant.simulate(scene.initial[0], regulator(scene), scene.times, progress=progress, **options)
 
 
 @app.command()
@@ -179,14 +153,11 @@ def linearize(
 
         _draw(eigenvalues([(chosen.plant.label, model.eigenvalues)], title=f"Eigenvalues at the {at}"), plot)
     if as_json:
-        from .report import linear_table
+        from .tables import linear_table
 
         _print_json({"scene": chosen.name, "plant": chosen.plant.label, "at": at, **linear_table(model)})
         return
-    rows = [
-        (m.number, m.frequency_hz, m.damping_ratio, f"{m.eigenvalue:.4g}", m.dominant_state)
-        for m in model.modes()
-    ]
+    rows = [(m.number, m.frequency_hz, m.damping_ratio, f"{m.eigenvalue:.4g}", m.dominant_state) for m in model.modes()]
     inputs = ", ".join(f"{s.name} = {v:.5g} {s.unit}" for s, v in zip(model.inputs, model.u0))
     caption = f"{chosen.plant.label}, at rest with {inputs}; matrices with --json"
     head = ("mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "mostly in")
@@ -216,8 +187,9 @@ def chart(
     front = sorted((r for r in found.measured if r.pareto), key=lambda r: r.error or 0.0)
     rows = [(r.variant, r.setting, (r.seconds or 0.0) * 1e3, r.error, r.step_error) for r in front]
     caption = (
-        f"{len(found.measured)} settings measured, {len(found.failed)} without a result (see --json). Errors are from "
-        f"{found.reference.variant}, confirmed by {found.reference.nearest} to {found.reference.difference:.2g} m."
+        f"{len(found.measured)} settings measured, {len(found.failed)} without a result (see --json). "
+        f"Errors are from {found.reference.variant}, confirmed by {found.reference.nearest} to "
+        f"{found.reference.difference:.2g} m."
     )
     head = ("variant", "method", "ms per simulated s", "error [m]", "of it by the step [m]")
     show(f"{chosen.name}, the Pareto front", head, rows, caption=caption)
@@ -227,15 +199,13 @@ def chart(
 def choose(
     scene: SceneName,
     settings: Settings = None,
-    tolerance: Annotated[
-        float | None, typer.Option(help="Largest error [m]; the scene's own if not given.")
-    ] = None,
+    tolerance: Annotated[float | None, typer.Option(help="Largest error [m]; the scene's own if not given.")] = None,
     plot: Picture = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the smallest model that a scene needs. Exit code 1 where none is shown to be good enough."""
     from .fidelity import choose as climb
-    from .fidelity import millimetres
+    from .markup import millimetres
 
     chosen = scene_with(scene, settings or [])
     with bar(f"choose {chosen.name}") as tell:
@@ -257,9 +227,7 @@ def choose(
             )
             for r in found.rungs
         ]
-        show(
-            f"{chosen.name}, the ladder", ("variant", "states", "from the next", "from the finest", ""), rows
-        )
+        show(f"{chosen.name}, the ladder", ("variant", "states", "from the next", "from the finest", ""), rows)
         print(found.text)
     if not found.met:
         complain("no variant is shown to keep the tolerance")
@@ -271,7 +239,7 @@ def report(
     scene: SceneName,
     settings: Settings = None,
     out: Annotated[Path | None, typer.Option(help="Folder to write; reports/SCENE if not given.")] = None,
-    budget: Budget = 14.0,
+    budget: Budget = 16.0,
     as_json: AsJson = False,
 ) -> None:
     """Everything about one scene in one folder: report.html, the pictures, the tables."""

@@ -1,7 +1,7 @@
-"""A linear-quadratic regulator designed on a scene's plant, run on that plant and on plants that differ from it.
+"""A linear-quadratic regulator designed on a scene's plant, run on that plant and on plants that differ.
 
-Spillover is a mode that the design model lacks and that the loop makes unstable. It is looked for in the sampled
-loop about the goal: eigenvalues of A_d - B_d K S, with S picking what the regulator reads.
+Spillover is a mode that the design model lacks and that the loop makes unstable. It is looked for in the
+sampled loop about the goal: eigenvalues of A_d - B_d K S, with S picking what the regulator reads.
 """
 
 from __future__ import annotations
@@ -79,13 +79,14 @@ def variations(scene: Scene) -> list[tuple[str, Plant]]:
 
 
 def dearer(plant: Plant) -> Plant:
-    """The plant with many modes a link, or the finest of its ladder where it does not count modes."""
-    modes = getattr(plant, "modes", None)
+    """The plant with many modes a link; the finest of its ladder where that adds no state."""
+    modes, more = getattr(plant, "modes", None), plant
     if isinstance(modes, tuple):
-        return dataclasses.replace(plant, modes=tuple(max(MANY_MODES, n) for n in modes))  # type: ignore[call-arg]
-    if isinstance(modes, int):
-        return dataclasses.replace(plant, modes=max(MANY_MODES, modes))  # type: ignore[call-arg]
-    return plant.ladder()[-1]
+        many = tuple(max(MANY_MODES, n) for n in modes)
+        more = dataclasses.replace(plant, modes=many)  # type: ignore[call-arg]
+    elif isinstance(modes, int):
+        more = dataclasses.replace(plant, modes=max(MANY_MODES, modes))  # type: ignore[call-arg]
+    return more if more.nx > plant.nx else plant.ladder()[-1]
 
 
 def closed_loop(
@@ -146,7 +147,7 @@ def _stability(scene: Scene, law: LQR) -> tuple[float, str, str]:
     found = modal.modes(loop, names(plant.states), scene.dt)
     radius = float(np.abs(np.linalg.eigvals(loop)).max())
     worst = max(found, key=lambda m: m.eigenvalue.real)
-    # A mode above half the sampling rate shows a folded frequency there: the plant's own mode names it better.
+    # Above half the sampling rate a mode shows a folded frequency: the plant's own mode names it better.
     coordinate = worst.dominant_state.removesuffix("_rate")
     own = [m.frequency_hz for m in model.modes() if m.dominant_state.removesuffix("_rate") == coordinate]
     frequency = own[0] if own and own[0] > 0.5 / scene.dt else worst.frequency_hz

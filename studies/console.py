@@ -97,7 +97,7 @@ def _text(value: Any) -> str:
 
 
 def scene_with(name: str, settings: Sequence[str]) -> Scene:
-    """A named scene with NAME=VALUE settings: dotted parameters or fields of its plant, or fields of the scene.
+    """A named scene with NAME=VALUE settings: parameters or fields of its plant, or fields of the scene.
 
     ValueError for a scene, name or value that is not known or out of range.
     """

@@ -18,6 +18,7 @@ from pliant.envs.scenes import Scene
 from pliant.plants import Plant
 
 from .chart import METHODS, SUBSTEPS, TOLERANCES, Chart, Row, Runner, chart
+from .markup import millimetres
 from .motions import Motions, Progress, share, silent
 
 # (field, value that brings the effect in) -> words; None: any value
@@ -92,9 +93,9 @@ def choose(
 ) -> Choice:
     """The cheapest rung whose error bound is within `tolerance` [unit of scene.compare; None: the scene's].
 
-    Also the fastest integrator and the largest fixed step that keep it, from `measured` or a short chart of that
-    rung. Where none is shown to keep it the finest is returned with met=False. ValueError for a tolerance not
-    above 0.
+    Also the fastest integrator and the largest fixed step that keep it; the first from `measured`, or from a
+    short chart of that rung. Where none is shown to keep it the finest is returned with met=False. ValueError for a
+    tolerance not above 0.
     """
     tolerance = scene.tolerance if tolerance is None else tolerance
     if not (isinstance(tolerance, (int, float)) and 0 < tolerance < math.inf):
@@ -175,12 +176,9 @@ def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
     """Each field that differs along the ladder, changed alone: to its next cheaper value, to the finest's."""
     ladder = motions.ladder
     found: list[Effect] = []
-    for f in dataclasses.fields(plant):  # type: ignore[arg-type]
+    for f in dataclasses.fields(plant):
         values = list(dict.fromkeys(getattr(rung, f.name) for rung in ladder))
-        if all(
-            isinstance(v, int) or (isinstance(v, tuple) and all(isinstance(n, int) for n in v))
-            for v in values
-        ):
+        if all(isinstance(v, int) or (isinstance(v, tuple) and all(isinstance(n, int) for n in v)) for v in values):
             values.sort()
         own = getattr(plant, f.name)
         if len(values) < 2 or own not in values:
@@ -192,7 +190,7 @@ def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
             others.append((finest, False))
         for value, kept in others:
             try:
-                changed = dataclasses.replace(plant, **{f.name: value})  # type: ignore[type-var]
+                changed = dataclasses.replace(plant, **{f.name: value})
             except ValueError:
                 continue
             if changed.label == plant.label:
@@ -206,15 +204,6 @@ def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
 
 def _plain(value: Any) -> str:
     return "+".join(map(str, value)) if isinstance(value, tuple) else str(value)
-
-
-def millimetres(value: float) -> str:
-    """A length in m as millimetres or micrometres with two or three digits."""
-    if not math.isfinite(value):
-        return "no result"
-    if value >= 1e-4:
-        return f"{value * 1e3:.3g} mm"
-    return f"{value * 1e6:.2g} µm" if value >= 1e-8 else "< 0.01 µm"
 
 
 def _words(choice: Choice, motions: Motions) -> str:
@@ -232,9 +221,7 @@ def _words(choice: Choice, motions: Motions) -> str:
             f"No variant is shown to keep {outputs} within {millimetres(choice.tolerance)}; the finest, "
             f"{rung.variant}, is returned"
         )
-    parts = [
-        f"{lead}. The finest is confirmed by {choice.confirmed_by} to {millimetres(choice.convergence)}."
-    ]
+    parts = [f"{lead}. The finest is confirmed by {choice.confirmed_by} to {millimetres(choice.convergence)}."]
     left = [e for e in choice.effects if not e.kept]
     kept = [e for e in choice.effects if e.kept]
     if left:
@@ -245,9 +232,7 @@ def _words(choice: Choice, motions: Motions) -> str:
         parts.append(f"Kept: {each}.")
     if choice.integrator is not None:
         speed = (choice.integrator.seconds or 0.0) * 1e3
-        parts.append(
-            f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second."
-        )
+        parts.append(f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second.")
     if choice.largest_step is not None:
         parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
     misled = [r for r in choice.rungs if r.note.startswith("agrees")]

@@ -46,9 +46,7 @@ def _groups(scene: Scene) -> list[tuple[str, list[str]]]:
         if chosen:
             found.append((label, chosen))
     units = {s.unit for s in scene.plant.inputs}
-    found.append(
-        (f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs)))
-    )
+    found.append((f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs))))
     return found
 
 
@@ -64,9 +62,7 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
             for k, (_, motion) in enumerate(motions):
                 held = "steps-post" if name in limits and motion.hold == "zero-order" else "default"
                 style = styles[k % len(styles)]
-                ax.plot(
-                    motion.t, motion[name], style, color=COLOURS[i], drawstyle=held, lw=1.4 - 0.2 * (k > 0)
-                )
+                ax.plot(motion.t, motion[name], style, color=COLOURS[i], drawstyle=held, lw=1.4 - 0.2 * (k > 0))
             ax.plot([], [], color=COLOURS[i], label=words(name))
             if name in goal:
                 ax.axhline(goal[name], color=COLOURS[i], lw=0.8, ls=(0, (1, 3)))
@@ -89,7 +85,7 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
 @styled
 def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
     """The path of the tip in the plane, for each motion."""
-    figure, (ax,) = panels(1, height=4.0, width=5.6)
+    figure, (ax,) = panels(1, height=3.2, width=6.4)
     x, y = scene.compare[:2]
     for i, (name, motion) in enumerate(motions):
         ax.plot(motion[x], motion[y], color=COLOURS[i], label=name, lw=1.6 - 0.2 * i)
@@ -120,7 +116,7 @@ def stroboscopic(
         picks = np.unique(np.linspace(0, min(last, len(motion.t)) - 1, count).round().astype(int))
         curves = shapes.lines(plant, motion.x[picks])
         faint = LineCollection(list(curves), colors=COLOURS[0], linewidths=1.3)
-        faint.set_alpha(np.linspace(0.2, 1.0, len(picks)))
+        faint.set_alpha(list(np.linspace(0.2, 1.0, len(picks))))
         ax.add_collection(faint)
         everywhere = shapes.lines(plant, motion.x[:last])
         ax.plot(*everywhere[:, -1].T, color=COLOURS[1], lw=1.0, label="tip")

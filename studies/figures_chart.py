@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -24,29 +25,24 @@ def speed_accuracy(chart: Chart) -> Figure:
     figure, (ax,) = panels(1, height=4.6)
     variants = list(dict.fromkeys(row.variant for row in chart.rows))
     methods = list(dict.fromkeys(row.method for row in chart.rows))
-    lowest = 1e-3 * chart.tolerance
-    rows = [(max(r.error or 0.0, lowest / 3), (r.seconds or 0.0) * 1e3, r) for r in chart.measured]
+    lowest = 1e-7 * chart.tolerance
+    rows = [(max(r.error or 0.0, lowest), (r.seconds or 0.0) * 1e3, r) for r in chart.measured]
     for error, ms, row in rows:
         colour = COLOURS[variants.index(row.variant) % len(COLOURS)]
         marker = MARKERS[methods.index(row.method) % len(MARKERS)]
-        ax.plot(
-            error, ms, marker, color=colour, mfc=colour if row.pareto else "none", ms=6, mew=1.1, ls="none"
-        )
+        ax.plot(error, ms, marker, color=colour, mfc=colour if row.pareto else "none", ms=6, mew=1.1, ls="none")
     front = sorted((error, ms) for error, ms, row in rows if row.pareto)
     if front:
         ax.step(*zip(*front), where="post", color=INK, lw=1.2, zorder=1)
     ax.axvline(chart.tolerance, color=COLOURS[7], lw=1.2, ls="--")
-    ax.text(
-        chart.tolerance, 1.01, "tolerance", color=COLOURS[7], ha="center", transform=ax.get_xaxis_transform()
-    )
+    ax.text(chart.tolerance, 1.01, "tolerance", color=COLOURS[7], ha="center", transform=ax.get_xaxis_transform())
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [m]")
     ax.set_ylabel("wall time per simulated second [ms]")
     ax.set_title("Speed against accuracy")
     by_variant = [
-        Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", ls="none", label=v)
-        for i, v in enumerate(variants)
+        Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", ls="none", label=v) for i, v in enumerate(variants)
     ]
     by_method = [
         Line2D([], [], color=QUIET, mfc="none", marker=MARKERS[i % len(MARKERS)], ls="none", label=m)
@@ -129,7 +125,10 @@ def settings(chart: Chart) -> Figure:
         "-": "-: dominated, not run",
         "B": "B: time budget spent",
     }
-    handles = [Patch(color=GOOD, label="within the tolerance"), Patch(color=FAIR, label="past the tolerance")]
+    handles: list[Artist] = [
+        Patch(color=GOOD, label="within the tolerance"),
+        Patch(color=FAIR, label="past the tolerance"),
+    ]
     handles += [Line2D([], [], ls="none", label=text) for key, text in meaning.items() if key in seen]
     handles.append(Line2D([], [], ls="none", label="blank: a coarser one is exact enough"))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=1.2)

@@ -45,7 +45,7 @@ def eigenvalues(sets: Sequence[tuple[str, np.ndarray]], *, title: str = "Eigenva
 
 @styled
 def frozen(model: LTVModel) -> Figure:
-    """Frozen-time eigenvalues along a nominal motion: damped frequencies [Hz] and real parts [1/s] against time."""
+    """Frozen-time eigenvalues along a motion: damped frequencies [Hz] and real parts [1/s] against time."""
     every = max(1, len(model.t) // 160)
     t, found = model.t[::every], np.linalg.eigvals(model.A[::every])
     figure, axes = panels(2, height=2.2, sharex=True)
@@ -59,6 +59,9 @@ def frozen(model: LTVModel) -> Figure:
     axes[1].plot(t, found.real.max(axis=1), color=COLOURS[1], lw=1.4, label="rightmost")
     axes[1].axhline(0, color=INK, lw=0.8)
     axes[1].set_yscale("symlog", linthresh=1.0)
+    decades = [s * 10.0**k for s in (-1, 1) for k in range(5)]
+    low, high = axes[1].get_ylim()
+    axes[1].set_yticks(sorted([0.0, *(d for d in decades if low <= d <= high)]))
     axes[1].set_ylabel("real part [1/s]")
     axes[1].set_xlabel("time [s]")
     axes[1].legend(loc="best")

@@ -22,7 +22,7 @@ def check_target(folder: Path) -> None:
         raise ValueError(f"out = {str(folder)!r} must be a folder, or not exist yet")
     if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
         raise ValueError(
-            f"out = {str(folder)!r} holds other files: it must be absent, empty or a former report (with {MARK})"
+            f"out = {str(folder)!r} holds other files: it must be absent, empty or a former report ({MARK})"
         )
 
 

@@ -1,8 +1,8 @@
 """A scene's open-loop motion played by any fidelity, as accurately as wanted, each only once.
 
-The scene's nominal torques are held over each control period, as a controller would hold them. Every integrator
-then solves the same problem, time goes into the plant and not into the input, and a fixed step of any method keeps
-its order because the jumps fall between steps. A step is at most the control period.
+The scene's nominal torques are held over each control period, as a controller would hold them. Every
+integrator then solves the same problem, time goes into the plant and not into the input, and a fixed step of
+any method keeps its order because the jumps fall between steps. A step is at most the control period.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Motions:
 
     @cached_property
     def shown_convergence(self) -> tuple[str, float]:
-        """The variant next to the reference in its outputs, and how far it is from it: what is shown of its error.
+        """The variant nearest to the reference, and how far it is from it: what is shown of its error.
 
         Not the variant below it on the ladder: that may have poorer shape functions at nearly the same cost.
         """

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, ParamSpec
 
 import matplotlib
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -31,7 +32,7 @@ MARKERS = ("o", "s", "^", "D", "P", "X", "v")
 WIDTH = 8.0  # [in]
 DPI = 150
 
-RC: dict[str, Any] = {
+RC: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
     "axes.titlesize": 10.0,
@@ -62,7 +63,7 @@ RC: dict[str, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "pliant",
 }
-RC["axes.prop_cycle"] = matplotlib.cycler(color=COLOURS)
+RC["axes.prop_cycle"] = cycler(color=COLOURS)
 
 P = ParamSpec("P")
 
@@ -106,9 +107,7 @@ def inline(figure: Figure) -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r' xmlns(:\w+)?="[^"]*"', "", text)
-    text = re.sub(
-        r'(<svg[^>]*?) width="[^"]*" height="[^"]*"|(<svg[^>]*?) height="[^"]*" width="[^"]*"', _bare, text
-    )
+    text = re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"|(<svg[^>]*?) height="[^"]*" width="[^"]*"', _bare, text)
     return text.replace(INK, "currentColor").replace("xlink:href", "href")
 
 

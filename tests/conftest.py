@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from pliant.plants import Payload, SingleLinkArm, TwoLinkArm
 
 ARM = TwoLinkArm.textbook()

@@ -19,9 +19,7 @@ def arm(x0=(0.3, 0.0, 0.0, 0.0), u0=(2.0,)):
     A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]])
     B = np.concatenate([np.zeros(2), np.linalg.solve(M, [1.0, 0.0])])[:, None]
     C = np.array([[1.0, 0.8, 0, 0], [0, 0, 0, 1.0]])
-    signals = [
-        tuple(Signal(n, "") for n in names) for names in (STATES, ("torque",), ("load",), ("tip", "acc"))
-    ]
+    signals = [tuple(Signal(n, "") for n in names) for names in (STATES, ("torque",), ("load",), ("tip", "acc"))]
     return LinearModel(
         A, B, B, C, np.array([[0.0], [0.5]]), np.zeros((2, 1)), *signals,
         x0=np.array(x0), u0=np.array(u0), w0=np.zeros(1), y0=np.array([0.24, 0.0]), f0=np.zeros(4),
@@ -96,9 +94,7 @@ def test_sampled_cost_to_go_is_the_integrated_cost():
 def test_sampled_design_tends_to_the_continuous_one_at_first_order():
     model = arm()
     limit = LQR.design(model, np.eye(4), np.eye(1))
-    errors = [
-        np.abs(LQR.design(model, np.eye(4), np.eye(1), dt=h).K - limit.K).max() for h in (1e-2, 1e-3, 1e-4)
-    ]
+    errors = [np.abs(LQR.design(model, np.eye(4), np.eye(1), dt=h).K - limit.K).max() for h in (1e-2, 1e-3, 1e-4)]
     assert np.all(np.abs(np.log10(np.divide(errors[:-1], errors[1:])) - 1) < 0.05)
     costs = [np.abs(LQR.design(model, np.eye(4), np.eye(1), dt=h).P - limit.P).max() for h in (1e-2, 1e-3)]
     assert abs(np.log10(costs[0] / costs[1]) - 2) < 0.2  # the held input costs more only in second order

@@ -19,11 +19,7 @@ def table_rows(scene_name: str) -> dict[str, list[list[str]]]:
     """The Markdown tables of a scene's docstring: {first heading: rows of cells}."""
     found: dict[str, list[list[str]]] = {}
     for block in re.split(r"\n\s*\n", scenes.SCENES[scene_name].__doc__ or ""):
-        rows = [
-            [c.strip() for c in line.strip().strip("|").split("|")]
-            for line in block.splitlines()
-            if "|" in line
-        ]
+        rows = [[c.strip() for c in line.strip().strip("|").split("|")] for line in block.splitlines() if "|" in line]
         if rows:
             found[rows[0][0]] = rows[2:]
     return found
@@ -122,7 +118,7 @@ def test_unknown_scene_lists_the_known() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_draws_fill_their_ranges(name: str) -> None:
     scene = scenes.get(name)
-    starts, p = draw(scene, np.random.default_rng(1), 4000)
+    starts, _, p = draw(scene, np.random.default_rng(1), 4000)
     own = np.array([value for _, value in scene.start])
     assert np.abs(starts - own).max() <= scene.start_spread
     np.testing.assert_allclose(np.abs(starts - own).max(axis=0), scene.start_spread, rtol=0.01)
@@ -136,7 +132,7 @@ def test_draws_fill_their_ranges(name: str) -> None:
 def test_initial_states_are_the_plants_equilibria(name: str) -> None:
     """Against Plant.equilibrium, which solves the full equations by another Newton method."""
     scene = scenes.get(name)
-    starts, p = draw(scene, np.random.default_rng(2), 40)
+    starts, _, p = draw(scene, np.random.default_rng(2), 40)
     own = np.array([value for _, value in scene.start])
     starts[:8] = own + np.logspace(-9, -2, 8)[:, None]  # lanes that need fewer of Newton's steps than others
     x = initial_states(scene, starts, p)
@@ -144,9 +140,7 @@ def test_initial_states_are_the_plants_equilibria(name: str) -> None:
         held = {name: value for (name, _), value in zip(scene.start, starts[k])}
         np.testing.assert_allclose(x[k], scene.varied_plant.equilibrium(held, p=p[k])[0], atol=1e-12)
     for lanes in (1, 2, 3, 4, 5, 6, 7, 17):  # a lane's digits depend neither on its place nor on its company
-        np.testing.assert_array_equal(
-            initial_states(scene, starts[:lanes][::-1], p[:lanes][::-1])[::-1], x[:lanes]
-        )
+        np.testing.assert_array_equal(initial_states(scene, starts[:lanes][::-1], p[:lanes][::-1])[::-1], x[:lanes])
 
 
 def test_initial_states_without_balanced_inputs() -> None:

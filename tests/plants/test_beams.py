@@ -53,9 +53,7 @@ def test_rectangle_torsion_constant_is_the_full_series(sides):
 
 
 def test_square_torsion_constant_as_tabulated():
-    assert (
-        pytest.approx(0.1406, abs=5e-5) == Beam.rectangular(1.0, 1.0, 1.0, STEEL).J
-    )  # Timoshenko, Goodier, 109
+    assert pytest.approx(0.1406, abs=5e-5) == Beam.rectangular(1.0, 1.0, 1.0, STEEL).J  # Timoshenko, Goodier, 109
 
 
 def test_a_parameter_may_be_a_symbol():
@@ -117,9 +115,7 @@ def test_frequencies_of_plain_and_loaded_beams():
     first = 1.875104068711961**2 * math.sqrt(beam.EI / (7850 * 8e-5))
     assert beams.frequencies(beam, 3)[0] == pytest.approx(first, rel=1e-14, abs=0)
     heavy = Payload(mass=1e6 * beam.mass)
-    assert beams.frequencies(beam, 1, payload=heavy)[0] == pytest.approx(
-        math.sqrt(3 * beam.EI / heavy.mass), rel=1e-6
-    )
+    assert beams.frequencies(beam, 1, payload=heavy)[0] == pytest.approx(math.sqrt(3 * beam.EI / heavy.mass), rel=1e-6)
     cases = json.loads((REFERENCE / "offset_payload.json").read_text())["cases"]
     exact = float(cases["ii_Mt1"]["lambda"][1]) ** 2 * math.sqrt(beam.EI / beam.linear_density)
     loaded = beams.frequencies(beam, 2, payload=Payload(mass=beam.mass))
@@ -196,9 +192,7 @@ def test_every_basis_meets_its_ends_and_its_integrals(kind, n):
     xi, w = (1 + x) / 2, w[:, None] / 2
     value, curvature = basis.phi(xi), basis.phi(xi, 2)
     np.testing.assert_allclose(basis.mass, value.T @ (w * value), atol=1e-12)
-    np.testing.assert_allclose(
-        basis.stiffness, curvature.T @ (w * curvature), atol=1e-12 * basis.stiffness.max()
-    )
+    np.testing.assert_allclose(basis.stiffness, curvature.T @ (w * curvature), atol=1e-12 * basis.stiffness.max())
     np.testing.assert_allclose(np.diag(basis.mass), 1, atol=1e-13)
     for M in (basis.mass, basis.stiffness, basis.shortening, basis.shortening_mean, basis.shortening_moment):
         np.testing.assert_array_equal(M, M.T)
@@ -214,9 +208,7 @@ def test_every_basis_meets_its_ends_and_its_integrals(kind, n):
 @pytest.mark.parametrize("kind", ["payload", "polynomial"])
 def test_polynomials_and_loaded_modes_give_the_loaded_frequencies(kind):
     basis = build(kind, 10)
-    mass = (
-        basis.mass + 0.8 * np.outer(basis.tip, basis.tip) + 0.05 * np.outer(basis.tip_slope, basis.tip_slope)
-    )
+    mass = basis.mass + 0.8 * np.outer(basis.tip, basis.tip) + 0.05 * np.outer(basis.tip_slope, basis.tip_slope)
     beta = np.sort(np.linalg.eigvals(np.linalg.solve(mass, basis.stiffness)).real) ** 0.25
     np.testing.assert_allclose(beta[:3], beams.loaded_roots(3, 0.8, 0.05), rtol=1e-9)
 

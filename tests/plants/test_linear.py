@@ -154,9 +154,7 @@ def gain_error(model, reduced):
     worst = 0.0
     for w in np.logspace(-2, 3, 800):
         s = 1j * w if model.dt is None else np.exp(1j * np.pi * w / 1e3)
-        one, two = (
-            m.C @ np.linalg.solve(s * np.eye(len(m.A)) - m.A, np.hstack([m.B, m.E])) for m in (model, reduced)
-        )
+        one, two = (m.C @ np.linalg.solve(s * np.eye(len(m.A)) - m.A, np.hstack([m.B, m.E])) for m in (model, reduced))
         worst = max(worst, np.linalg.norm(one - two, 2))
     return worst
 

@@ -172,9 +172,7 @@ def test_bad_input(change, message):
 
 
 def test_bad_times_and_inputs():
-    with pytest.raises(
-        ValueError, match=r"LTVModel\.t\[2\] = 0\.5 must be greater than LTVModel\.t\[1\] = 0\.5"
-    ):
+    with pytest.raises(ValueError, match=r"LTVModel\.t\[2\] = 0\.5 must be greater than LTVModel\.t\[1\] = 0\.5"):
         build([0, 0.5, 0.5, 1], turning)
     model = build([0, 0.5, 1], turning, lambda t: [[0.0], [1.0]])
     with pytest.raises(ValueError, match=r"simulate\.dx0 has shape \(3,\)"):

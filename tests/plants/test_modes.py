@@ -122,12 +122,8 @@ def test_roots_of_the_published_payload_cases():
 
 
 def test_a_tip_mass_without_end_is_a_clamped_beam_with_a_pinned_tip():
-    np.testing.assert_allclose(
-        modes.loaded_roots(6, 1e12, 0.0)[1:], modes.roots("pinned-free", 5), rtol=1e-10
-    )
-    np.testing.assert_allclose(
-        modes.loaded_roots(6, 1e12, 1e12)[2:], modes.roots("clamped-clamped", 4), rtol=1e-10
-    )
+    np.testing.assert_allclose(modes.loaded_roots(6, 1e12, 0.0)[1:], modes.roots("pinned-free", 5), rtol=1e-10)
+    np.testing.assert_allclose(modes.loaded_roots(6, 1e12, 1e12)[2:], modes.roots("clamped-clamped", 4), rtol=1e-10)
 
 
 def textbook_shape(k, xi, derivative):

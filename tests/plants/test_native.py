@@ -155,7 +155,7 @@ def test_without_a_compiler_one_line_is_said_once(tmp_path: Path, compiler_comma
     done = _child(STEP, CC=compiler_command, PLIANT_CACHE=str(tmp_path / "cache"))
     assert done.returncode == 0
     assert done.stdout.startswith("False [")
-    assert done.stderr.count("native kernels are off") == 1
+    assert done.stderr.count("native code is off") == 1
 
 
 @needs_compiler

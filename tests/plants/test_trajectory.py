@@ -28,9 +28,7 @@ def test_columns_by_name():
     np.testing.assert_array_equal(motion["tip_x"], np.sin(motion.t) ** 2)
     np.testing.assert_array_equal(motion["torque"], np.cos(2 * motion.t))
     np.testing.assert_array_equal(motion["wind"], motion.t)
-    with pytest.raises(
-        ValueError, match=r"Trajectory\['tip_y'\] must be one of angle, rate, tip_x, torque, wind"
-    ):
+    with pytest.raises(ValueError, match=r"Trajectory\['tip_y'\] must be one of angle, rate, tip_x, torque, wind"):
         motion["tip_y"]
 
 

@@ -1,0 +1,117 @@
+"""What was asked of the measurements, beside what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import environments as env
+import peers
+import physics
+import startup
+from sampling import Row, ratio
+from soak import GROWTH, Soak
+
+
+@dataclass(frozen=True)
+class Check:
+    """A number that was asked for. `least` says whether it is the least or the most allowed."""
+
+    number: int
+    what: str
+    measured: float | None  # None: not measured in this run
+    asked: float
+    unit: str
+    least: bool = True
+
+    @property
+    def holds(self) -> bool | None:
+        if self.measured is None:
+            return None
+        return self.measured >= self.asked if self.least else self.measured <= self.asked
+
+
+def find(rows: Sequence[Row], group: str, name: str, lanes: int = 1, threads: int = 1) -> Row | None:
+    """The row of that name, or None."""
+    wanted = group, name, lanes, threads
+    return next((r for r in rows if (r.group, r.name, r.lanes, r.threads) == wanted), None)
+
+
+def _median(row: Row | None) -> float | None:
+    return row.median if row else None
+
+
+def checks(rows: Sequence[Row], soak: Soak | None) -> list[Check]:
+    """Everything asked, in order."""
+    return [*_physics(rows), *_environments(rows), *_times(rows), *_soak(soak)]
+
+
+def _physics(rows: Sequence[Row]) -> Iterator[Check]:
+    simd, scalar, single = (
+        find(rows, physics.GROUP, name, 1024) for name in (physics.DOUBLE, physics.SCALAR, physics.SINGLE)
+    )
+    chain = best(rows, physics.GROUP, peers.MUJOCO)
+    yield Check(1, "RK4 step, SIMD double, against MuJoCo's 6-joint chain", ratio(simd, chain), 60, "times")
+    yield Check(1, "RK4 step, SIMD double, against scalar native", ratio(simd, scalar), 5, "times")
+    yield Check(1, "RK4 step, SIMD single, against double", ratio(single, simd), 1.6, "times")
+
+
+def best(rows: Sequence[Row], group: str, name: str) -> Row | None:
+    """A peer's fastest row on one thread, so that it is not judged by its worst."""
+    found = [r for r in rows if r.group == group and r.name == name and r.threads == 1 and r.samples]
+    return max(found, key=lambda r: r.median or 0.0, default=None)
+
+
+def _environments(rows: Sequence[Row]) -> Iterator[Check]:
+    for name, threads, asked in (
+        (physics.DOUBLE, 2, 1.0e6),
+        (physics.SINGLE, 2, 1.7e6),
+        (physics.DOUBLE, 1, 0.6e6),
+        (physics.SINGLE, 1, 1.0e6),
+    ):
+        row = find(rows, env.GROUP, name, 1024, threads)
+        shown = f"environment, {name.partition(', ')[2]}, {threads} thread{'s' * (threads > 1)}"
+        yield Check(2, shown, _median(row), asked, "steps/s")
+    for name in (physics.DOUBLE, physics.SINGLE):
+        row = find(rows, env.OUTSIDE, name, 1024, 2)
+        share = None if row is None or row.median is None else 100 * row.median
+        shown = f"time outside the kernel, {name.partition(', ')[2]}, 2 threads"
+        yield Check(2, shown, share, 25, "%", least=False)
+    yield Check(
+        3, "PlantEnv.step", _median(find(rows, env.SINGLE_GROUP, "Pliant, PlantEnv")), 40_000, "steps/s"
+    )
+
+
+def _times(rows: Sequence[Row]) -> Iterator[Check]:
+    name = "Pliant, exact Jacobians, native"
+    for points, threads, scale, asked, unit, what in (
+        (1, 1, 1e6, 15, "us", "exact Jacobians, one point"),
+        (physics.POINTS, 2, 1e3, 15, "ms", f"exact Jacobians, {physics.POINTS} points in one call"),
+    ):
+        found = _median(find(rows, physics.JACOBIANS, name, points, threads))
+        yield Check(4, what, None if found is None else scale * found, asked, unit, least=False)
+    for name, asked in ((startup.COLD, 10.0), (startup.WARM, 0.3)):
+        yield Check(
+            5, name, _median(find(rows, startup.GROUP, name, startup.LANES)), asked, "s", least=False
+        )
+
+
+def _soak(soak: Soak | None) -> Iterator[Check]:
+    yield Check(6, "soak: environment steps", float(soak.steps) if soak else None, 1e8, "steps")
+    yield Check(
+        6,
+        "soak: numbers that are not finite",
+        None if soak is None else float(not soak.finite),
+        0,
+        "",
+        least=False,
+    )
+    yield Check(
+        6,
+        "soak: memory gained after the first tenth",
+        soak.growth if soak else None,
+        GROWTH,
+        "MB",
+        least=False,
+    )
+    yield Check(6, "soak: two runs of one seed agree bit for bit", float(soak.repeats) if soak else None, 1, "")

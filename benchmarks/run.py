@@ -1,0 +1,126 @@
+"""Measure Pliant beside its peers in one run and write the table: `make bench`.
+
+Data on stdout and in benchmarks/results, progress on stderr. --quick: few, short samples; --only: one part. Both write
+to build/benchmarks, so that the committed results stay those of a whole run.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OMP_NUM_THREADS"] = "1"  # before NumPy, torch and MuJoCo are loaded
+os.environ.setdefault("MUJOCO_GL", "disable")
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from statistics import mean
+
+import asked
+import environments
+import peers
+import physics
+import sampling
+import soak as soaking
+import startup
+import table
+
+from pliant.plants import compiler
+from pliant.studies import console, machine
+
+HERE = Path(__file__).parent
+PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
+    "physics": lambda: [*physics.cases(), *peers.physics_cases()],
+    "jacobians": lambda: list(physics.jacobian_cases()),
+    "environments": lambda: [*environments.cases(), *peers.environment_cases()],
+}
+PACKAGES = ("pliant", "numpy", "casadi", "gymnasium", "mujoco", "exudyn", "stable-baselines3", "torch")
+
+
+def about(rows: Sequence[sampling.Row]) -> dict[str, str]:
+    """The machine and the versions; no names of hosts, users or folders."""
+    try:
+        tools = compiler.toolchain()
+        made = f"{tools.version}, {tools.width}-bit vectors"
+    except compiler.CompileError:
+        made = "none: the virtual machine runs"
+    others = [value for row in rows for value in row.others]
+    busy = f"{mean(others):.2f} of them on average" if others else "not known"
+    keys = ("processor", "cores", "system", "python")
+    described = {k: v for k, v in machine.describe().items() if k in keys}
+    described |= {"processors used by others meanwhile": busy, "compiler": made}
+    return described | {name: machine.version(name) for name in PACKAGES}
+
+
+def notes(part: str | None) -> list[str]:
+    """What must be known to read the table."""
+    said = [
+        "Physics: RK4 steps of 2 ms, the input held, many in one call; Pliant's arm has 12 states, the chain too.",
+        "Environments: 10 RK4 substeps a step unless said otherwise, randomised start and payload, autoreset; random "
+        "actions drawn beforehand.",
+        "The peers' settings are the fastest found: MuJoCo without contacts and constraints, Exudyn's fast module with "
+        "explicit steps, dense algebra and the mass matrix inverted per body. CartPole and Pendulum are far smaller "
+        "systems (4 and 2 states, one Euler step).",
+    ]
+    if part in (None, "environments"):
+        tolerance = 1e3 * environments.scenes.get(environments.SCENE).tolerance
+        errors = ", ".join(
+            f"{n}: {'unstable' if e is None else f'{1e3 * e:.2g} mm'}" for n, e in environments.substep_errors()
+        )
+        said.append(
+            f"The fewest substeps that keep {environments.SCENE}'s tolerance of {tolerance:.3g} mm: "
+            f"{environments.fewest_substeps()}. Error of its open-loop motion by substeps: {errors}."
+        )
+    if part in (None, "physics"):
+        apart = peers.difference()
+        if apart is not None:
+            said.append(f"MuJoCo's and Exudyn's chains agree to {apart:.1g} rad after 0.5 s: they are the same chain.")
+    return said
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="3 rounds of short samples, a soak of 2 million steps")
+    parser.add_argument("--only", choices=[*PARTS, "start", "soak"], help="one part")
+    parser.add_argument("--rounds", type=int, help="samples of each row (default 9)")
+    parser.add_argument("--out", type=Path, help="folder for the results")
+    given = parser.parse_args()
+    rounds = given.rounds or (3 if given.quick else 9)
+    if rounds < 1:
+        parser.error(f"--rounds {rounds} must be at least 1")
+    whole = not (given.quick or given.only)
+    folder = given.out or (HERE / "results" if whole else HERE.parent / "build" / "benchmarks")
+
+    def wanted(name: str) -> bool:
+        return given.only in (None, name)
+
+    rows: list[sampling.Row] = []
+    soak = None
+    cases = [case for name, part in PARTS.items() if wanted(name) for case in part()]
+    if cases:
+        with console.bar("measure") as progress:
+            rows += sampling.measure(cases, rounds, 0.05 if given.quick else 0.2, progress)
+    if wanted("start"):
+        with console.bar("start") as progress:
+            rows += startup.measure(min(rounds, 5), progress)
+    if wanted("soak"):
+        with console.bar("soak") as progress:
+            soak = soaking.run(soaking.QUICK if given.quick else soaking.STEPS, progress)
+    checks = asked.checks(rows, soak)
+    if not whole:
+        checks = [c for c in checks if c.measured is not None]
+    said, described = notes(given.only), about(rows)
+    if soak is not None:
+        said.append(
+            f"Soak: {soak.steps:,} environment steps with random actions in {soak.seconds:.0f} s, {soak.episodes:,} "
+            f"episodes, {soak.diverged:,} diverged; {soak.memory[-1]:.0f} MB resident at the end."
+        )
+    table.write(folder, rows, checks, described, said, {"soak": asdict(soak) if soak else None})
+    print(table.markdown(rows, checks, described, said))
+    return 0 if soak is None or soak.passed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,362 @@
+"""Slider-crank with a rigid crank and an elastic connecting rod, pinned at both ends.
+
+States   q = [crank_angle, eta1 .. etan, ext1 .. extk], x = [q; dq/dt]; angles from the slider's line +x
+Input    crank torque [N m], or crank acceleration [rad/s^2] where the crank's motion is prescribed (crank_speed)
+Outputs  crank angle, slider position, deflection and accelerations of the rod's middle, forces, crank torque
+Valid    planar; deflection small against the rod; frictionless pins; crank balanced about its shaft
+Source   "Elastodynamic Analysis of a Mechanism with Flexible Links". Departures: lambda = r/l, not l/r; the loop
+         closure is exact, sin phi2 = -r sin phi1/c with c the distance of the rod's pins, not the series (24);
+         c = l + extension - shortening, which gives the geometric stiffness of the axial force that (22) lacks;
+         the rod's absolute rates take the place of omega1 - omega2 in (34)-(36), (42), (45).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+import casadi as ca
+import numpy as np
+
+from .beams import Beam, Material
+from .frame_elements import KINDS, MOST_ELEMENTS, PinnedRod, rod_shapes
+from .lagrange import LagrangianPlant
+from .parameters import is_symbolic, quantity, require_choice, require_count, validate
+from .signals import Signal
+
+KINEMATICS = ("rigid", "linear", "stiffened")
+MOST_MODES = 40
+DEAD = 1e-9  # |dx/dphi1| / r below which a crank angle is a dead centre
+DRY_SPEED = 1e-2  # [m/s] over which dry friction changes its sign
+
+
+class RigidMotion(NamedTuple):
+    """Exact motion of the rigid mechanism at constant crank speed; arrays of the angles' shape."""
+
+    rod_angle: np.ndarray  # [rad]
+    rod_rate: np.ndarray  # [rad/s]
+    rod_acceleration: np.ndarray  # [rad/s^2]
+    slider_x: np.ndarray  # [m]
+    slider_speed: np.ndarray  # [m/s]
+    slider_acceleration: np.ndarray  # [m/s^2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderCrank(LagrangianPlant):
+    """M(q) q'' = tau + dT/dq - M' q' - dV/dq - dD/dv with r sin phi1 + c(q) sin phi2 = 0 solved for phi2."""
+
+    crank_radius: float = quantity("m", "positive")
+    rod: Beam
+    slider_mass: float = quantity("kg", "nonnegative")
+    force: float = quantity("N", "finite", 0.0)  # on the slider along -x, towards the crank
+    crank_speed: float | None = None  # [rad/s]; None: the crank is free under the input torque
+    crank_inertia: float = quantity("kg m^2", "nonnegative", 0.0)  # about the shaft
+    crank_friction: float = quantity("N m s/rad", "nonnegative", 0.0)
+    slider_friction: float = quantity("N s/m", "nonnegative", 0.0)
+    dry_friction: float = quantity("N", "nonnegative", 0.0)  # of the slider, constant, smoothed over DRY_SPEED
+    gravity: float = quantity("m/s^2", "finite", 0.0)  # along -y
+    kinematics: str = "stiffened"
+    basis: str = "pinned-pinned"
+    modes: int = 2  # bending modes, or frame elements
+    axial_modes: int = 0  # of basis "pinned-pinned"; frame elements always extend
+
+    def __post_init__(self) -> None:
+        validate(self)
+        require_choice("SliderCrank", "kinematics", self.kinematics, KINEMATICS)
+        require_choice("SliderCrank", "basis", self.basis, KINDS)
+        require_count("SliderCrank", "modes", self.modes, 0, MOST_MODES if self.closed_form else MOST_ELEMENTS)
+        require_count("SliderCrank", "axial_modes", self.axial_modes, 0, MOST_MODES if self.closed_form else 0)
+        speed, r, length = self.crank_speed, self.crank_radius, self.rod.length
+        if speed is not None and not (isinstance(speed, (int, float)) and math.isfinite(speed)):
+            raise ValueError(f"SliderCrank.crank_speed = {speed!r} must be None or a finite number [rad/s]")
+        if not (is_symbolic(r) or is_symbolic(length)) and r >= length:
+            raise ValueError(
+                f"SliderCrank.crank_radius = {r!r} must be > 0 and < rod.length = {length!r} [m]: "
+                "a longer crank cannot turn fully, the rod's angle has no real value"
+            )
+
+    @classmethod
+    def textbook(cls) -> Self:
+        """The paper's r = 55 mm, l = 280 mm, Q = 20 N, 144 rpm, E and density, with a section that it does not give.
+
+        Section 10 mm by 4 mm (bending along the 4 mm), slider 0.2 kg, crank 1e-3 kg m^2, damping 2 % of the first mode.
+        """
+        steel = Material(density=7700.0, E=210e9, G=210e9 / (2 * 1.28))
+        rod = Beam.rectangular(0.28, width=0.01, depth=0.004, material=steel)
+        first = (math.pi / rod.length) ** 2 * math.sqrt(rod.EI / rod.linear_density)
+        return cls(
+            crank_radius=0.055,
+            rod=dataclasses.replace(rod, damping=2 * 0.02 / first),
+            slider_mass=0.2,
+            force=20.0,
+            crank_speed=2 * math.pi * 144 / 60,
+            crank_inertia=1e-3,
+        )
+
+    @property
+    def closed_form(self) -> bool:
+        """Whether the rod bends in closed-form modes."""
+        return self.basis == "pinned-pinned"
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """How many bending and axial coordinates."""
+        if self.kinematics == "rigid":
+            return 0, 0
+        return (self.modes, self.axial_modes) if self.closed_form else (2 * self.modes, self.modes)
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        n, k = self.counts
+        bent = (Signal(f"eta{i + 1}", "m") for i in range(n))
+        return Signal("crank_angle", "rad"), *bent, *(Signal(f"ext{i + 1}", "m") for i in range(k))
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        if self.crank_speed is None:
+            return (Signal("torque", "N m"),)
+        return (Signal("crank_acceleration", "rad/s^2"),)
+
+    @property
+    def driven(self) -> dict[int, int]:
+        return {} if self.crank_speed is None else {0: 0}
+
+    @property
+    def disturbances(self) -> tuple[Signal, ...]:
+        """More force on the slider along -x; a force on the rod's middle along the rod's y."""
+        return Signal("slider_force", "N"), Signal("middle_force", "N")
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        return (
+            Signal("crank_angle", "rad"),
+            Signal("slider_x", "m"),
+            Signal("mid_deflection", "m"),  # across the rod, its local +y
+            Signal("mid_extension", "m"),  # along the rod: extension less shortening
+            Signal("mid_acceleration", "m/s^2"),  # absolute, component across the rod
+            Signal("mid_acceleration_along", "m/s^2"),  # absolute, component along the rod
+            Signal("mid_acceleration_elastic", "m/s^2"),  # second derivative of mid_deflection
+            Signal("crank_pin_x", "N"),  # of the crank on the rod, inertial axes
+            Signal("crank_pin_y", "N"),
+            Signal("axial_force", "N"),  # in the rod at the slider, tension positive
+            Signal("guide_force", "N"),  # of the guide on the slider, along +y
+            Signal("crank_torque", "N m"),  # on the crank: the input, or what the prescribed motion needs
+        )
+
+    @property
+    def label(self) -> str:
+        if not sum(self.counts):
+            return "rigid"
+        if not self.closed_form:
+            return f"{self.kinematics}, {self.modes} frame elements"
+        axial = f"+{self.axial_modes} axial" if self.axial_modes else ""
+        return f"{self.kinematics}, {self.modes}{axial} modes"
+
+    def ladder(self) -> tuple[Self, ...]:
+        """From the rigid rod through one to five modes, with and without shortening."""
+        steps: list[Self] = [dataclasses.replace(self, kinematics="rigid")]
+        for kinematics, n in (("linear", 1), ("linear", 3), *(("stiffened", n) for n in (1, 2, 3, 5))):
+            changes: dict[str, Any] = {"kinematics": kinematics, "basis": "pinned-pinned", "modes": n}
+            steps.append(dataclasses.replace(self, axial_modes=0, **changes))
+        return tuple(steps)
+
+    # --- the rigid mechanism -------------------------------------------------------------------------------------
+    def rigid_motion(self, angle: Any, speed: float) -> RigidMotion:
+        """Exact motion of the rigid rod at crank angles (...,) [rad] and a constant crank speed [rad/s]."""
+        phi = np.asarray(angle, dtype=float)
+        sine, cosine = np.sin(phi), np.cos(phi)
+        lam = self.crank_radius / self.rod.length
+        root = np.sqrt(1 - (lam * sine) ** 2)
+        rate = -lam * speed * cosine / root
+        turn = lam * speed**2 * sine * (1 - lam**2) / root**3
+        y, x = -lam * sine, root
+        r, length = self.crank_radius, self.rod.length
+        return RigidMotion(
+            np.arcsin(y),
+            rate,
+            turn,
+            r * cosine + length * x,
+            -r * speed * sine - length * y * rate,
+            -r * speed**2 * cosine - length * (x * rate**2 + y * turn),
+        )
+
+    def lever(self, angle: float) -> float:
+        """dx/dphi1 [m/rad] of the rigid mechanism: slider speed over crank speed, crank torque over slider force."""
+        return float(self.rigid_motion(angle, 1.0).slider_speed)
+
+    def held_force(self, angle: float, torque: float) -> float:
+        """Force on the slider along -x [N] that a crank torque [N m] holds at rest, without gravity.
+
+        ValueError at a dead centre, where the lever dx/dphi1 vanishes and no torque balances any force.
+        """
+        return torque / self._nonzero_lever(angle, "the force that a torque holds")
+
+    def crank_rate(self, angle: float, slider_speed: float) -> float:
+        """Crank speed [rad/s] at which the slider moves at slider_speed [m/s]; ValueError at a dead centre."""
+        return slider_speed / self._nonzero_lever(angle, "the crank's speed")
+
+    def _nonzero_lever(self, angle: float, what: str) -> float:
+        lever = self.lever(angle)
+        if abs(lever) < DEAD * self.crank_radius:
+            raise ValueError(
+                f"angle = {angle!r} must not be a dead centre (a multiple of pi) [rad]: the lever dx/dphi1 = "
+                f"{lever:.2g} m/rad vanishes there and {what} cannot be found from it"
+            )
+        return lever
+
+    def crank_angle_at(self, slider_x: float, upper: bool = True) -> float:
+        """Crank angle [rad] of the rigid mechanism, in [0, pi], or in [-pi, 0] if not `upper`.
+
+        ValueError where the slider cannot be. Near a dead centre the angle is lost as the root of the distance.
+        """
+        r, length = self.crank_radius, self.rod.length
+        low, high = length - r, length + r
+        if not low <= slider_x <= high:
+            raise ValueError(f"slider_x = {slider_x!r} must be within [{low:.9g}, {high:.9g}] [m]")
+        cosine = (slider_x**2 + r**2 - length**2) / (2 * r * slider_x)
+        return math.copysign(math.acos(min(1.0, max(-1.0, cosine))), 1 if upper else -1)
+
+    def state(self, angle: float = 0.0, speed: float | None = None) -> np.ndarray:
+        """x (nx,) with the rod straight, the crank at `angle` [rad] and `speed` [rad/s] (None: crank_speed, or 0)."""
+        x = np.zeros(self.nx)
+        x[0], x[self.nx // 2] = angle, (self.crank_speed or 0.0) if speed is None else speed
+        return x
+
+    # --- energies ------------------------------------------------------------------------------------------------
+    @cached_property
+    def elastic(self) -> PinnedRod:
+        """The rod with its shape functions, which come from the nominal parameters."""
+        own = self.nominal
+        assert isinstance(own, SliderCrank)
+        n, k = self.counts
+        if self.closed_form:
+            shapes = rod_shapes("pinned-pinned", n, k, own.slider_mass / own.rod.mass if k else 0.0)
+        else:
+            shapes = rod_shapes("frame-elements", k)
+        return PinnedRod(self.rod, shapes, self.kinematics == "stiffened")
+
+    def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+        n = self.counts[0]
+        return q[1 : 1 + n], q[1 + n :]
+
+    def slider(self, q: ca.SX) -> ca.SX:
+        """Slider position [m]."""
+        across = self.crank_radius * ca.sin(q[0])
+        return self.crank_radius * ca.cos(q[0]) + ca.sqrt(self.elastic.chord(*self._split(q)) ** 2 - across**2)
+
+    def placed(self, q: ca.SX) -> ca.SX:
+        """The rod as a free body (3 + n,): position of its crank pin [m], its angle [rad], its elastic coordinates."""
+        pin = self.crank_radius * ca.vertcat(ca.cos(q[0]), ca.sin(q[0]))
+        angle = -ca.asin(pin[1] / self.elastic.chord(*self._split(q)))
+        return ca.vertcat(pin, angle, *(q[i] for i in range(1, q.shape[0])))
+
+    def _rod_kinetic_energy(self, z: ca.SX, dz: ca.SX) -> ca.SX:
+        c, s = ca.cos(z[2]), ca.sin(z[2])
+        root = (c * dz[0] + s * dz[1], c * dz[1] - s * dz[0])
+        return self.elastic.kinetic_energy(root, dz[2], *self._split(z[2:]), *self._split(dz[2:]))
+
+    def _rod_weight_energy(self, z: ca.SX) -> ca.SX:
+        x, y = self.elastic.centre(*self._split(z[2:]))
+        return self.gravity * (self.rod.mass * z[1] + ca.sin(z[2]) * x + ca.cos(z[2]) * y)
+
+    def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        z = self.placed(q)
+        speed = ca.jtimes(self.slider(q), q, v)
+        rod = self._rod_kinetic_energy(z, ca.jtimes(z, q, v))
+        return self.crank_inertia * v[0] ** 2 / 2 + rod + self.slider_mass * speed**2 / 2
+
+    def potential_energy(self, q: ca.SX) -> ca.SX:
+        return self._rod_weight_energy(self.placed(q)) + self.elastic.strain_energy(*self._split(q))
+
+    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        speed = ca.jtimes(self.slider(q), q, v)
+        dry = self.dry_friction * DRY_SPEED * (ca.sqrt(1 + (speed / DRY_SPEED) ** 2) - 1)
+        lost = self.crank_friction * v[0] ** 2 / 2 + self.slider_friction * speed**2 / 2 + dry
+        return lost + self.elastic.dissipation(*self._split(v))
+
+    def middle(self, q: ca.SX) -> ca.SX:
+        """Position (2,) [m] of the rod's middle."""
+        z = self.placed(q)
+        along, across = self.elastic.middle(*self._split(q))
+        c, s, along = ca.cos(z[2]), ca.sin(z[2]), self.rod.length / 2 + along
+        return z[:2] + ca.vertcat(c * along - s * across, s * along + c * across)
+
+    def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        tilt = self.placed(q)[2]
+        push = w[1] * ca.vertcat(-ca.sin(tilt), ca.cos(tilt))
+        force = ca.jtimes(self.middle(q), q, push, True) - (self.force + w[0]) * ca.gradient(self.slider(q), q)
+        if self.crank_speed is None:
+            force[0] += u[0]
+        return force
+
+    # --- outputs -------------------------------------------------------------------------------------------------
+    def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        n = x.shape[0] // 2
+        q, v = x[:n], x[n:]
+        M, r, _, _ = self.equations(t, x, u, w)
+        a = self.acceleration(M, r, u)[0]
+        tilt = self.placed(q)[2]
+        c, s = ca.cos(tilt), ca.sin(tilt)
+        shift = ca.vertcat(*self.elastic.middle(*self._split(q)))
+        moved = _second(self.middle(q), q, v, a)
+        pin, slider = self._reactions(q, v, a, w)
+        torque = self.crank_inertia * a[0] + self.crank_friction * v[0]
+        torque += self.crank_radius * (ca.cos(q[0]) * pin[1] - ca.sin(q[0]) * pin[0])
+        return ca.vertcat(
+            q[0],
+            self.slider(q),
+            shift[1],
+            shift[0],
+            c * moved[1] - s * moved[0],
+            c * moved[0] + s * moved[1],
+            _second(shift[1], q, v, a),
+            pin,
+            c * slider[0] + s * slider[1],
+            slider[1] + self.slider_mass * self.gravity,
+            torque,
+        )
+
+    def _reactions(self, q: ca.SX, v: ca.SX, a: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Forces (2,) [N] on the rod, inertial axes: of the crank, of the slider.
+
+        Lagrange's equations of the rod as a free body, for its translation and its turning about the crank pin.
+        """
+        z = self.placed(q)
+        at, rate, change = (ca.SX.sym(name, z.shape[0]) for name in ("z", "dz", "ddz"))
+        T = self._rod_kinetic_energy(at, rate)
+        momentum = ca.gradient(T, rate)[:3]
+        load = ca.jtimes(momentum, at, rate) + ca.jacobian(momentum, rate) @ change
+        load += ca.gradient(self._rod_weight_energy(at) - T, at)[:3]
+        [load] = ca.substitute(
+            [load], [at, rate, change], [ca.densify(e) for e in (z, ca.jtimes(z, q, v), _second(z, q, v, a))]
+        )
+        c, s = ca.cos(z[2]), ca.sin(z[2])
+        reach = self.rod.length / 2 + self.elastic.middle(*self._split(q))[0]
+        load -= w[1] * ca.vertcat(-s, c, reach)
+        x, speed = self.slider(q), ca.jtimes(self.slider(q), q, v)
+        drag = self.slider_friction * speed
+        drag += self.dry_friction * speed / ca.sqrt(speed**2 + DRY_SPEED**2)
+        along = -(self.slider_mass * _second(x, q, v, a) + self.force + w[0] + drag)
+        across = (load[2] / self.elastic.chord(*self._split(q)) + s * along) / c
+        slider = ca.vertcat(along, across)
+        return load[:2] - slider, slider
+
+    def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
+        """Crank and bent rod at a state x (nx,): inertial positions (2, points, 2) [m]."""
+        n = self.counts[0]
+        q = x[: self.nx // 2]
+        z = np.array(ca.DM(self.placed(ca.DM(q)))).ravel()
+        s = np.linspace(0.0, 1.0, points)
+        crank = s[:, None] * z[:2]
+        line = self.elastic.link.centreline(q[1 : 1 + n], points)
+        line[:, 0] += self.elastic.shapes.psi(s) @ q[1 + n :]
+        turn = np.array([[np.cos(z[2]), np.sin(z[2])], [-np.sin(z[2]), np.cos(z[2])]])
+        return np.stack([crank, z[:2] + line @ turn])
+
+
+def _second(e: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
+    """d2e/dt2 of an expression of q alone."""
+    return ca.jtimes(ca.jtimes(e, q, v), q, v) + ca.jtimes(e, q, a)

@@ -1,0 +1,56 @@
+"""Pieces of HTML: tables, paragraphs, numbers and lengths as people read them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[Any]], *, marked: Sequence[int] = ()) -> str:
+    """An HTML table; numbers are set right, the `marked` rows stand out."""
+    top = "".join(f"<th>{escape(h)}</th>" for h in head)
+    lines = []
+    for i, row in enumerate(rows):
+        cells = "".join(_cell(value) for value in row)
+        lines.append(f'<tr class="marked">{cells}</tr>' if i in marked else f"<tr>{cells}</tr>")
+    body = "".join(lines)
+    return f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>\n'
+
+
+def _cell(value: Any) -> str:
+    if value is None or isinstance(value, (int, float)):
+        return f'<td class="n">{number(value)}</td>'
+    return f"<td>{escape(str(value))}</td>"
+
+
+def number(value: float | int | None) -> str:
+    """Four digits, or a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    return str(value) if isinstance(value, int) else f"{value:.4g}"
+
+
+def paragraph(text: str, kind: str = "") -> str:
+    """One escaped paragraph, of a css class where `kind` is given."""
+    return f'<p class="{kind}">{escape(text)}</p>\n' if kind else f"<p>{escape(text)}</p>\n"
+
+
+def details(summary: str, body: str) -> str:
+    """A part that opens on a click."""
+    return f"<details><summary>{escape(summary)}</summary>{body}</details>\n"
+
+
+def pictures(inlined: dict[str, str], *wanted: str) -> str:
+    """The named svg pictures, those that there are."""
+    return "".join(f'<figure class="{name}">{inlined[name]}</figure>\n' for name in wanted if name in inlined)
+
+
+def millimetres(value: float) -> str:
+    """A length in m as millimetres or micrometres with two or three digits."""
+    if not math.isfinite(value):
+        return "no result"
+    if value >= 1e-4:
+        return f"{value * 1e3:.3g} mm"
+    return f"{value * 1e6:.2g} µm" if value >= 1e-8 else "< 0.01 µm"

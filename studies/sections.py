@@ -1,0 +1,226 @@
+"""What the report says, section by section."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant.plants.signals import names
+
+from . import shapes
+from .chart import Row
+from .markup import details, millimetres, paragraph, pictures, table
+
+if TYPE_CHECKING:
+    from .report import Findings
+
+FRAMES = 76  # of the arm that the slider moves
+
+
+def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
+    """(title, HTML) of every section."""
+
+    def drawn(*wanted: str) -> str:
+        return pictures(inlined, *wanted)
+
+    return [
+        ("The answer", _answer(found)),
+        ("The motion", _motion(found) + drawn("motion", "shapes", "tip_path")),
+        ("Modes and frequencies", _modes(found)),
+        ("The linear model at the goal", _goal(found) + drawn("eigenvalues")),
+        ("The linear model along the motion", _along(found) + drawn("frozen_eigenvalues")),
+        ("LQR in closed loop", _loops(found) + drawn("closed_loop")),
+        ("Speed against accuracy", _chart(found) + drawn("speed_accuracy") + _front(found) + drawn("settings")),
+        ("The smallest model", _choice(found) + drawn("ladder")),
+        ("Versions and machine", table(("what", "value"), list(found.machine.items()))),
+    ]
+
+
+def _answer(found: Findings) -> str:
+    scene, tolerance = found.scene, millimetres(found.scene.tolerance)
+    text = paragraph(found.choice.text)
+    own = f"The scene's own plant, {scene.plant.label}, is {millimetres(found.scene_error)} from the finest variant"
+    if found.scene_error > scene.tolerance:
+        more = f"{own}: more than the tolerance of {tolerance}. Positions on this page carry that error."
+        text += paragraph(more, "warning")
+    else:
+        text += paragraph(f"{own}, within the tolerance of {tolerance}.")
+    stable = [loop for loop in found.loops if loop.stable]
+    words = f"The LQR designed on it is stable on {len(stable)} of {len(found.loops)} plants"
+    if found.loops[0].cost is not None:
+        words += f"; on the design plant it costs {found.loops[0].cost:.4g}"
+    text += paragraph(f"{words}.")
+    for loop in found.loops:
+        if not loop.stable:
+            text += paragraph(f"On {loop.name}: {loop.verdict}.", "warning")
+    return text
+
+
+def _motion(found: Findings) -> str:
+    """The arm that a slider moves, open loop and under LQR."""
+    scene = found.scene
+    text = paragraph(
+        f"Open loop: the torques that take the rigid arm along a minimum-jerk motion of {scene.move_time:g} s, "
+        f"played on {scene.plant.label} ({scene.plant.nx} states)."
+    )
+    if not shapes.has_shape(scene.plant):
+        return text
+    motions = [("open loop", found.open_loop)]
+    if found.loops[0].motion is not None:
+        motions.append(("LQR", found.loops[0].motion))
+    picks = np.unique(np.linspace(0, len(scene.times) - 1, FRAMES).round().astype(int))
+    data = {
+        "t": [round(float(t), 4) for t in scene.times[picks]],
+        "arms": [
+            {"name": name, "lines": shapes.lines(scene.plant, m.x[picks], 13).round(4).tolist()} for name, m in motions
+        ],
+    }
+    packed = json.dumps(data, separators=(",", ":"))
+    return text + (
+        '<div id="arm"><svg role="img" aria-label="the arm over time"></svg><div class="controls">'
+        '<button type="button">Play</button><input type="range" min="0" value="0" step="1" aria-label="time">'
+        '<output></output><span class="key"></span></div>'
+        f'<script type="application/json">{packed}</script></div>\n'
+    )
+
+
+def _modes(found: Findings) -> str:
+    rows = [
+        (m.number, m.frequency_hz, m.damping_ratio, m.eigenvalue.real, m.eigenvalue.imag, m.dominant_state)
+        for m in found.goal.modes()
+    ]
+    head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
+    text = paragraph("Modes of the linear model at the goal, joints free.") + table(head, rows)
+    count = min(6, max((len(f) for _, f in found.frequencies), default=0))
+    if count:
+        text += paragraph("Undamped natural frequencies [Hz] at the goal with the joints locked, by variant.")
+        locked = [(label, *_filled(f, count)) for label, f in found.frequencies]
+        marked = [i for i, (label, _) in enumerate(found.frequencies) if label == found.scene.plant.label]
+        text += table(("variant", *(f"{i + 1}" for i in range(count))), locked, marked=marked)
+    return text
+
+
+def _filled(values: np.ndarray, count: int) -> list[float | None]:
+    """The first `count` values, None where there are fewer."""
+    return [float(values[i]) if i < len(values) else None for i in range(count)]
+
+
+def _goal(found: Findings) -> str:
+    model = found.goal
+    growing = [v.real for v in model.eigenvalues if v.real > 1e-9 * max(abs(v), 1.0)]
+    state = "No eigenvalue has a positive real part."
+    if growing:
+        state = f"{len(growing)} eigenvalues have a positive real part, the largest {max(growing):.3g} 1/s."
+    inputs = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v in zip(model.inputs, model.u0))
+    return paragraph(
+        f"Exact, by automatic differentiation, at rest with {inputs}. {state} The matrices are in linearization.json."
+    )
+
+
+def _along(found: Findings) -> str:
+    text = paragraph(
+        "The linear time-varying model along the open-loop motion. Frozen eigenvalues describe the motion only "
+        "where it is slow against them. To test the model, the motion is started off the nominal and its deviation "
+        f"in {', '.join(found.scene.compare)} is compared with the prediction; the error should fall with power 2 "
+        "of the perturbation."
+    )
+    rows = []
+    for i, (size, error) in enumerate(found.ltv_errors):
+        power = "–"
+        if i and error > 0:
+            before = found.ltv_errors[i - 1]
+            power = f"{np.log(error / before[1]) / np.log(size / before[0]):.2f}"
+        rows.append((f"{size:g} rad", millimetres(error), power))
+    head = (f"perturbation of {names(found.scene.plant.states)[0]}", "error of the prediction", "falls with power")
+    return text + table(head, rows)
+
+
+def _loops(found: Findings) -> str:
+    scene = found.scene
+    limits = ", ".join(f"{v:g} {s.unit}" for v, s in zip(scene.limits, scene.plant.inputs))
+    text = paragraph(
+        f"One LQR, designed from the scene's cost on {scene.plant.label} at the goal, sampled every "
+        f"{scene.dt * 1e3:g} ms, limited to {limits}, started at rest at the start. It reads the true states of its "
+        f"design model. The open-loop motion costs {scene.cost(found.open_loop):.4g}."
+    )
+    rows = [
+        (
+            loop.name,
+            loop.states,
+            loop.cost,
+            loop.final_error,
+            f"{loop.saturated:.0%}" if loop.saturated is not None else "–",
+            loop.verdict,
+            loop.worst_mode if loop.stable else "",
+        )
+        for loop in found.loops
+    ]
+    head = ("run on", "states", "cost", "end error [rad]", "at a limit", "about the goal", "least damped mode")
+    return text + table(head, rows)
+
+
+def _chart(found: Findings) -> str:
+    chart = found.chart
+    ref = chart.reference
+    text = paragraph(
+        "Each point is one variant by one method at one step. Error: largest difference of "
+        f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (torques held over each control "
+        f"period) from {ref.variant} at rtol {ref.rtol:g}. That reference is confirmed by {ref.nearest} to "
+        f"{millimetres(ref.difference)}; what all variants leave out is not in it. Time: integration only, after "
+        f"warm-up, median of up to three runs; {chart.machine['evaluation']}."
+    )
+    fast = chart.fastest()
+    if fast is None:
+        return text + paragraph(f"No setting is within {millimetres(chart.tolerance)}.", "warning")
+    return text + paragraph(
+        f"Fastest within the tolerance of {millimetres(chart.tolerance)}: {fast.variant} by {fast.setting}, "
+        f"{(fast.seconds or 0) * 1e3:.3g} ms a simulated second."
+    )
+
+
+def _front(found: Findings) -> str:
+    chart = found.chart
+
+    def line(row: Row) -> tuple[Any, ...]:
+        return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
+
+    head = ("variant", "method", "ms per simulated second", "error [m]", "of it by the step [m]")
+    front = sorted((r for r in chart.measured if r.pareto), key=lambda r: r.error or 0.0)
+    marked = [i for i, r in enumerate(chart.measured) if r.pareto]
+    text = paragraph("The Pareto front:") + table(head, [line(r) for r in front])
+    everything = table(head, [line(r) for r in chart.measured], marked=marked)
+    text += details(f"All {len(chart.measured)} measured rows", everything)
+    if chart.failed:
+        reasons = table(("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed])
+        text += details(f"{len(chart.failed)} settings without a result, and why", reasons)
+    return text
+
+
+def _choice(found: Findings) -> str:
+    choice = found.choice
+    text = paragraph(
+        "A rung of the ladder is taken when it agrees with the finest one; agreement of two neighbours is not "
+        "enough, for both may lack the same effect."
+    )
+    rows = [
+        (
+            r.variant,
+            r.states,
+            millimetres(r.change) if r.change is not None else "–",
+            millimetres(r.error) if r.error else "–",
+            "chosen" if r.chosen else r.note,
+        )
+        for r in choice.rungs
+    ]
+    marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
+    text += table(("variant", "states", "from the next rung", "from the finest", ""), rows, marked=marked)
+    effects = []
+    for e in choice.effects:
+        change = f"{e.chosen}, not {e.other}" if e.kept else f"{e.other} for {e.chosen}"
+        effects.append((e.name, change, millimetres(e.change), "kept" if e.kept else "left out"))
+    if effects:
+        text += paragraph("What each effect is worth, changed alone in the chosen model:")
+        text += table(("effect", "change", "worth", ""), effects)
+    return text

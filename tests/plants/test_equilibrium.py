@@ -1,0 +1,77 @@
+"""Rest points: held coordinates, solved torques, static deflections, and what cannot rest."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pliant.plants import EquilibriumError, SingleLinkArm, TwoLinkArm
+
+ARM = TwoLinkArm.textbook()
+
+
+def test_nothing_moves_at_an_equilibrium(plant):
+    angles = {s.name: 0.3 for s in plant.states[: plant.nu]}
+    x0, u0 = plant.equilibrium(angles)
+    rate = plant.dynamics(x0, u0)
+    A = plant.jacobians(x0, u0)[0]
+    assert np.abs(rate).max() < 1e-9 * max(1.0, np.abs(A).max() * np.abs(x0).max())
+    assert [x0[i] for i in range(plant.nu)] == [0.3] * plant.nu
+    np.testing.assert_allclose(x0[plant.nx // 2 :], 0.0, atol=1e-15)
+
+
+def test_torques_are_those_of_the_static_moments():
+    rigid = dataclasses.replace(ARM, reduction="rigid")
+    _, u0 = rigid.equilibrium(theta1=0.4, theta2=-1.1)
+    g, m, mj, mp = 9.81, ARM.link1.mass, ARM.joint_mass, ARM.payload.mass
+    outer = g * (m / 2 + mp) * np.cos(0.4 - 1.1)
+    inner = g * (m / 2 + mj + m + mp) * np.cos(0.4)
+    np.testing.assert_allclose(u0, [inner + outer, outer], rtol=1e-12)
+
+
+def test_sag_of_a_level_link_is_the_cantilevers():
+    """m g under its own weight and the payload's: rho A g L^4/(8 E I) + m g L^3/(3 E I)."""
+    arm = dataclasses.replace(SingleLinkArm.textbook(), gravity=9.81, basis="polynomial", modes=3, kinematics="linear")
+    x0, u0 = arm.equilibrium(hub_angle=0.0)
+    EI = arm.link.EI
+    sag = 9.81 * arm.link.linear_density / (8 * EI) + 9.81 * arm.payload.mass / (3 * EI)
+    assert arm.measure(x0)[1] == pytest.approx(-sag, rel=1e-10)
+    assert u0[0] == pytest.approx(9.81 * (arm.link.mass / 2 + arm.payload.mass), rel=1e-10)
+
+
+def test_without_held_coordinates_the_inputs_stay_as_given():
+    x0, u0 = ARM.equilibrium(guess={"theta1": -1.5, "theta2": 0.1})
+    np.testing.assert_array_equal(u0, [0.0, 0.0])
+    assert x0[0] == pytest.approx(-np.pi / 2, abs=1e-9) and x0[1] == pytest.approx(0.0, abs=1e-8)
+    x0, u0 = ARM.equilibrium(tau1=3.0, tau2=0.5, guess={"theta1": -1.5})
+    np.testing.assert_array_equal(u0, [3.0, 0.5])
+    assert np.abs(ARM.dynamics(x0, u0)).max() < 1e-6
+
+
+def test_no_equilibrium_is_told_with_its_residual():
+    with pytest.raises(EquilibriumError, match=r"no equilibrium of .*tau1.* remains; hold as many") as caught:
+        ARM.equilibrium(tau1=1000.0, tau2=0.0)
+    assert caught.value.residual > 1e-3
+    with pytest.raises(EquilibriumError, match="no equilibrium"):
+        ARM.equilibrium(theta1=0.0, theta2=0.0, q11=0.05, q21=0.0)  # more held than there are inputs
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"theta3": 0.0}, "state or input 'theta3' must be one of theta1, theta2"),
+        ({"theta1": np.nan}, "equilibrium theta1 = nan must be finite"),
+    ],
+)
+def test_bad_names_and_values(given, message):
+    with pytest.raises(ValueError, match=message):
+        ARM.equilibrium(given)
+
+
+def test_varied_parameters_shift_the_equilibrium():
+    arm = ARM.vary("payload.mass")
+    held = {"theta1": 0.2, "theta2": 0.1}
+    for mass in (0.5, 1.5):
+        heavier = dataclasses.replace(ARM, payload=dataclasses.replace(ARM.payload, mass=mass))
+        for ours, theirs in zip(arm.equilibrium(held, p=[mass]), heavier.equilibrium(held)):
+            np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-13)

@@ -1,0 +1,55 @@
+"""python-control gets the plant: same motion, exact linear models, names kept."""
+
+import control
+import numpy as np
+
+from pliant.plants import SingleLinkArm, TwoLinkArm
+
+ARM = TwoLinkArm.textbook()
+
+
+def test_io_system_has_names_rates_and_outputs(plant, random_state):
+    system = plant.to_control()
+    assert isinstance(system, control.NonlinearIOSystem)
+    assert list(system.state_labels) == [s.name for s in plant.states]
+    assert list(system.input_labels) == [s.name for s in plant.inputs]
+    assert list(system.output_labels) == [s.name for s in plant.outputs]
+    x, u = random_state(plant, 1), np.full(plant.nu, 0.5)
+    np.testing.assert_array_equal(system.dynamics(0.0, x, u), plant.dynamics(x, u))
+    np.testing.assert_array_equal(system.output(0.0, x, u), plant.measure(x, u))
+
+
+def test_linearize_is_exact_by_method_function_and_operating_point(random_state):
+    system = ARM.to_control()
+    x0, u0 = ARM.equilibrium(theta1=0.3, theta2=-0.4)
+    A, B, _, C, D, _ = ARM.jacobians(x0, u0)
+    point = control.OperatingPoint(x0, u0)
+    for found in (system.linearize(x0, u0), control.linearize(system, x0, u0), system.linearize(point)):
+        for ours, theirs in zip((A, B, C, D), (found.A, found.B, found.C, found.D)):
+            np.testing.assert_array_equal(ours, theirs)
+        assert found.state_labels[:2] == ["theta1", "theta2"]
+        assert found.input_labels == ["tau1", "tau2"] and found.output_labels[-1] == "tip_y"
+    differences = control.NonlinearIOSystem(
+        system.updfcn, system.outfcn, inputs=2, outputs=ARM.ny, states=ARM.nx
+    ).linearize(x0, u0)
+    assert np.abs(differences.A - A).max() > 1e-6  # what control does by itself is not exact
+    np.testing.assert_array_equal(system.linearize(0, 0).A, ARM.jacobians(np.zeros(12))[0])
+
+
+def test_state_space_of_the_linear_model_has_signal_names():
+    model = SingleLinkArm.textbook().linearize(np.zeros(6))
+    system = model.to_control()
+    assert isinstance(system, control.StateSpace) and system.dt == 0
+    assert system.state_labels[0] == "hub_angle" and system.input_labels == ["hub_torque"]
+    assert system.output_labels == ["hub_angle", "tip_deflection", "tip_deflection_rate", "tip_x", "tip_y"]
+    np.testing.assert_array_equal(system.A, model.A)
+    assert list(model.to_control(disturbances=True).input_labels)[1:] == ["tip_force_x", "tip_force_y"]
+
+
+def test_python_control_simulates_the_same_motion():
+    arm = SingleLinkArm.textbook()
+    t = np.linspace(0, 0.2, 21)
+    theirs = control.input_output_response(
+        arm.to_control(), t, 2.0 * np.ones((1, 21)), np.zeros(6), solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-12}
+    )
+    np.testing.assert_allclose(theirs.states.T, arm.simulate(np.zeros(6), [2.0], t).x, atol=1e-7)

@@ -1,0 +1,94 @@
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from pliant.envs import scenes
+from pliant.studies import choose
+from pliant.studies.files import dumps
+
+
+def finer(scene):
+    """A finer model than any of the ladder, in other shape functions than the finest rung."""
+    plant = scene.plant
+    if scene.name == "two-link-reach":
+        return dataclasses.replace(plant, kinematics="stiffened", basis="payload", modes=(6, 6))
+    return dataclasses.replace(plant, kinematics="stiffened", basis="polynomial", modes=5)
+
+
+def tip(scene, plant):
+    u = np.array([scene.nominal_input(t) for t in scene.times])
+    x0 = scene.with_plant(plant).initial[0]
+    motion = plant.simulate(x0, u, scene.times, method="cvodes", rtol=1e-8, atol=1e-10)
+    return np.stack([motion[name] for name in scene.compare])
+
+
+@pytest.fixture(scope="module", params=scenes.names())
+def case(request):
+    scene = scenes.get(request.param)
+    return scene, choose(scene)
+
+
+def test_choice_keeps_the_tolerance_against_an_independent_finer_model(case):
+    scene, choice = case
+    exact = tip(scene, finer(scene))
+    assert choice.met
+    assert np.abs(tip(scene, choice.plant) - exact).max() < scene.tolerance
+    rigid = scene.plant.ladder()[0]
+    assert np.abs(tip(scene, rigid) - exact).max() > scene.tolerance
+    assert choice.plant.label != rigid.label
+
+
+def test_every_cheaper_rung_misses_the_tolerance(case):
+    scene, choice = case
+    chosen = [r.chosen for r in choice.rungs].index(True)
+    assert all(r.bound > scene.tolerance for r in choice.rungs[:chosen])
+    assert [r.variant for r in choice.rungs] == [p.label for p in scene.plant.ladder()]
+
+
+def test_integrator_and_step_keep_the_tolerance(case):
+    scene, choice = case
+    for row in (choice.integrator, choice.largest_step):
+        assert row.variant == choice.plant.label
+        assert row.error <= scene.tolerance
+    assert choice.largest_step.step <= scene.dt
+
+
+def test_choice_is_json_and_text(case):
+    _, choice = case
+    table = json.loads(dumps(choice.to_json()))
+    assert table["chosen"] == choice.plant.label
+    assert choice.plant.label in choice.text and "Left out: " in choice.text
+
+
+def test_two_rungs_that_agree_and_are_both_wrong_are_not_taken():
+    """Linear kinematics with two and with three polynomials agree, but both lack the shortening."""
+    scene = scenes.get("two-link-reach")
+    choice = choose(scene)
+    misled = [r for r in choice.rungs if r.note.startswith("agrees")]
+    assert misled and all(r.change <= scene.tolerance < r.error and not r.chosen for r in misled)
+    shortening = next(e for e in choice.effects if e.field == "kinematics")
+    assert shortening.kept and shortening.change > 10 * scene.tolerance
+    more = next(e for e in choice.effects if e.field == "modes" and not e.kept)
+    assert more.change < scene.tolerance
+
+
+def test_tolerance_decides():
+    scene = scenes.get("single-link-slew")
+    labels = [choose(scene, tolerance).plant.label for tolerance in (1e-2, 1e-3, 1e-6)]
+    assert labels[0] == "rigid"
+    assert len(set(labels)) == 3
+
+
+def test_no_rung_is_claimed_beyond_the_shown_convergence():
+    choice = choose(scenes.get("single-link-slew"), 1e-12)
+    assert not choice.met
+    assert choice.rungs[-1].chosen
+    assert choice.text.startswith("No variant is shown to keep ")
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan"), float("inf"), "small"])
+def test_bad_tolerance(tolerance):
+    with pytest.raises(ValueError, match=r"choose\.tolerance = .* must be a number > 0"):
+        choose(scenes.get("single-link-slew"), tolerance)

@@ -1,0 +1,105 @@
+import json
+import platform
+import re
+
+import pytest
+
+from pliant.envs import scenes
+from pliant.plants import Trajectory
+from pliant.studies import page, report
+
+SLEW = scenes.get("single-link-slew")
+TABLES = {
+    "modes",
+    "linearization",
+    "linearization_along",
+    "closed_loop",
+    "speed_accuracy",
+    "choice",
+    "machine",
+    "report",
+}
+FIGURES = {
+    "motion",
+    "shapes",
+    "tip_path",
+    "eigenvalues",
+    "frozen_eigenvalues",
+    "closed_loop",
+    "speed_accuracy",
+    "settings",
+    "ladder",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    seen = []
+    folder = tmp_path_factory.mktemp("reports") / "slew"
+    written = report(SLEW, folder, budget=1.5, progress=lambda fraction, task: seen.append(fraction))
+    assert written == folder / "report.html"
+    assert seen == sorted(seen) and seen[0] == 0.0 and seen[-1] == 1.0
+    return folder
+
+
+def test_folder_holds_page_figures_and_tables(folder):
+    names = {p.name for p in folder.iterdir()}
+    expected = {f"{t}.json" for t in TABLES} | {f"{f}.png" for f in FIGURES} | {"report.html", "open_loop.npz"}
+    assert names == expected
+    assert set(json.loads((folder / "report.json").read_text())["files"]) == names
+    assert [p.name for p in folder.parent.iterdir()] == ["slew"]
+
+
+def test_tables_are_strict_json(folder):
+    def refuse(word):
+        raise AssertionError(word)
+
+    for path in folder.glob("*.json"):
+        json.loads(path.read_text(), parse_constant=refuse)
+    for path in folder.glob("*.png"):
+        assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_tables_say_what_was_computed(folder):
+    linear = json.loads((folder / "linearization.json").read_text())
+    assert linear["A"] == SLEW.plant.linearize(*SLEW.target).A.tolist()
+    errors = json.loads((folder / "linearization_along.json").read_text())["prediction_errors"]
+    assert errors[0]["error"] / errors[1]["error"] == pytest.approx(100.0, rel=0.3)
+    loops = json.loads((folder / "closed_loop.json").read_text())["loops"]
+    assert [loop["stable"] for loop in loops] == [True] * 4
+    motion = Trajectory.load(folder / "open_loop.npz")
+    assert motion.t.tolist() == pytest.approx(SLEW.times.tolist())
+
+
+def test_page_is_self_contained(folder):
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "http" not in text and "url(" not in text.replace("url(#", "") and "@import" not in text
+    assert all(target.startswith("#") for target in re.findall(r'(?:href|src)="([^"]*)"', text))
+    assert text.count("<figure") == len(FIGURES)
+    assert text.count("<svg") == len(FIGURES) + 1
+    assert "currentColor" in text
+
+
+def test_page_names_no_host_and_no_folder(folder):
+    text = (folder / "report.html").read_text(encoding="utf-8") + (folder / "machine.json").read_text()
+    assert str(folder.parent) not in text
+    assert len(platform.node()) < 5 or platform.node() not in text
+
+
+def test_failure_leaves_nothing(tmp_path, monkeypatch):
+    def stop(*_):
+        raise RuntimeError("stopped")
+
+    monkeypatch.setattr(page, "build", stop)
+    with pytest.raises(RuntimeError, match="stopped"):
+        report(SLEW, tmp_path / "new", budget=0.1)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_other_files_are_not_replaced(tmp_path):
+    (tmp_path / "thesis.txt").write_text("years of work")
+    with pytest.raises(ValueError, match="must be absent, empty or a former report"):
+        report(SLEW, tmp_path)
+    with pytest.raises(ValueError, match="must be a folder"):
+        report(SLEW, tmp_path / "thesis.txt")
+    assert (tmp_path / "thesis.txt").read_text() == "years of work"
