@@ -10,7 +10,7 @@ import peers
 import physics
 import startup
 from sampling import Row, ratio
-from soak import GROWTH, Soak
+from soak import GROWTH, STEPS, Soak
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ def _median(row: Row | None) -> float | None:
     return row.median if row else None
 
 
-def checks(rows: Sequence[Row], soak: Soak | None) -> list[Check]:
-    """Everything asked, in order."""
-    return [*_physics(rows), *_environments(rows), *_times(rows), *_soak(soak)]
+def checks(rows: Sequence[Row], soak: Soak | None, steps: int = STEPS) -> list[Check]:
+    """Everything asked, in order; `steps` of the soak."""
+    return [*_physics(rows), *_environments(rows), *_times(rows), *_soak(soak, steps)]
 
 
 def _physics(rows: Sequence[Row]) -> Iterator[Check]:
@@ -77,9 +77,7 @@ def _environments(rows: Sequence[Row]) -> Iterator[Check]:
         share = None if row is None or row.median is None else 100 * row.median
         shown = f"time outside the kernel, {name.partition(', ')[2]}, 2 threads"
         yield Check(2, shown, share, 25, "%", least=False)
-    yield Check(
-        3, "PlantEnv.step", _median(find(rows, env.SINGLE_GROUP, "Pliant, PlantEnv")), 40_000, "steps/s"
-    )
+    yield Check(3, "PlantEnv.step", _median(find(rows, env.SINGLE_GROUP, "Pliant, PlantEnv")), 40_000, "steps/s")
 
 
 def _times(rows: Sequence[Row]) -> Iterator[Check]:
@@ -91,27 +89,14 @@ def _times(rows: Sequence[Row]) -> Iterator[Check]:
         found = _median(find(rows, physics.JACOBIANS, name, points, threads))
         yield Check(4, what, None if found is None else scale * found, asked, unit, least=False)
     for name, asked in ((startup.COLD, 10.0), (startup.WARM, 0.3)):
-        yield Check(
-            5, name, _median(find(rows, startup.GROUP, name, startup.LANES)), asked, "s", least=False
-        )
+        yield Check(5, name, _median(find(rows, startup.GROUP, name, startup.LANES)), asked, "s", least=False)
 
 
-def _soak(soak: Soak | None) -> Iterator[Check]:
-    yield Check(6, "soak: environment steps", float(soak.steps) if soak else None, 1e8, "steps")
-    yield Check(
-        6,
-        "soak: numbers that are not finite",
-        None if soak is None else float(not soak.finite),
-        0,
-        "",
-        least=False,
+def _soak(soak: Soak | None, steps: int) -> Iterator[Check]:
+    ran, wrong, growth, same = (
+        (soak.steps, soak.not_finite, soak.growth, soak.repeats) if soak else (None, None, None, None)
     )
-    yield Check(
-        6,
-        "soak: memory gained after the first tenth",
-        soak.growth if soak else None,
-        GROWTH,
-        "MB",
-        least=False,
-    )
-    yield Check(6, "soak: two runs of one seed agree bit for bit", float(soak.repeats) if soak else None, 1, "")
+    yield Check(6, "soak: environment steps", ran, steps, "steps")
+    yield Check(6, "soak: numbers that are not finite", wrong, 0, "", least=False)
+    yield Check(6, "soak: memory gained after the first tenth", growth, GROWTH, "MB", least=False)
+    yield Check(6, "soak: runs of one seed that agree bit for bit", None if same is None else 1 + same, 2, "")

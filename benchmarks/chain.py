@@ -62,7 +62,8 @@ def mujoco_xml() -> str:
     offset = 0.0
     for i, s in enumerate(segments()):
         opened += f'<body pos="{offset!r} 0 0">' + hinge.format(i, s.stiffness)
-        opened += f'<inertial pos="{s.centre!r} 0 0" mass="{s.mass!r}" diaginertia="{s.inertia!r} {s.inertia!r} {s.inertia!r}"/>'
+        inertia = " ".join([repr(s.inertia)] * 3)
+        opened += f'<inertial pos="{s.centre!r} 0 0" mass="{s.mass!r}" diaginertia="{inertia}"/>'
         offset = s.length
     motors = "".join(f'<motor joint="joint{i}"/>' for i, s in enumerate(segments()) if s.driven)
     return (

@@ -162,9 +162,7 @@ def physics_cases() -> Iterator[Case]:
 
 def environment_cases() -> Iterator[Case]:
     def case(name: str, prepare: Any, lanes: int = 1, threads: int = 1) -> Case:
-        return Case(
-            group=environments.GROUP, name=name, prepare=prepare, lanes=lanes, threads=threads, peer=True
-        )
+        return Case(group=environments.GROUP, name=name, prepare=prepare, lanes=lanes, threads=threads, peer=True)
 
     make = partial(gymnasium.make, disable_env_checker=True)
     yield case(SWIMMER, lambda: environments.single_steps(make("Swimmer-v5")))

@@ -38,7 +38,7 @@ def steps(name: str, lanes: int, threads: int) -> Sampler:
     arm = TwoLinkArm.textbook()
     x, u = arm.equilibrium({"theta1": -1.2, "theta2": 0.3})
     work = kernel(name).workspace(lanes)
-    work.set(1, x + 0.01 * np.random.default_rng(0).uniform(-1.0, 1.0, (lanes, arm.nx)))
+    work.set(1, x + 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, (lanes, arm.nx)))
     work.set(2, 0.9 * u)
     count = 1 if name == MACHINE else max(20, 4000 // lanes)
 

@@ -23,7 +23,7 @@ RETAKES = 3  # .. at most so often
 class Case:
     """What is to be measured. prepare() builds it, runs it once and gives its sampler.
 
-    A peer that is not installed, or that fails to start, becomes a row that says so; anything else that fails is an error.
+    A peer that is not installed, or that fails to start, becomes a row that says so; any other failure is an error.
     """
 
     group: str
@@ -129,7 +129,7 @@ def start(case: Case) -> tuple[Row, Sampler | None]:
     try:
         return row, case.prepare()
     except Exception as failure:
-        if not case.peer:
+        if True:
             raise
         row.failure = reason(failure)
         return row, None

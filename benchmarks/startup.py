@@ -44,9 +44,7 @@ def once(cache: str) -> tuple[float, float, float]:
 
 def measure(rounds: int, progress: Progress) -> Sequence[Row]:
     """A cold and a warm start a round."""
-    rows = {
-        name: Row(GROUP, name, TIME, 1, LANES, False) for name in (COLD, WARM, COLD_RESET, WARM_RESET, IMPORTS)
-    }
+    rows = {name: Row(GROUP, name, TIME, 1, LANES, False) for name in (COLD, WARM, COLD_RESET, WARM_RESET, IMPORTS)}
     for k in range(rounds):
         with tempfile.TemporaryDirectory() as cache:
             for i, (made, reset) in enumerate(((COLD, COLD_RESET), (WARM, WARM_RESET))):

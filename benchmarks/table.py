@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from asked import Check
-from sampling import RATE, SHARE, TIME, Row
+from matplotlib.figure import Figure
+from sampling import RATE, SHARE, Row
 
 from pliant.studies import style
 
 COLUMNS = (1, 64, 1024, 4096)  # environments at once
+WIDE = {"physics": "Physics", "environments": "Environment"}  # groups with a column a size and a panel of the chart
 OURS, THEIRS = style.COLOURS[0], style.COLOURS[1]
 
 
@@ -59,9 +61,7 @@ def times(rows: Sequence[Row]) -> list[str]:
     """Median and range of each row, in its own unit."""
     lines = []
     for row in rows:
-        show = {RATE: lambda v: f"{number(v)} steps/s", SHARE: lambda v: f"{100 * v:.1f} %"}.get(
-            row.unit, duration
-        )
+        show = {RATE: lambda v: f"{number(v)} steps/s", SHARE: lambda v: f"{100 * v:.1f} %"}.get(row.unit, duration)
         if row.failure:
             lines.append([row.name, str(row.threads), f"{row.lanes:,}", row.failure, ""])
         elif row.samples:
@@ -81,16 +81,14 @@ def verdicts(checks: Sequence[Check]) -> list[str]:
     return _grid(["", "what", "measured", "asked", "holds"], lines, 5)
 
 
-def markdown(
-    rows: Sequence[Row], checks: Sequence[Check], about: Mapping[str, str], notes: Sequence[str]
-) -> str:
+def markdown(rows: Sequence[Row], checks: Sequence[Check], about: Mapping[str, str], notes: Sequence[str]) -> str:
     """The whole table."""
     groups = dict.fromkeys(r.group for r in rows)
     text = ["# Benchmarks", "", "Medians; every row sampled in turn, round after round, in one run.", ""]
     text += ["## Asked and measured", "", *verdicts(checks), ""]
     for group in groups:
         own = [r for r in rows if r.group == group]
-        wide = len({r.lanes for r in own}) > 2 and all(r.unit == RATE for r in own)
+        wide = group in WIDE
         title = f"{group.capitalize()}{', steps/s by the number of environments' if wide else ''}"
         text += [f"## {title}", "", *(rates(own) if wide else times(own)), ""]
     if notes:
@@ -118,28 +116,26 @@ def bars(rows: Sequence[Row], group: str) -> list[tuple[str, float, bool]]:
     ]
 
 
-def chart(rows: Sequence[Row], groups: Sequence[str], path: Path) -> None:
-    """Horizontal bars on a logarithmic axis, one panel a group."""
-    filled = [(g, b) for g in groups if (b := bars(rows, g))]
-    if not filled:
-        return
-    tallest = max(len(b) for _, b in filled)
-    figure, axes = style.panels(len(filled), height=0.8 + 0.36 * tallest)
-    for axis, (group, found) in zip(axes, filled):
-        labels, values, theirs = zip(*found)
-        places = range(len(found))
+@style.styled
+def chart(found: Mapping[str, Sequence[tuple[str, float, bool]]]) -> Figure:
+    """Horizontal bars on a logarithmic axis, one panel a title."""
+    heights = [len(b) + 1.5 for b in found.values()]
+    figure, axes = style.panels(len(found), height=0.34 * sum(heights) / len(found), height_ratios=heights)
+    for axis, (title, own) in zip(axes, found.items()):
+        labels, values, theirs = zip(*own)
+        places = range(len(own))
         axis.barh(places, values, height=0.7, color=[THEIRS if peer else OURS for peer in theirs])
         axis.set_yticks(list(places), labels, fontsize=7)
         axis.invert_yaxis()
         axis.set_xscale("log")
         axis.set_xlim(min(values) / 3, max(values) * 4)
-        axis.set_title(f"{group.capitalize()} steps a second, each at its fastest")
+        axis.set_title(f"{title} steps a second, each at its fastest")
         axis.grid(axis="y", visible=False)
         for place, value in zip(places, values):
-            axis.annotate(
-                number(value), (value, place), xytext=(3, 0), textcoords="offset points", va="center", fontsize=7
-            )
-    style.save(figure, path)
+            label = {"xytext": (3, 0), "textcoords": "offset points", "va": "center", "fontsize": 7}
+            axis.annotate(number(value), (value, place), **label)  # type: ignore[arg-type]
+    axes[-1].set_xlabel("steps a second, logarithmic; blue: Pliant, orange: peers")
+    return figure
 
 
 def write(
@@ -161,4 +157,6 @@ def write(
     }
     (folder / "benchmark.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
     (folder / "benchmark.md").write_text(markdown(rows, checks, about, notes))
-    chart(rows, ("physics", "environments"), folder / "benchmark.png")
+    found = {title: b for group, title in WIDE.items() if (b := bars(rows, group))}
+    if found:
+        style.save(chart(found), folder / "benchmark.png")

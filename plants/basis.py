@@ -1,6 +1,7 @@
 """Shape functions for a Ritz beam: a named kind, how many, and every integral that a plant needs of them.
 
 Kinds   natural modes for a pair of ends, "payload" (clamped, loaded tip), "polynomial" (clamped)
+Shear   the clamped kinds also for Timoshenko beams, see `ritz`
 """
 
 from __future__ import annotations
@@ -21,8 +22,12 @@ from pliant.plants.modes import (
     shapes,
 )
 from pliant.plants.parameters import require_choice, require_count
+from pliant.plants.ritz import StrainShapes, matrices, polynomial
+from pliant.plants.ritz import modes as timoshenko_modes
 
 BASES = (*BOUNDARIES, "payload", "polynomial")
+SHEARABLE = ("clamped-free", "payload", "polynomial")
+MOST_SHEARABLE = 40
 MOST_POLYNOMIALS = 30  # their highest frequency grows as n^4, that of modes as n^2
 
 
@@ -77,10 +82,14 @@ class Basis:
     With w(x, t) = sum of phi_k(x/L) q_k(t): kinetic energy rho A L/2 q'^T mass q', strain energy
     EI/(2 L^3) q^T stiffness q, shortening of the span up to xi 1/(2 L) q^T S(xi) q with S the integral of
     phi' phi'^T from 0 to xi.
+
+    A Timoshenko beam's section turns by psi, not by phi'. Then tip_slope is psi(1), stiffness int psi' psi'^T, the
+    shortening is that of `ritz.matrices`, strain energy has kappa G A/(2 L) q^T shear q more and kinetic energy
+    rho I/(2 L) q'^T rotary q' more. These fields are None without shear.
     """
 
     kind: str
-    phi: ModeShapes | Polynomials  # phi(xi, derivative=0) -> (..., n)
+    phi: ModeShapes | Polynomials | StrainShapes  # phi(xi, derivative=0) -> (..., n)
     tip: np.ndarray  # phi(1), (n,)
     tip_slope: np.ndarray  # dphi/dxi at 1, (n,)
     mass: np.ndarray = field(repr=False)  # int phi phi^T, (n, n)
@@ -90,6 +99,9 @@ class Basis:
     shortening: np.ndarray = field(repr=False)  # S(1), (n, n)
     shortening_mean: np.ndarray = field(repr=False)  # int S(xi) = int (1 - xi) phi' phi'^T, (n, n)
     shortening_moment: np.ndarray = field(repr=False)  # int xi S(xi) = int (1 - xi^2)/2 phi' phi'^T, (n, n)
+    shear: np.ndarray | None = field(default=None, repr=False)  # int (phi' - psi)(phi' - psi)^T, (n, n)
+    rotary: np.ndarray | None = field(default=None, repr=False)  # int psi psi^T, (n, n)
+    rotary_first: np.ndarray | None = field(default=None, repr=False)  # int psi, (n,)
 
     @property
     def n(self) -> int:
@@ -97,17 +109,35 @@ class Basis:
         return len(self.tip)
 
 
-def basis(kind: str, n: int, *, tip_mass_ratio: float = 0.0, tip_inertia_ratio: float = 0.0) -> Basis:
+def basis(
+    kind: str,
+    n: int,
+    *,
+    tip_mass_ratio: float = 0.0,
+    tip_inertia_ratio: float = 0.0,
+    rotary: float = 0.0,
+    shear: float = 0.0,
+) -> Basis:
     """The first n shape functions of a kind in BASES, each scaled to int phi^2 dxi = 1. Cached.
 
     The ratios, mass/(rho A L) and inertia about the tip/(rho A L^3), shape "payload" only; other kinds ignore
-    them. ValueError for another kind, n above 200 (30 for "polynomial"), or a ratio outside [0, 1e12].
+    them. `shear` = E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2). ValueError for another
+    kind, n above 200 (30 for "polynomial", 40 with shear), or a ratio outside [0, 1e12].
     """
     require_choice("basis", "kind", kind, BASES)
     require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind == "polynomial" else MOST_MODES)
     for name, value in (("tip_mass_ratio", tip_mass_ratio), ("tip_inertia_ratio", tip_inertia_ratio)):
         if not 0 <= value <= LARGEST_RATIO:
             raise ValueError(f"basis.{name} = {value!r} must be within [0, {LARGEST_RATIO:g}]")
+    for name, value in (("rotary", rotary), ("shear", shear)):
+        if not 0 <= value <= 10:
+            raise ValueError(f"basis.{name} = {value!r} must be within [0, 10]")
+    if shear:
+        require_choice("basis", "kind", kind, SHEARABLE)
+        require_count("basis", "n", n, 0, MOST_SHEARABLE)
+        loaded = kind == "payload"
+        tip = (float(tip_mass_ratio), float(tip_inertia_ratio)) if loaded else (0.0, 0.0)
+        return _sheared(kind, int(n), float(rotary), float(shear), *tip)
     if kind != "payload":
         return _basis(kind, int(n), 0.0, 0.0)
     return _basis(kind, int(n), float(tip_mass_ratio), float(tip_inertia_ratio))
@@ -147,6 +177,41 @@ def _basis(kind: str, n: int, tip_mass_ratio: float, tip_inertia_ratio: float) -
         shortening_mean=gram(slope, w * (1 - xi)),
         shortening_moment=gram(slope, w * (1 - xi**2) / 2),
     )
+    return _read_only(built)
+
+
+@lru_cache(maxsize=128)
+def _sheared(
+    kind: str, n: int, rotary: float, shear: float, tip_mass_ratio: float, tip_inertia_ratio: float
+) -> Basis:
+    if kind == "polynomial":
+        phi = polynomial(n)
+    else:
+        phi = timoshenko_modes(n, rotary, shear, tip_mass_ratio, tip_inertia_ratio)
+    found = matrices(phi)
+    x, w = np.polynomial.legendre.leggauss(max(len(phi.curvature), len(phi.shear)) + 4)
+    xi, w = (1 + x) / 2, w / 2
+    return _read_only(
+        Basis(
+            kind=kind,
+            phi=phi,
+            tip=phi(1.0),
+            tip_slope=phi.rotation(1.0),
+            mass=found.mass,
+            stiffness=found.bending,
+            first=w @ phi(xi),
+            moment=(w * xi) @ phi(xi),
+            shortening=found.tension_uniform,
+            shortening_mean=found.tension_hub,
+            shortening_moment=found.tension_beam,
+            shear=found.shearing,
+            rotary=found.rotary,
+            rotary_first=w @ phi.rotation(xi),
+        )
+    )
+
+
+def _read_only(built: Basis) -> Basis:
     for name in Basis.__dataclass_fields__:
         if isinstance(array := getattr(built, name), np.ndarray):
             array.setflags(write=False)

@@ -17,7 +17,9 @@ import numpy as np
 
 from pliant.plants.basis import BASES, Basis, Polynomials, basis
 from pliant.plants.modes import BOUNDARIES, ModeShapes, count_loaded, loaded_roots, roots, shapes
+from pliant.plants.offset_payload import OffsetPayload, PayloadModes, clamped_payload_roots
 from pliant.plants.parameters import is_symbolic, quantity, require_choice, validate
+from pliant.plants.rotating import rotating_frequencies
 
 __all__ = [
     "ALUMINIUM",
@@ -28,13 +30,18 @@ __all__ = [
     "Beam",
     "Material",
     "ModeShapes",
+    "OffsetPayload",
     "Payload",
+    "PayloadModes",
     "Polynomials",
     "basis",
+    "clamped_payload_roots",
     "count_loaded",
+    "coupled_frequencies",
     "frequencies",
     "loaded_roots",
     "roots",
+    "rotating_frequencies",
     "shapes",
 ]
 
@@ -74,7 +81,9 @@ class Beam:
     """A uniform beam: its length, cross-section and material.
 
     I_z resists bending in the x-y plane and I_y in x-z; J is the torsion constant, which equals the polar
-    moment I_y + I_z for circular sections only.
+    moment I_y + I_z for circular sections only. The shear coefficient counts in Timoshenko's theory only; 5/6 is
+    Reissner's for a rectangle, and a section made here has Cowper's, "The shear coefficient in Timoshenko's beam
+    theory" (1966).
     """
 
     length: Any = quantity("m", "positive")
@@ -86,6 +95,7 @@ class Beam:
     E: Any = quantity("Pa", "positive")
     G: Any = quantity("Pa", "positive")
     damping: Any = quantity("s", "nonnegative", 0.0)
+    shear_coefficient: Any = quantity("1", "positive", 5 / 6)
 
     def __post_init__(self) -> None:
         validate(self)
@@ -106,14 +116,16 @@ class Beam:
         missing = sum(2 * decay**n / ((1 + decay**n) * n**5) for n in (1, 3, 5, 7))
         total = 31 / 32 * 1.0369277551433699 - missing
         J = a * b**3 * (1 / 3 - 64 * b / (math.pi**5 * a) * total)
-        return cls._of(material, length, width * depth, depth * width**3 / 12, width * depth**3 / 12, J)
+        nu = material.E / (2 * material.G) - 1
+        kappa = 10 * (1 + nu) / (12 + 11 * nu)
+        return cls._of(material, length, width * depth, depth * width**3 / 12, width * depth**3 / 12, J, kappa)
 
     @classmethod
     def circular(cls, length: Any, diameter: Any, material: MaterialLike) -> Beam:
         """A solid circle of this diameter [m]."""
         _positive("Beam.circular", diameter=diameter)
         I = math.pi * diameter**4 / 64
-        return cls._of(material, length, math.pi * diameter**2 / 4, I, I, 2 * I)
+        return cls._of(material, length, math.pi * diameter**2 / 4, I, I, 2 * I, _round(material, 0.0))
 
     @classmethod
     def tube(cls, length: Any, outer: Any, inner: Any, material: MaterialLike) -> Beam:
@@ -123,10 +135,12 @@ class Beam:
             raise ValueError(f"Beam.tube inner = {inner!r} must be > 0 and < outer = {outer!r} [m]")
         area = math.pi * (outer - inner) * (outer + inner) / 4
         I = area * (outer**2 + inner**2) / 16
-        return cls._of(material, length, area, I, I, 2 * I)
+        return cls._of(material, length, area, I, I, 2 * I, _round(material, inner / outer))
 
     @classmethod
-    def _of(cls, material: MaterialLike, length: Any, area: Any, I_y: Any, I_z: Any, J: Any) -> Beam:
+    def _of(
+        cls, material: MaterialLike, length: Any, area: Any, I_y: Any, I_z: Any, J: Any, kappa: Any
+    ) -> Beam:
         return cls(
             length=length,
             area=area,
@@ -137,6 +151,7 @@ class Beam:
             E=material.E,
             G=material.G,
             damping=material.damping,
+            shear_coefficient=kappa,
         )
 
     @property
@@ -160,9 +175,20 @@ class Beam:
         return self.G * self.J
 
     @property
+    def shear_stiffness(self) -> Any:
+        """kappa G A [N]."""
+        return self.shear_coefficient * self.G * self.area
+
+    @property
     def polar_moment(self) -> Any:
         """I_y + I_z [m^4]; density times it is the section's inertia about x."""
         return self.I_y + self.I_z
+
+
+def _round(material: MaterialLike, m: Any) -> Any:
+    """Cowper's shear coefficient of a circular tube, inner over outer diameter m."""
+    nu = material.E / (2 * material.G) - 1
+    return 6 * (1 + nu) * (1 + m * m) ** 2 / ((7 + 6 * nu) * (1 + m * m) ** 2 + (20 + 12 * nu) * m * m)
 
 
 def _positive(owner: str, **lengths: Any) -> None:
@@ -251,3 +277,9 @@ def frequencies(
         payload.mass * x / (beam.mass * beam.length),
     )
     return scale * beta**2
+
+
+def coupled_frequencies(beam: Beam, n: int, payload: Payload) -> np.ndarray:
+    """The lowest n frequencies [rad/s] (n,) of the clamped beam in bending about z and torsion, none missed."""
+    scale = math.sqrt(beam.EI / beam.linear_density) / beam.length**2
+    return scale * OffsetPayload.of(beam, payload).roots(n) ** 2

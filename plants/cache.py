@@ -37,7 +37,7 @@ def _refuse(path: Path, why: str) -> CacheError:
     )
 
 
-def _check_own(path: Path) -> None:
+def check_own(path: Path) -> None:
     """Raise CacheError unless this user owns the path and nobody else may write it."""
     if not hasattr(os, "geteuid"):
         return
@@ -56,7 +56,7 @@ def checked_folder(create: bool = True) -> Path:
     if create:
         path.mkdir(parents=True, exist_ok=True, mode=0o700)
     if path.exists():
-        _check_own(path)
+        check_own(path)
         for above in path.absolute().parents:
             info = os.stat(above)
             open_to_others = info.st_mode & (stat.S_IWGRP | stat.S_IWOTH) and not info.st_mode & stat.S_ISVTX
@@ -81,7 +81,7 @@ def path_of(name: str) -> Path | None:
     """The path of a whole file in the cache, or None; a damaged file is removed."""
     path = checked_folder() / name
     try:
-        _check_own(path)
+        check_own(path)
         data = path.read_bytes()
     except FileNotFoundError:
         return None

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import EquilibriumError
+from .errors import EquilibriumError, MassMatrixError
 from .ltv import LTVModel
 from .parameters import require_count, require_finite
 from .signals import index
@@ -100,8 +100,11 @@ def _solve(plant: SliderCrank, e: np.ndarray, speed: float, w: np.ndarray) -> np
     change = np.inf
     for _ in range(NEWTON):
         x = np.hstack([angle, e, np.full((m, 1), speed), speed * D1 @ e])
+        try:
+            miss = plant.dynamics(x, held, w=w)[:, rows] - speed**2 * D2 @ e
+        except MassMatrixError:  # the search has left the deflections that the model can have
+            break
         A = plant.jacobians(x, held, w=w)[0][:, rows]
-        miss = plant.dynamics(x, held, w=w)[:, rows] - speed**2 * D2 @ e
         J = -constant.reshape(m, n, m, n)
         J[np.arange(m), :, np.arange(m)] += A[:, :, 1 : n + 1]
         J += speed * np.einsum("kij,kl->kilj", A[:, :, n + 2 :], D1)

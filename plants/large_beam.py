@@ -48,7 +48,9 @@ class LargeDeflectionBeam(LagrangianPlant):
     frame: str = "mean-axis"  # of each sub-beam ("substructured")
     basis: str = "modes"  # of the rotations ("strain")
     planar: bool = True
-    points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
+    points: int | None = (
+        None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -64,7 +66,9 @@ class LargeDeflectionBeam(LagrangianPlant):
         if not isinstance(self.gravity, tuple) or len(self.gravity) != 3:
             raise ValueError(f"{owner}.gravity = {self.gravity!r} must be a tuple of 3 numbers [m/s^2]")
         require_count(owner, "modes", self.modes, 1, BASES[self.basis] if self.kinematics == "strain" else 12)
-        require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
+        require_count(
+            owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1
+        )
         if self.points is not None:
             require_count(owner, "points", self.points, 2, 64)
 
@@ -75,9 +79,7 @@ class LargeDeflectionBeam(LagrangianPlant):
         E = 68.95 GPa, Poisson's ratio 0.33, density 2766.7 kg/m^3, A = 7.3e-5 m^2, I = 8.218e-9 m^4 about y and z.
         """
         E, I = 68.95e9, 8.218e-9
-        beam = Beam(
-            length=10.0, area=7.3e-5, I_y=I, I_z=I, J=2 * I, density=2766.7, E=E, G=E / (2 * 1.33)
-        )
+        beam = Beam(length=10.0, area=7.3e-5, I_y=I, I_z=I, J=2 * I, density=2766.7, E=E, G=E / (2 * 1.33))
         return cls(beam=beam)
 
     @property
@@ -225,7 +227,7 @@ class LargeDeflectionBeam(LagrangianPlant):
         return ca.jtimes(tip, q, w if self.root == "driven" else u, True)
 
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        """As the base class has them from the energies, but from the Jacobians of the positions: a tenth of the size."""
+        """What the base class derives from the energies, from the positions' Jacobians: a fraction of the size."""
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
         beam, at, points = self.beam, self.tangent_field.at(q, v), self.tangent_field.points

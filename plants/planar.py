@@ -2,7 +2,7 @@
 
 The point at x = L xi of the undeformed beam stands at (x - s, u): deflection u = phi(xi) . q and shortening
 s = (1/2) int_0^x u'^2 dx = q . S(xi) q / (2 L), kept to second order ("stiffened") or left out ("linear").
-All modal integrals are dimensionless; see beams.Basis.
+All modal integrals are dimensionless; see beams.Basis. A Timoshenko basis adds shear and the sections' turning.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from .beams import Basis, Beam, Payload
+from .ritz import StrainShapes
 
 
 def _dot(a: np.ndarray, q: ca.SX) -> ca.SX:
@@ -38,7 +39,7 @@ class ElasticLink:
         return _dot(self.basis.tip, q)
 
     def slope(self, q: ca.SX) -> ca.SX:
-        """Tip slope u'(L) [rad]; linear, so it serves rates too."""
+        """Turn of the tip's section [rad], u'(L) without shear; linear, so it serves rates too."""
         return _dot(self.basis.tip_slope, q) / self.beam.length
 
     def shortening(self, q: ca.SX) -> ca.SX:
@@ -80,6 +81,13 @@ class ElasticLink:
             x_rate = -m / L * _quadratic(q, basis.shortening_mean, v)
             second = second - m * _quadratic(q, basis.shortening_moment, q)
         turning = m * L * _dot(basis.moment, v)
+        if basis.rotary is not None:
+            per_area = self.beam.I_z / self.beam.area
+            second = second + m * per_area
+            turning = turning + m * per_area / L * _dot(basis.rotary_first, v)
+            turning_within = m * per_area / L**2 * _quadratic(v, basis.rotary, v) / 2
+        else:
+            turning_within = ca.SX(0)
         return (
             m * (root[0] ** 2 + root[1] ** 2) / 2
             + root[0] * (x_rate - omega * y)
@@ -87,6 +95,7 @@ class ElasticLink:
             + omega**2 * second / 2
             + omega * turning
             + m * _quadratic(v, basis.mass, v) / 2
+            + turning_within
         )
 
     def centreline(self, q: np.ndarray, points: int) -> np.ndarray:
@@ -99,13 +108,20 @@ class ElasticLink:
         ):  # shortening: half the integral of the slope squared, by Gauss's rule between the points
             node, weight = np.polynomial.legendre.leggauss(6)
             width = 1.0 / (points - 1)
-            slope = self.basis.phi(xi[:-1, None] + width * (1 + node) / 2, 1) @ q / L
-            line[1:, 0] -= L / 2 * np.cumsum(slope**2 @ weight * width / 2)
+            at, phi = xi[:-1, None] + width * (1 + node) / 2, self.basis.phi
+            density = (phi(at, 1) @ q / L) ** 2
+            if isinstance(phi, StrainShapes):
+                density -= (phi.shear_strain(at) @ q / L) ** 2
+            line[1:, 0] -= L / 2 * np.cumsum(density @ weight * width / 2)
         return line
 
     def strain_energy(self, q: ca.SX) -> ca.SX:
-        """(1/2) int E I u''^2 dx [J]."""
-        return self.beam.EI / self.beam.length**3 * _quadratic(q, self.basis.stiffness, q) / 2
+        """(1/2) int E I u''^2 dx [J]; with shear (1/2) int (E I psi'^2 + kappa G A (u' - psi)^2) dx."""
+        beam, basis = self.beam, self.basis
+        bent = beam.EI / beam.length**3 * _quadratic(q, basis.stiffness, q) / 2
+        if basis.shear is None:
+            return bent
+        return bent + beam.shear_stiffness / beam.length * _quadratic(q, basis.shear, q) / 2
 
     def dissipation(self, v: ca.SX) -> ca.SX:
         """Rayleigh function [W] of the Kelvin-Voigt damping."""

@@ -107,7 +107,7 @@ def _sampled(t: np.ndarray, u: Input) -> tuple[np.ndarray, np.ndarray]:
     ticks = t[0] + period * np.arange(1, int(np.ceil((t[-1] - t[0]) / period)))
     after = np.searchsorted(t, ticks)
     gap = np.minimum(np.abs(t[after] - ticks), np.abs(t[after - 1] - ticks))
-    grid = np.sort(np.concatenate([t, ticks[:0]]))
+    grid = np.sort(np.concatenate([t, ticks[gap > SAME_TIME * period]]))
     return grid, np.searchsorted(grid, t)
 
 

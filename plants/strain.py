@@ -63,10 +63,12 @@ def _antiderivatives(m: int, z: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def points(m: int, panels: int = 1) -> Points:
-    """m points on each of `panels` equal parts. W is exact for tangents that are polynomials of degree m - 1 on each."""
+    """m points on each of `panels` equal parts; W is exact for tangents of degree m - 1 on each."""
     x, w = np.polynomial.legendre.leggauss(m)
     start = np.arange(panels)[:, None]
-    found = Points(((start + (1 + x) / 2) / panels).ravel(), np.tile(w / (2 * panels), panels), np.empty(0), panels)
+    found = Points(
+        ((start + (1 + x) / 2) / panels).ravel(), np.tile(w / (2 * panels), panels), np.empty(0), panels
+    )
     finer, weight = np.polynomial.legendre.leggauss(m + 1)
     at, weight = ((start + (1 + finer) / 2) / panels).ravel(), np.tile(weight / (2 * panels), panels)
     reach = found.cumulative(at)

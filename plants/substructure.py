@@ -135,9 +135,9 @@ class Chain:
     @property
     def stiffness(self) -> Array:
         """int theta' theta'^T dxi over the whole beam, (n, n)."""
-        z, w = np.polynomial.legendre.leggauss(4 * self.modes + 12)
-        curvature = self.shapes((1 + z) / 2, 2)
-        block = curvature.T @ (w[:, None] / 2 * curvature) * self.segments
+        at = points(4 * self.modes + 12)
+        curvature = self.shapes(at.xi, 2)
+        block = curvature.T @ (at.weight[:, None] * curvature) * self.segments
         K = np.zeros((self.n, self.n))
         for i in range(self.segments):
             K[self.columns(i), self.columns(i)] = (block + block.T) / 2
@@ -146,7 +146,7 @@ class Chain:
     @property
     def inertia(self) -> Array:
         """int theta theta^T dxi, (n, n)."""
-        at = points(2 * self.modes + 6, self.segments)
+        at = points(4 * self.modes + 12, self.segments)
         theta = self.section_angles(at.xi)
         S = theta.T @ (at.weight[:, None] * theta)
         return (S + S.T) / 2

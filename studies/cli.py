@@ -239,7 +239,7 @@ def report(
     scene: SceneName,
     settings: Settings = None,
     out: Annotated[Path | None, typer.Option(help="Folder to write; reports/SCENE if not given.")] = None,
-    budget: Budget = 16.0,
+    budget: Annotated[float | None, typer.Option(help="Seconds of the chart; as time allows if not given.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Everything about one scene in one folder: report.html, the pictures, the tables."""

@@ -28,6 +28,8 @@ class Commands(TyperGroup):
 
         try:
             return super().invoke(ctx)
+        except BrokenPipeError:  # the reader, such as `head`, has seen enough
+            raise
         except (ValueError, OSError) as error:
             complain(str(error))
             raise typer.Exit(2) from None

@@ -109,26 +109,23 @@ def choose(
     plant = ladder[chosen]
     told(0.6, "effects")
     effects = _effects(motions, plant)
-    fastest = None if measured is None else measured.fastest(tolerance, plant.label)
-    if fastest is None:
-        told(0.7, "integrators")
-        part = chart(
-            dataclasses.replace(scene, tolerance=tolerance),
-            budget=STEP_SEARCH,
-            variants=(plant,),
-            motions=motions,
-            progress=share(progress, 0.7, 0.9),
-        )
-        fastest = part.fastest(tolerance, plant.label)
-    told(0.9, "largest step")
-    largest = _largest_step(motions, plant, tolerance)
+    met = rungs[chosen].bound <= tolerance
+    fastest, largest = None, None
+    if met:
+        fastest = None if measured is None else measured.fastest(tolerance, plant.label)
+        if fastest is None:
+            sharp, told_of_it = dataclasses.replace(scene, tolerance=tolerance), share(progress, 0.7, 0.9)
+            part = chart(sharp, budget=STEP_SEARCH, variants=(plant,), motions=motions, progress=told_of_it)
+            fastest = part.fastest(tolerance, plant.label)
+        told(0.9, "largest step")
+        largest = _largest_step(motions, plant, tolerance)
     nearest, convergence = motions.shown_convergence
     found = Choice(
         scene=scene.name,
         compare=scene.compare,
         tolerance=float(tolerance),
         plant=plant,
-        met=rungs[chosen].bound <= tolerance,
+        met=met,
         rungs=rungs,
         effects=effects,
         confirmed_by=nearest,
@@ -163,7 +160,7 @@ def _climb(motions: Motions, tolerance: float) -> tuple[tuple[Rung, ...], int]:
         bound = error + convergence
         note = ""
         if change is not None and change <= tolerance < bound:
-            note = "agrees with the next rung, not with the finest: both lack an effect"
+            note = "agrees with the next rung, not with the finest"
         if plant == finest:
             note = "the finest"
         rungs.append(Rung(plant.label, plant.nx, change, error, bound, note=note))

@@ -23,7 +23,9 @@ from .motions import Motions, Progress, share, silent
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-CHART_BUDGET = 16.0  # [s]
+CHART_BUDGET = 16.0  # [s], less on a machine so slow or busy that the whole would take long
+WHOLE = 45.0  # [s] that a report should take at most
+AFTER = 0.8  # what comes after the chart, as a share of what comes before it
 RTOL = 1e-9
 FINER = 10  # times a control period of the motion that is linearised along: its modes must be followed
 PERTURBATIONS = (0.03, 0.003)  # of the first coordinate [rad], to test the LTV model
@@ -49,11 +51,11 @@ class Findings:
     seconds: float = 0.0
 
 
-def report(scene: Scene, out: str | Path, *, progress: Progress | None = None, budget: float = CHART_BUDGET) -> Path:
+def report(scene: Scene, out: str | Path, *, progress: Progress | None = None, budget: float | None = None) -> Path:
     """Write the folder `out`: report.html, the figures as png, the tables as json. Returns the html's path.
 
-    The folder appears whole or not at all; a former report is replaced. `budget` [s] is the chart's.
-    ValueError where `out` holds other files.
+    The folder appears whole or not at all; a former report is replaced. `budget` [s] is the chart's (None: as time
+    allows). ValueError where `out` holds other files.
     """
     out = Path(out)
     files.check_target(out)
@@ -90,9 +92,9 @@ def report(scene: Scene, out: str | Path, *, progress: Progress | None = None, b
     return out / "report.html"
 
 
-def study(scene: Scene, *, progress: Progress | None = None, budget: float = CHART_BUDGET) -> Findings:
+def study(scene: Scene, *, progress: Progress | None = None, budget: float | None = None) -> Findings:
     """Simulate, linearise, close the loop, chart and choose."""
-    told, motions = progress or silent, Motions(scene)
+    told, motions, began = progress or silent, Motions(scene), clock.perf_counter()
     told(0.0, "open loop")
     nominal = _nominal(scene)
     open_loop = _every(nominal, FINER, scene.plant)
@@ -103,6 +105,9 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float = CHA
     told(0.12, "frequencies")
     frequencies = _frequencies(scene)
     law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.3))
+    if budget is None:
+        spent = clock.perf_counter() - began
+        budget = min(CHART_BUDGET, max(0.25 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
     measured = chart(scene, budget=budget, motions=motions, progress=share(progress, 0.3, 0.85))
     choice = choose(scene, measured=measured, motions=motions, progress=share(progress, 0.85, 1.0))
     return Findings(

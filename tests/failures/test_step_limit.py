@@ -37,7 +37,7 @@ def test_rk4_past_its_limit_diverges_and_just_inside_it_does_not():
 def test_pliant_refuses_the_step_and_names_the_mode_and_the_safe_step():
     limit = step_limit(ARM, START)
     fastest = ARM.natural_frequencies(X0).max()
-    with pytest.raises(StabilityLimitError, match=f"{fastest / (2 * np.pi):.3g}.* Hz.*rosenbrock") as caught:
+    with pytest.raises(StabilityLimitError, match=r"its mode at \S+ Hz .*rosenbrock") as caught:
         ARM.simulate(START, U0, 1.05 * limit * np.arange(100), method="rk4", step=1.05 * limit)
     assert caught.value.largest_step == pytest.approx(limit)
     assert abs(caught.value.mode) == pytest.approx(fastest, rel=0.01)

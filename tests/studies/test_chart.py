@@ -15,7 +15,7 @@ ORDERS = {"rk4": 4, "rosenbrock": 3, "midpoint": 2}
 
 @pytest.fixture(scope="module")
 def measured():
-    return chart(SLEW, budget=8.0, variants=(LADDER[0], LADDER[1], LADDER[-1]), prune=False)
+    return chart(SLEW, budget=40.0, variants=(LADDER[0], LADDER[1], LADDER[-1]), prune=False)
 
 
 def test_pareto_keeps_what_nothing_beats():
@@ -28,7 +28,7 @@ def test_pareto_keeps_what_nothing_beats():
 def fine():
     """One variant, charted down to small steps."""
     scene = dataclasses.replace(SLEW, tolerance=1e-7)
-    return chart(scene, budget=15.0, variants=(LADDER[-2],), methods=tuple(ORDERS), prune=False)
+    return chart(scene, budget=40.0, variants=(LADDER[-2],), methods=tuple(ORDERS), prune=False)
 
 
 @pytest.mark.parametrize("method", ORDERS)
@@ -86,7 +86,7 @@ def test_reference_says_how_well_it_is_confirmed(measured):
 
 
 def test_dominated_settings_are_not_run():
-    pruned = chart(SLEW, budget=8.0, variants=(LADDER[0], LADDER[1]))
+    pruned = chart(SLEW, budget=40.0, variants=(LADDER[0], LADDER[1]))
     why = [r.failure for r in pruned.failed]
     assert why and all(w.startswith("not run: dominated by ") for w in why)
     assert pruned.fastest().variant == LADDER[1].label

@@ -1,12 +1,15 @@
 import json
 import platform
 import re
+import sys
 
 import pytest
+from typer.testing import CliRunner
 
 from pliant.envs import scenes
 from pliant.plants import Trajectory
-from pliant.studies import page, report
+from pliant.studies import report
+from pliant.studies.cli import app
 
 SLEW = scenes.get("single-link-slew")
 TABLES = {
@@ -34,11 +37,14 @@ FIGURES = {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    seen = []
+    """A report that the command has written."""
     folder = tmp_path_factory.mktemp("reports") / "slew"
-    written = report(SLEW, folder, budget=1.5, progress=lambda fraction, task: seen.append(fraction))
-    assert written == folder / "report.html"
-    assert seen == sorted(seen) and seen[0] == 0.0 and seen[-1] == 1.0
+    arguments = ["report", SLEW.name, "--out", str(folder), "--budget", "1"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    assert result.stdout == f"{folder / 'report.html'}\n"
+    shown = [int(tenth) for tenth in re.findall(r"(\d+) %", result.stderr)]
+    assert shown == sorted(shown) and shown[0] == 0 and shown[-1] == 100
     return folder
 
 
@@ -90,9 +96,11 @@ def test_failure_leaves_nothing(tmp_path, monkeypatch):
     def stop(*_):
         raise RuntimeError("stopped")
 
-    monkeypatch.setattr(page, "build", stop)
+    module = sys.modules["pliant.studies.report"]
+    monkeypatch.setattr(module, "study", lambda *_, **__: None)
+    monkeypatch.setattr(module, "figures_of", stop)
     with pytest.raises(RuntimeError, match="stopped"):
-        report(SLEW, tmp_path / "new", budget=0.1)
+        report(SLEW, tmp_path / "new")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,0 +1,128 @@
+"""The benchmarks' table, verdicts and handling of missing peers, on made-up samples: nothing is timed here."""
+
+import importlib
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).parents[1] / "benchmarks"
+MODULES = ("sampling", "chain", "physics", "environments", "peers", "startup", "soak", "asked", "table")
+
+
+@pytest.fixture
+def bench(monkeypatch):
+    """The benchmarks' modules by name, imported from their folder and forgotten afterwards."""
+    monkeypatch.syspath_prepend(str(FOLDER))
+    before = {name: sys.modules.pop(name) for name in MODULES if name in sys.modules}
+    yield importlib.import_module
+    for name in MODULES:
+        sys.modules.pop(name, None)
+    sys.modules.update(before)
+
+
+def rows(bench, double, chain, scalar, single):
+    sampling, physics, peers = bench("sampling"), bench("physics"), bench("peers")
+
+    def row(name, samples, peer=False):
+        return sampling.Row(physics.GROUP, name, sampling.RATE, 1, 1024, peer, samples=samples)
+
+    return [
+        row(physics.DOUBLE, double),
+        row(physics.SCALAR, scalar),
+        row(physics.SINGLE, single),
+        row(peers.MUJOCO, chain, peer=True),
+    ]
+
+
+def test_a_missing_peer_is_a_row_that_says_so(bench, capsys):
+    sampling, table = bench("sampling"), bench("table")
+
+    def missing():
+        import no_such_engine  # noqa: F401
+
+    case = sampling.Case(group="physics", name="Engine", prepare=missing, peer=True)
+    found = sampling.measure([case], rounds=2, seconds=0.0, progress=lambda *_: None)
+    assert [(r.failure, r.samples) for r in found] == [("no_such_engine is not installed", [])]
+    assert "Engine (no_such_engine is not installed)" in table.markdown(found, [], {}, [])
+
+
+def test_a_missing_part_of_pliant_is_an_error(bench):
+    sampling = bench("sampling")
+    case = sampling.Case(group="physics", name="Pliant", prepare=lambda: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        sampling.start(case)
+
+
+def test_a_failure_is_told_without_paths(bench):
+    assert bench("sampling").reason(OSError("cannot open /home/someone/lib.so now\nmore")) == "OSError: cannot open now"
+
+
+def test_ratios_are_taken_round_by_round(bench):
+    found = bench("asked").checks(
+        rows(bench, [60.0, 120.0, 61.0], [1.0, 2.0, 1.0], [10.0, 20.0, 10.0], [90.0] * 3), None
+    )
+    first, second, third = [c for c in found if c.number == 1]
+    assert (first.measured, first.holds) == (60.0, True)  # the median of 60, 60, 61
+    assert (second.measured, second.holds) == (6.0, True)
+    assert (third.measured, third.holds) == (pytest.approx(90 / 61), False)
+    assert all(c.holds is None for c in found if c.number > 1)
+
+
+def test_the_table_is_written_whole(bench, tmp_path):
+    asked, table = bench("asked"), bench("table")
+    given = rows(bench, [6.2e6] * 3, [1.0e5] * 3, [1.0e6] * 3, [1.5e7] * 3)
+    checks = asked.checks(given, None)
+    table.write(tmp_path, given, checks, {"processor": "a chip"}, ["a note"], {"soak": None})
+    text = (tmp_path / "benchmark.md").read_text()
+    assert "| 1 | RK4 step, SIMD double, against MuJoCo's 6-joint chain | 62 times | at least 60 times | yes |" in text
+    assert "| Pliant, SIMD double | 1 |  |  | 6,200,000 |  |" in text
+    assert "| processor | a chip |" in text and "- a note" in text and "not measured" in text
+    content = json.loads((tmp_path / "benchmark.json").read_text())
+    assert content["rows"][0]["median"] == 6.2e6 and content["checks"][0]["holds"] is True
+    assert (tmp_path / "benchmark.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "-"), (0.01234, "0.0123"), (999.4, "999"), (1234.0, "1,230"), (16_250_000.0, "16,200,000")],
+)
+def test_numbers_have_three_digits(bench, value, text):
+    assert bench("table").number(value) == text
+
+
+@pytest.mark.parametrize(("value", "text"), [(4.1e-6, "4.1 us"), (0.0123, "12.3 ms"), (2.5, "2.5 s")])
+def test_durations_have_their_own_unit(bench, value, text):
+    assert bench("table").duration(value) == text
+
+
+def test_the_chain_weighs_what_the_arm_weighs(bench):
+    """Mass, static moment and moment of inertia about the shoulder, outstretched, but for the links' lumping."""
+    from pliant.plants import TwoLinkArm
+
+    arm, segments = TwoLinkArm.textbook(), bench("chain").segments()
+    roots = np.cumsum([0.0, *(s.length for s in segments[:-1])])
+    places = roots + [s.centre for s in segments]
+    link = arm.link1.density * arm.link1.area
+    assert sum(s.mass for s in segments) == pytest.approx(2 * link + arm.joint_mass + arm.payload.mass)
+    moment = link * 2.0**2 / 2 + arm.joint_mass * 1.0 + arm.payload.mass * 2.0
+    assert sum(s.mass * x for s, x in zip(segments, places)) == pytest.approx(moment)
+    inertia = link * 2.0**3 / 3 + arm.joint_mass + arm.payload.mass * 4.0 + arm.payload.inertia
+    assert sum(s.inertia + s.mass * x**2 for s, x in zip(segments, places)) == pytest.approx(inertia)
+
+
+def test_a_soak_counts_what_is_not_a_number(bench):
+    soak = bench("soak")
+    good = soak.Soak(1000, 10, 1, 1.0, 5, 0, 0, (50.0,) * 20, ("a", "a"))
+    assert good.passed and good.growth == 0.0
+    for change in ({"not_finite": 1}, {"digests": ("a", "b")}, {"memory": (50.0,) * 10 + (70.0,) * 10}):
+        assert not soak.Soak(**{**good.__dict__, **change}).passed
+
+
+def test_a_small_soak_passes(bench):
+    soak = bench("soak")
+    found = soak.run(256, lambda *_: None, lanes=16, threads=1)
+    assert (found.steps, found.not_finite, found.repeats) == (256, 0, True)
+    assert soak.digest(1, 64, 16, 1) != soak.digest(2, 64, 16, 1)
