@@ -30,7 +30,7 @@ Shapes = Callable[..., np.ndarray]  # (xi (...), derivative) -> (..., n)
 
 @dataclass(frozen=True)
 class HermiteShapes:
-    """Cubic elements of equal length between two pins: (slope 0, deflection 1, slope 1, .., slope n), slopes times L."""
+    """Cubic elements of equal length between pins: (slope 0, deflection 1, slope 1, .., slope n), slopes times L."""
 
     elements: int
 
@@ -68,7 +68,7 @@ class HatShapes:
 
 @dataclass(frozen=True, eq=False)
 class AxialModes:
-    """sin(beta xi), the modes of a rod fixed at one end, with `ratio` rods' mass at the other: cot beta = ratio beta."""
+    """sin(beta xi): modes of a rod fixed at one end, with `ratio` rods' mass at the other: cot beta = ratio beta."""
 
     n: int
     ratio: float

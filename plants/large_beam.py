@@ -24,6 +24,7 @@ from . import strain
 from .beams import Beam, Payload
 from .lagrange import LagrangianPlant
 from .parameters import is_symbolic, quantity, require_choice, require_count, validate
+from .sections import PlanarSections, SpatialSections
 from .signals import Signal
 from .strain import Array, TangentField, Tangents
 from .substructure import FRAMES, Chain
@@ -48,6 +49,7 @@ class LargeDeflectionBeam(LagrangianPlant):
     frame: str = "mean-axis"  # of each sub-beam ("substructured")
     basis: str = "modes"  # of the rotations ("strain")
     planar: bool = True
+    twists: int = 1  # torsion shapes (planar=False)
     points: int | None = (
         None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
     )
@@ -60,7 +62,7 @@ class LargeDeflectionBeam(LagrangianPlant):
             ("kinematics", KINEMATICS),
             ("frame", FRAMES),
             ("basis", tuple(BASES)),
-            ("planar", (True,)),
+            ("planar", (True, False)),
         ):
             require_choice(owner, name, getattr(self, name), choices)
         if not isinstance(self.gravity, tuple) or len(self.gravity) != 3:
@@ -69,6 +71,9 @@ class LargeDeflectionBeam(LagrangianPlant):
         require_count(
             owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1
         )
+        require_count(owner, "twists", self.twists, 0, 12)
+        if not self.planar and self.kinematics != "strain":
+            raise ValueError(f'{owner}.planar = False needs kinematics "strain", not {self.kinematics!r}')
         if self.points is not None:
             require_count(owner, "points", self.points, 2, 64)
 
@@ -94,11 +99,14 @@ class LargeDeflectionBeam(LagrangianPlant):
             bent = [f"bend{i + 1}" for i in range(self.modes)]
         else:
             bent = [f"bend{i + 1}_{k + 1}" for i in range(self.segments) for k in range(self.modes)]
+        if not self.planar:
+            bent += [f"flap{i + 1}" for i in range(self.modes)]
+            bent += [f"twist{i + 1}" for i in range(self.twists)]
         return tuple(Signal(name, "rad") for name in (*turning, *bent))
 
     @property
     def _tip_force(self) -> tuple[Signal, ...]:
-        return Signal("tip_force_x", "N"), Signal("tip_force_y", "N")
+        return tuple(Signal(f"tip_force_{axis}", "N") for axis in ("xy" if self.planar else "xyz"))
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
@@ -126,16 +134,22 @@ class LargeDeflectionBeam(LagrangianPlant):
             Signal("tip_angle", "rad"),
             Signal("tip_deflection", "m"),
             Signal("tip_deflection_rate", "m/s"),
+            *(
+                (Signal("tip_z", "m"), Signal("tip_z_rate", "m/s"), Signal("tip_twist", "rad"))
+                * (not self.planar)
+            ),
         )
 
     @property
     def label(self) -> str:
         if self.kinematics == "strain":
-            return f"strain, {self.basis} {self.modes}"
+            return f"strain, {self.basis} {self.modes}" + (
+                "" if self.planar else f", spatial, twist {self.twists}"
+            )
         return f"substructured, {self.segments} x {self.modes}, {self.frame}"
 
     def ladder(self) -> tuple[Self, ...]:
-        """Rotation fields with one to eight shapes, with chains of sub-beams between."""
+        """Rotation fields with one to eight shapes; in the plane, chains of sub-beams between them."""
         steps: list[Self] = []
         for kinematics, segments, modes in (
             ("strain", 1, 1),
@@ -149,9 +163,9 @@ class LargeDeflectionBeam(LagrangianPlant):
             ("strain", 1, 8),
             ("substructured", 4, 2),
         ):
-            steps.append(
-                dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
-            )
+            if self.planar or kinematics == "strain":
+                fidelity = {"kinematics": kinematics, "segments": segments, "modes": modes, "points": None}
+                steps.append(dataclasses.replace(self, **fidelity))
         return tuple(steps)
 
     @cached_property
@@ -161,66 +175,78 @@ class LargeDeflectionBeam(LagrangianPlant):
             return Chain(self.segments, self.modes, self.frame, self.root != "clamped")
         own = self.nominal
         assert isinstance(own, LargeDeflectionBeam)
-        mass, load = own.beam.mass, own.payload
+        return strain.rotations(self.root, self.basis, self.modes, *own._load_ratios)
+
+    @property
+    def _load_ratios(self) -> tuple[float, float]:
+        """Payload mass and inertia about the tip, against the beam's m and m L^2."""
+        mass, load = self.beam.mass, self.payload
         about_tip = load.inertia_z + load.mass * (load.offset[0] ** 2 + load.offset[1] ** 2)
-        ratios = (load.mass / mass, about_tip / (mass * own.beam.length**2))
-        return strain.rotations(self.root, self.basis, self.modes, *ratios)
+        return load.mass / mass, about_tip / (mass * self.beam.length**2)
+
+    @cached_property
+    def sections(self) -> PlanarSections | SpatialSections:
+        """What the sections add to the axis: rotary inertia, strain energy, the payload's attitude."""
+        shapes, own = self.shapes, self.nominal
+        if isinstance(shapes, Chain):
+            turn, inertia = shapes.frame_angles[-1], shapes.inertia()
+            return PlanarSections(self.beam, self.payload, shapes.stiffness, inertia, turn)
+        at = self._strain_points
+        if self.planar:
+            turn, inertia = shapes(np.ones(1))[0], shapes.inertia(at)
+            return PlanarSections(self.beam, self.payload, shapes.stiffness, inertia, turn)
+        assert isinstance(own, LargeDeflectionBeam)
+        flap = strain.rotations("clamped", self.basis, self.modes, *own._load_ratios)
+        return SpatialSections(self.beam, self.payload, shapes, flap, self.twists, at)
+
+    @property
+    def _strain_points(self) -> strain.Points:
+        return strain.points(self.points or 2 * self.modes + 1)
 
     @cached_property
     def tangent_field(self) -> TangentField:
         """The tangents as functions of q."""
-        shapes = self.shapes
+        shapes, sections = self.shapes, self.sections
+        if isinstance(sections, SpatialSections):
+            return sections.field()
         if isinstance(shapes, Chain):
             return shapes.field(self.points or self.modes + 3)
-        return strain.planar_field(shapes, self.points or 2 * self.modes + 1)
-
-    @cached_property
-    def tip_turn(self) -> Array:
-        """Rotation of the tip's section = tip_turn . q, (n,)."""
-        shapes = self.shapes
-        return shapes.frame_angles[-1] if isinstance(shapes, Chain) else shapes(np.ones(1))[0]
+        return strain.planar_field(shapes, self._strain_points)
 
     @property
     def _loaded(self) -> bool:
-        load = self.payload
-        return any(is_symbolic(v) or v != 0.0 for v in (load.mass, load.inertia_z))
+        return is_symbolic(self.payload.mass) or self.payload.mass != 0.0
 
-    def _carried(self, q: ca.SX) -> ca.SX:
-        """The payload's mass centre from the tip (2,) [m], inertial axes."""
-        angle = ca.dot(ca.DM(self.tip_turn), q)
-        c, s = ca.cos(angle), ca.sin(angle)
-        x, y, _ = self.payload.offset
-        return ca.vertcat(c * x - s * y, s * x + c * y)
+    @property
+    def _g(self) -> ca.SX:
+        return ca.vertcat(*self.gravity[: 2 if self.planar else 3])
 
     def _tip(self, at: Tangents) -> ca.SX:
         return self.beam.length * at.sum(self.tangent_field.points.weight)
 
     def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
         beam, at = self.beam, self.tangent_field.at(q, v)
-        T = beam.mass * beam.length**2 * at.kinetic()
-        T += beam.density * beam.I_z * beam.length * ca.bilin(ca.DM(self.shapes.inertia), v, v) / 2
+        T = beam.mass * beam.length**2 * at.kinetic() + self.sections.kinetic(q, v)
         if self._loaded:
             velocity = beam.length * at.sum_rate(self.tangent_field.points.weight)
-            velocity += ca.jtimes(self._carried(q), q, v)
-            turn = ca.dot(ca.DM(self.tip_turn), v)
-            T += self.payload.mass * ca.sumsqr(velocity) / 2 + self.payload.inertia_z * turn**2 / 2
+            velocity += ca.jtimes(self.sections.carried(q), q, v)
+            T += self.payload.mass * ca.sumsqr(velocity) / 2
         return T
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
         beam, at = self.beam, self.tangent_field.at(q, ca.SX.zeros(q.shape[0]))
-        points = self.tangent_field.points
-        g = ca.vertcat(*self.gravity[:2])
-        fallen = beam.mass * beam.length * (at.sum(points.first_moment) - ca.DM([0.5, 0.0]))
+        straight = ca.DM.zeros(at.d)
+        straight[0] = 1.0
+        moved = at.sum(self.tangent_field.points.first_moment) - straight / 2
+        fallen = beam.mass * beam.length * moved
         if self._loaded:
-            away = self._tip(at) + self._carried(q) - ca.vertcat(beam.length, 0)
-            fallen += self.payload.mass * (away - ca.vertcat(*self.payload.offset[:2]))
-        return self._strain_energy(q) - ca.dot(g, fallen)
-
-    def _strain_energy(self, q: ca.SX) -> ca.SX:
-        return self.beam.EI / self.beam.length * ca.bilin(strain.sparse(self.shapes.stiffness), q, q) / 2
+            offset = ca.vertcat(*self.payload.offset[: at.d])
+            away = self._tip(at) + self.sections.carried(q) - beam.length * straight - offset
+            fallen += self.payload.mass * away
+        return self.sections.strain_energy(q) - ca.dot(self._g, fallen)
 
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        return self.beam.damping * self._strain_energy(v)
+        return self.sections.dissipation(q, v)
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         tip = self._tip(self.tangent_field.at(q, v))
@@ -231,21 +257,18 @@ class LargeDeflectionBeam(LagrangianPlant):
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
         beam, at, points = self.beam, self.tangent_field.at(q, v), self.tangent_field.points
-        inertia = beam.mass * beam.length**2
-        M = inertia * at.mass() + beam.density * beam.I_z * beam.length * ca.DM(self.shapes.inertia)
-        stiffness = strain.sparse(self.shapes.stiffness)
-        r = -inertia * at.inertia_force() - beam.EI / beam.length * (stiffness @ (q + beam.damping * v))
-        g = ca.vertcat(*self.gravity[:2])
-        r += beam.mass * beam.length * (at.sum_jacobian(points.first_moment).T @ g)
+        M, r = self.sections.inertia(q, v)
+        M = M + beam.mass * beam.length**2 * at.mass()
+        r = r - beam.mass * beam.length**2 * at.inertia_force() + self.sections.elastic_force(q, v)
+        r += beam.mass * beam.length * (at.sum_jacobian(points.first_moment).T @ self._g)
         tip = beam.length * at.sum_jacobian(points.weight)
         r += tip.T @ (w if self.root == "driven" else u)
         if self._loaded:
-            turn = ca.DM(self.tip_turn)
-            carried, rate = self._carried(q), ca.dot(turn, v)
-            J = tip + ca.vertcat(-carried[1], carried[0]) @ turn.T
-            bias = beam.length * at.sum_bias(points.weight) - carried * rate**2
-            M += self.payload.mass * (J.T @ J) + self.payload.inertia_z * (turn @ turn.T)
-            r += self.payload.mass * (J.T @ (g - bias))
+            carried = self.sections.carried(q)
+            J = tip + ca.jacobian(carried, q)
+            bias = beam.length * at.sum_bias(points.weight) + ca.jtimes(ca.jtimes(carried, q, v), q, v)
+            M += self.payload.mass * (J.T @ J)
+            r += self.payload.mass * (J.T @ (self._g - bias))
         return M, r, ca.bilin(M, v, v) / 2, self.potential_energy(q)
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
@@ -257,15 +280,19 @@ class LargeDeflectionBeam(LagrangianPlant):
         c, s, turn = (1, 0, 0) if self.root == "clamped" else (ca.cos(q[0]), ca.sin(q[0]), v[0])
         across = c * tip[1] - s * tip[0]
         across_rate = c * rate[1] - s * rate[0] - turn * (c * tip[0] + s * tip[1])
-        moved = ca.vertcat(tip[0] - self.beam.length, tip[1])
-        return ca.vertcat(*turning, tip, moved, rate, ca.dot(ca.DM(self.tip_turn), q), across, across_rate)
+        moved = (tip[0] - self.beam.length, tip[1], rate[:2])
+        sections = self.sections
+        out = [*turning, tip[:2], *moved, sections.tip_rotation(q), across, across_rate]
+        if isinstance(sections, SpatialSections):
+            out += [tip[2], rate[2], sections.tip_twist(q)]
+        return ca.vertcat(*out)
 
     def outline(self, x: Array, points: int = 60) -> Array:
-        """The bent beam from root to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""
+        """The bent beam from root to tip at a state x (nx,): inertial positions (1, points, 2 or 3) [m]."""
         return self.positions(x, np.linspace(0.0, 1.0, points))[None]
 
     def positions(self, x: Array, xi: Array) -> Array:
-        """Positions (k, 2) [m] of the beam's axis at xi (k,) in [0, 1] at a state x (nx,)."""
+        """Positions (k, 2), or (k, 3) in space, [m] of the beam's axis at xi (k,) in [0, 1] at a state x (nx,)."""
         values, batch = self._arguments(x)
         if batch is not None:
             raise ValueError(f"positions takes one state ({self.nx},), not a batch of {batch}")

@@ -33,6 +33,9 @@ class Mode:
     damping_ratio: float
     dominant_state: str  # by participation factor
 
+    def __str__(self) -> str:
+        return self.name
+
     @property
     def name(self) -> str:
         """Like "mode 3: 18.9 Hz, zeta 0.01 (q21)"."""

@@ -16,7 +16,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import casadi as ca
 import numpy as np
@@ -26,22 +26,11 @@ from .frame_elements import KINDS, MOST_ELEMENTS, PinnedRod, rod_shapes
 from .lagrange import LagrangianPlant
 from .parameters import is_symbolic, quantity, require_choice, require_count, validate
 from .signals import Signal
+from .slider_crank_rigid import RigidSliderCrank, check_ratio
 
 KINEMATICS = ("rigid", "linear", "stiffened")
 MOST_MODES = 40
-DEAD = 1e-9  # |dx/dphi1| / r below which a crank angle is a dead centre
 DRY_SPEED = 1e-2  # [m/s] over which dry friction changes its sign
-
-
-class RigidMotion(NamedTuple):
-    """Exact motion of the rigid mechanism at constant crank speed; arrays of the angles' shape."""
-
-    rod_angle: np.ndarray  # [rad]
-    rod_rate: np.ndarray  # [rad/s]
-    rod_acceleration: np.ndarray  # [rad/s^2]
-    slider_x: np.ndarray  # [m]
-    slider_speed: np.ndarray  # [m/s]
-    slider_acceleration: np.ndarray  # [m/s^2]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,11 +61,8 @@ class SliderCrank(LagrangianPlant):
         speed, r, length = self.crank_speed, self.crank_radius, self.rod.length
         if speed is not None and not (isinstance(speed, (int, float)) and math.isfinite(speed)):
             raise ValueError(f"SliderCrank.crank_speed = {speed!r} must be None or a finite number [rad/s]")
-        if not (is_symbolic(r) or is_symbolic(length)) and r >= length:
-            raise ValueError(
-                f"SliderCrank.crank_radius = {r!r} must be > 0 and < rod.length = {length!r} [m]: "
-                "a longer crank cannot turn fully, the rod's angle has no real value"
-            )
+        if not (is_symbolic(r) or is_symbolic(length)):
+            check_ratio("SliderCrank", "rod.length", r, length)
 
     @classmethod
     def textbook(cls) -> Self:
@@ -163,61 +149,10 @@ class SliderCrank(LagrangianPlant):
             steps.append(dataclasses.replace(self, axial_modes=0, **changes))
         return tuple(steps)
 
-    # --- the rigid mechanism -------------------------------------------------------------------------------------
-    def rigid_motion(self, angle: Any, speed: float) -> RigidMotion:
-        """Exact motion of the rigid rod at crank angles (...,) [rad] and a constant crank speed [rad/s]."""
-        phi = np.asarray(angle, dtype=float)
-        sine, cosine = np.sin(phi), np.cos(phi)
-        lam = self.crank_radius / self.rod.length
-        root = np.sqrt(1 - (lam * sine) ** 2)
-        rate = -lam * speed * cosine / root
-        turn = lam * speed**2 * sine * (1 - lam**2) / root**3
-        y, x = -lam * sine, root
-        r, length = self.crank_radius, self.rod.length
-        return RigidMotion(
-            np.arcsin(y),
-            rate,
-            turn,
-            r * cosine + length * x,
-            -r * speed * sine - length * y * rate,
-            -r * speed**2 * cosine - length * (x * rate**2 + y * turn),
-        )
-
-    def lever(self, angle: float) -> float:
-        """dx/dphi1 [m/rad] of the rigid mechanism: slider speed over crank speed, crank torque over slider force."""
-        return float(self.rigid_motion(angle, 1.0).slider_speed)
-
-    def held_force(self, angle: float, torque: float) -> float:
-        """Force on the slider along -x [N] that a crank torque [N m] holds at rest, without gravity.
-
-        ValueError at a dead centre, where the lever dx/dphi1 vanishes and no torque balances any force.
-        """
-        return torque / self._nonzero_lever(angle, "the force that a torque holds")
-
-    def crank_rate(self, angle: float, slider_speed: float) -> float:
-        """Crank speed [rad/s] at which the slider moves at slider_speed [m/s]; ValueError at a dead centre."""
-        return slider_speed / self._nonzero_lever(angle, "the crank's speed")
-
-    def _nonzero_lever(self, angle: float, what: str) -> float:
-        lever = self.lever(angle)
-        if abs(lever) < DEAD * self.crank_radius:
-            raise ValueError(
-                f"angle = {angle!r} must not be a dead centre (a multiple of pi) [rad]: the lever dx/dphi1 = "
-                f"{lever:.2g} m/rad vanishes there and {what} cannot be found from it"
-            )
-        return lever
-
-    def crank_angle_at(self, slider_x: float, upper: bool = True) -> float:
-        """Crank angle [rad] of the rigid mechanism, in [0, pi], or in [-pi, 0] if not `upper`.
-
-        ValueError where the slider cannot be. Near a dead centre the angle is lost as the root of the distance.
-        """
-        r, length = self.crank_radius, self.rod.length
-        low, high = length - r, length + r
-        if not low <= slider_x <= high:
-            raise ValueError(f"slider_x = {slider_x!r} must be within [{low:.9g}, {high:.9g}] [m]")
-        cosine = (slider_x**2 + r**2 - length**2) / (2 * r * slider_x)
-        return math.copysign(math.acos(min(1.0, max(-1.0, cosine))), 1 if upper else -1)
+    @property
+    def rigid(self) -> RigidSliderCrank:
+        """The mechanism with a rigid rod: exact kinematics, its inverse, and what the dead centres hide."""
+        return RigidSliderCrank(self.crank_radius, self.rod.length)
 
     def state(self, angle: float = 0.0, speed: float | None = None) -> np.ndarray:
         """x (nx,) with the rod straight, the crank at `angle` [rad] and `speed` [rad/s] (None: crank_speed, or 0)."""

@@ -206,12 +206,10 @@ class Rotations:
         K = self.basis.stiffness / np.outer(self.scale, self.scale)
         return np.pad(K, ((1, 0), (1, 0))) if self.rotating else K
 
-    @property
-    def inertia(self) -> Array:
-        """int psi psi^T dxi, (n, n)."""
-        xi, weight = np.polynomial.legendre.leggauss(4 * self.n + 12)
-        psi = self((1 + xi) / 2)
-        S = psi.T @ (weight[:, None] / 2 * psi)
+    def inertia(self, at: Points) -> Array:
+        """int psi psi^T dxi at these points, (n, n)."""
+        psi = self(at.xi)
+        S = psi.T @ (at.weight[:, None] * psi)
         return (S + S.T) / 2
 
 
@@ -223,8 +221,7 @@ def rotations(root: str, kind: str, n: int, mass_ratio: float = 0.0, inertia_rat
     return Rotations(basis, root != "clamped")
 
 
-def planar_field(shapes: Rotations, m: int) -> TangentField:
-    """t = (cos theta, sin theta), theta = psi . q, at m points."""
+def planar_field(shapes: Rotations, at: Points) -> TangentField:
+    """t = (cos theta, sin theta), theta = psi . q, at these points."""
     theta = ca.SX.sym("theta")
-    at = points(m)
     return TangentField(at, theta, ca.vertcat(ca.cos(theta), ca.sin(theta)), (shapes(at.xi),))

@@ -143,7 +143,6 @@ class Chain:
             K[self.columns(i), self.columns(i)] = (block + block.T) / 2
         return K
 
-    @property
     def inertia(self) -> Array:
         """int theta theta^T dxi, (n, n)."""
         at = points(4 * self.modes + 12, self.segments)

@@ -1,7 +1,9 @@
 """A linear-quadratic regulator designed on a scene's plant, run on that plant and on plants that differ.
 
-Spillover is a mode that the design model lacks and that the loop makes unstable. It is looked for in the
-sampled loop about the goal: eigenvalues of A_d - B_d K S, with S picking what the regulator reads.
+Stability is told by the sampled loop about the goal: the eigenvalues of A_d - g B_d K S, with S picking what the
+regulator reads and g raised from 0 to 1, so that each is known by the mode of the plant that it starts from.
+Spillover is a mode that the design model lacks and that the loop makes unstable. A mode that the design model has at
+another frequency can grow too, above all where sampling folds the two frequencies apart.
 """
 
 from __future__ import annotations
@@ -11,10 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from pliant.controllers import LQR
 from pliant.envs.scenes import Scene
-from pliant.plants import Plant, PliantError, Trajectory, modal, parameters
+from pliant.plants import LinearModel, Plant, PliantError, Trajectory, parameters
 from pliant.plants.signals import names
 
 from .motions import Progress, silent
@@ -23,6 +26,7 @@ PAYLOAD = "payload.mass"
 FACTORS = (0.5, 1.5)
 MANY_MODES = 6  # of each link, in the dearer plant
 RTOL = 1e-8
+GAINS = 200  # steps in which the feedback is raised
 LONG = 8_000  # steps above which the stiff method is cheaper
 
 
@@ -107,11 +111,11 @@ def _loop(scene: Scene, law: LQR, name: str, plant: Plant) -> Loop:
     played = scene.with_plant(plant)
     loop = Loop(name, plant.label, plant.nx, None, None, "", False, None, None, None)
     try:
-        radius, worst, state = _stability(played, law)
+        radius, worst, lacking = _stability(played, law, scene.plant)
         stable = radius < 1
-        # A state that the design model lacks, or knows only under another name
-        spills = not stable and state not in names(scene.plant.states)
-        loop = dataclasses.replace(loop, stable=stable, radius=radius, worst_mode=worst, spillover=spills)
+        loop = dataclasses.replace(
+            loop, stable=stable, radius=radius, worst_mode=worst, spillover=lacking and not stable
+        )
         motion = _run(played, law)
     except PliantError as failure:
         return dataclasses.replace(loop, failure=f"{type(failure).__name__}: {failure}")
@@ -135,22 +139,36 @@ def _run(scene: Scene, law: LQR) -> Trajectory:
     return plant.simulate(x0, law, scene.times, method=method, rtol=RTOL, atol=RTOL / 100)
 
 
-def _stability(scene: Scene, law: LQR) -> tuple[float, str, str]:
-    """(largest |z|, its mode in words, its dominant state) of the sampled loop about the plant's own goal."""
+def _stability(scene: Scene, law: LQR, design: Plant) -> tuple[float, str, bool]:
+    """(largest |z|, its mode in words, whether the design model lacks it) of the loop about the plant's own goal."""
     plant = scene.plant
     model = plant.linearize(*scene.target)
     sampled = model.discretize(scene.dt)
     known = names(plant.states + plant.outputs)
     rows = np.vstack([np.eye(plant.nx), model.C])
     S = rows[[known.index(name) for name in law.reads]]
-    loop = sampled.A - sampled.B @ law.K[:, : len(law.reads)] @ S
-    found = modal.modes(loop, names(plant.states), scene.dt)
-    radius = float(np.abs(np.linalg.eigvals(loop)).max())
-    worst = max(found, key=lambda m: m.eigenvalue.real)
-    # Above half the sampling rate a mode shows a folded frequency: the plant's own mode names it better.
-    coordinate = worst.dominant_state.removesuffix("_rate")
-    own = [m.frequency_hz for m in model.modes() if m.dominant_state.removesuffix("_rate") == coordinate]
-    frequency = own[0] if own and own[0] > 0.5 / scene.dt else worst.frequency_hz
-    grows = "grows" if radius >= 1 else "decays"
-    words = f"{frequency:.3g} Hz ({worst.dominant_state}) {grows} at {abs(worst.eigenvalue.real):.3g} 1/s"
-    return radius, words, worst.dominant_state
+    feedback = sampled.B @ law.K[:, : len(law.reads)] @ S
+    values = np.linalg.eigvals(sampled.A - feedback)
+    k = int(np.argmax(np.abs(values)))
+    radius, rate = float(np.abs(values[k])), float(np.log(np.abs(values[k])) / scene.dt)
+    size = abs(_origin(model, sampled.A, feedback, values[k], scene.dt)) / (2 * np.pi)
+    own, had = model.modes(), design.linearize(*scene.with_plant(design).target).modes()
+    number = int(np.argmin([abs(m.frequency_hz - size) for m in own]))
+    words = f"mode {number + 1} of the plant, {size:.3g} Hz ({own[number].dominant_state}), "
+    words += f"{'grows' if radius >= 1 else 'decays'} at {abs(rate):.3g} 1/s"
+    lacking = number >= len(had)
+    if radius >= 1 and lacking:
+        words += f"; the design model has only {len(had)}"
+    elif radius >= 1 and plant is not design:
+        words += f"; the design model has it at {had[number].frequency_hz:.3g} Hz"
+    return radius, words, lacking
+
+
+def _origin(model: LinearModel, A: np.ndarray, feedback: np.ndarray, z: complex, dt: float) -> complex:
+    """The plant's own eigenvalue [1/s] that becomes z as the feedback is raised from nothing to its full gain."""
+    start = model.eigenvalues
+    now = np.exp(start * dt)
+    for gain in np.linspace(0.0, 1.0, GAINS + 1)[1:]:
+        after = np.linalg.eigvals(A - gain * feedback)
+        now = after[linear_sum_assignment(np.abs(now[:, None] - after))[1]]
+    return complex(start[np.argmin(np.abs(now - z))])

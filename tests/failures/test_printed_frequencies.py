@@ -22,11 +22,32 @@ def element(area, inertia, l):
     along, across = np.ix_([0, 3], [0, 3]), np.ix_([1, 2, 4, 5], [1, 2, 4, 5])
     K[along] = E * area / l * np.array([[1, -1], [-1, 1]])
     M[along] = RHO * area * l / 6 * np.array([[2, 1], [1, 2]])
-    K[across] = E * inertia / l**3 * np.array(
-        [[12, 6 * l, -12, 6 * l], [6 * l, 4 * l**2, -6 * l, 2 * l**2], [-12, -6 * l, 12, -6 * l], [6 * l, 2 * l**2, -6 * l, 4 * l**2]]
+    K[across] = (
+        E
+        * inertia
+        / l**3
+        * np.array(
+            [
+                [12, 6 * l, -12, 6 * l],
+                [6 * l, 4 * l**2, -6 * l, 2 * l**2],
+                [-12, -6 * l, 12, -6 * l],
+                [6 * l, 2 * l**2, -6 * l, 4 * l**2],
+            ]
+        )
     )
-    M[across] = RHO * area * l / 420 * np.array(
-        [[156, 22 * l, 54, -13 * l], [22 * l, 4 * l**2, 13 * l, -3 * l**2], [54, 13 * l, 156, -22 * l], [-13 * l, -3 * l**2, -22 * l, 4 * l**2]]
+    M[across] = (
+        RHO
+        * area
+        * l
+        / 420
+        * np.array(
+            [
+                [156, 22 * l, 54, -13 * l],
+                [22 * l, 4 * l**2, 13 * l, -3 * l**2],
+                [54, 13 * l, 156, -22 * l],
+                [-13 * l, -3 * l**2, -22 * l, 4 * l**2],
+            ]
+        )
     )
     return K, M
 

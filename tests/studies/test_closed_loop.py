@@ -9,7 +9,7 @@ from pliant.studies.closed_loop import closed_loop, dearer
 
 @pytest.fixture(scope="module", params=scenes.names())
 def case(request):
-    scene = scenes.get(request.param)
+    scene = linear_reach() if request.param == "two-link-reach" else scenes.get(request.param)
     return scene, *closed_loop(scene)
 
 
@@ -39,16 +39,35 @@ def test_cost_is_the_cost_of_the_motion(case):
     assert loops[0].cost == scene.cost(loops[0].motion)
 
 
+def linear_reach(**changes):
+    """The two links in clamped-free modes without the shortening."""
+    scene = scenes.get("two-link-reach", **changes)
+    return scene.with_plant(dataclasses.replace(scene.plant, kinematics="linear", basis="clamped-free", modes=(2, 2)))
+
+
 def test_spillover_is_named_with_its_mode():
-    """Cheap effort and fast sampling: the third mode of link 1, which the design lacks, is driven unstable."""
-    scene = scenes.get("two-link-reach")
+    """Cheap effort and fast sampling: the fifth bending mode, which the design lacks, is driven unstable."""
+    scene = linear_reach(dt=0.005)
     effort = tuple((name, weight / 100) for name, weight in scene.effort)
-    _, loops = closed_loop(dataclasses.replace(scene, dt=0.005, effort=effort))
+    _, loops = closed_loop(dataclasses.replace(scene, effort=effort))
     assert all(loop.stable for loop in loops[:3])
     dear = loops[3]
     assert dear.stable is False and dear.spillover and dear.radius > 1
-    assert dear.verdict.startswith("unstable by spillover: ") and "(q13" in dear.verdict
+    assert dear.verdict.startswith("unstable by spillover: mode 7 of the plant, ")
+    assert dear.verdict.endswith("the design model has only 6")
     assert np.abs(dear.motion["tip1_deflection_rate"][300:]).max() > 1.0
+
+
+def test_mode_that_the_design_has_at_another_frequency_is_named_so():
+    """Two polynomials a link put mode 5 at 41 Hz where it is at 31 Hz; sampled at 50 Hz they fold apart."""
+    scene = scenes.get("two-link-reach", dt=0.02)
+    plant = dataclasses.replace(scene.plant, kinematics="stiffened", basis="polynomial", modes=(2, 2))
+    design = [m.frequency_hz for m in plant.linearize(*scene.with_plant(plant).target).modes()]
+    _, loops = closed_loop(scene.with_plant(plant))
+    dear = loops[3]
+    assert dear.stable is False and not dear.spillover
+    assert "mode 5 of the plant, 31.3 Hz" in dear.verdict
+    assert dear.verdict.endswith(f"the design model has it at {design[4]:.3g} Hz")
 
 
 def test_dearer_of_a_rigid_plant_bends():
