@@ -125,7 +125,7 @@ def _two_link_reach() -> Scene:
         hub_inertia=(0.1, 0.02),
         joint_friction=(0.2, 0.1),
         kinematics="stiffened",
-        basis="polynomial",
+        basis="payload",
     )
     return Scene(
         name="two-link-reach",

@@ -16,12 +16,14 @@ from .errors import (
 )
 from .integrate import step_limit
 from .lagrange import LagrangianPlant
+from .large_beam import LargeDeflectionBeam
 from .linear import LinearModel
 from .ltv import LTVModel
 from .plant import Plant
 from .signals import Signal
 from .single_link import SingleLinkArm
 from .trajectory import Trajectory
+from .transfer import TransferMatrices
 from .two_link import TwoLinkArm
 from .two_link_terms import Terms, paper_terms
 
@@ -32,6 +34,7 @@ __all__ = [
     "IntegrationError",
     "LTVModel",
     "LagrangianPlant",
+    "LargeDeflectionBeam",
     "LinearModel",
     "MassMatrixError",
     "Material",
@@ -43,6 +46,7 @@ __all__ = [
     "StabilityLimitError",
     "Terms",
     "Trajectory",
+    "TransferMatrices",
     "TwoLinkArm",
     "UncontrollableError",
     "beams",

@@ -34,6 +34,7 @@ from pliant.plants.parameters import require_count
 if TYPE_CHECKING:
     from pliant.plants.beams import Beam, Payload
 
+SECTIONS = 16  # of an interval in each step of the search
 SAME = 1e-9  # relative distance of roots that share one space of shapes
 
 
@@ -153,7 +154,7 @@ class OffsetPayload:
     def roots(self, n: int) -> np.ndarray:
         """The lowest n roots lambda (n,), equal ones repeated."""
         require_count("clamped_payload_roots", "n", n, 0, MOST_MODES)
-        return self._bisect(np.arange(1, n + 1))
+        return self._section(np.arange(1, n + 1))
 
     def roots_between(self, low: float, high: float) -> np.ndarray:
         """All roots lambda in [low, high)."""
@@ -162,10 +163,10 @@ class OffsetPayload:
         first, last = (int(k) for k in self.count(np.array([max(low, 1e-300), high])))
         if last > MOST_MODES:
             raise ValueError(f"roots_between: high = {high!r} has {last} roots below it, at most {MOST_MODES}")
-        return self._bisect(np.arange(first + 1, last + 1))
+        return self._section(np.arange(first + 1, last + 1))
 
-    def _bisect(self, k: np.ndarray) -> np.ndarray:
-        """Roots number k (ascending, from 1) by bisection on their count.
+    def _section(self, k: np.ndarray) -> np.ndarray:
+        """Roots number k (ascending, from 1) by section on their count.
 
         Brackets: the payload lowers every root of the bare beam; clamping the tip adds three constraints;
         Dunkerley's bound with the tip's static compliances lies below the first.
@@ -178,11 +179,13 @@ class OffsetPayload:
         upper, lower = 1.001 * bare, np.full(n, lowest[0])
         lower[3:] = np.maximum(lower[3:], 0.999 * held[: max(n - 3, 0)])
         lower, upper = lower[k - 1], upper[k - 1]
-        for _ in range(100):
-            middle = 0.5 * (lower + upper)
-            above = self.count(middle) >= k
-            lower, upper = np.where(above, lower, middle), np.where(above, middle, upper)
-            if np.all(upper - lower <= 3e-16 * upper):
+        cuts = np.arange(1, SECTIONS) / SECTIONS
+        for _ in range(40):
+            inner = lower[:, None] + (upper - lower)[:, None] * cuts
+            below = np.sum(self.count(inner) < k[:, None], axis=1)
+            edges = np.column_stack([lower, inner, upper])
+            lower, upper = edges[np.arange(len(k)), below], edges[np.arange(len(k)), below + 1]
+            if np.all(upper - lower <= 4e-16 * upper):
                 break
         return 0.5 * (lower + upper)
 

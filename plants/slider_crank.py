@@ -56,7 +56,8 @@ class SliderCrank(LagrangianPlant):
         validate(self)
         require_choice("SliderCrank", "kinematics", self.kinematics, KINEMATICS)
         require_choice("SliderCrank", "basis", self.basis, KINDS)
-        require_count("SliderCrank", "modes", self.modes, 0, MOST_MODES if self.closed_form else MOST_ELEMENTS)
+        fewest, most = (0, MOST_MODES) if self.closed_form else (1, MOST_ELEMENTS)
+        require_count("SliderCrank", "modes", self.modes, fewest, most)
         require_count("SliderCrank", "axial_modes", self.axial_modes, 0, MOST_MODES if self.closed_form else 0)
         speed, r, length = self.crank_speed, self.crank_radius, self.rod.length
         if speed is not None and not (isinstance(speed, (int, float)) and math.isfinite(speed)):
@@ -167,7 +168,7 @@ class SliderCrank(LagrangianPlant):
         own = self.nominal
         assert isinstance(own, SliderCrank)
         n, k = self.counts
-        if self.closed_form:
+        if self.closed_form or not k:
             shapes = rod_shapes("pinned-pinned", n, k, own.slider_mass / own.rod.mass if k else 0.0)
         else:
             shapes = rod_shapes("frame-elements", k)
@@ -177,34 +178,38 @@ class SliderCrank(LagrangianPlant):
         n = self.counts[0]
         return q[1 : 1 + n], q[1 + n :]
 
+    def pin(self, q: ca.SX) -> ca.SX:
+        """Position (2,) [m] of the crank pin."""
+        return self.crank_radius * ca.vertcat(ca.cos(q[0]), ca.sin(q[0]))
+
+    def direction(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """(cos, sin) of the rod's angle phi2, which lies within a quarter turn: the loop closure."""
+        sine = -self.pin(q)[1] / self.elastic.chord(*self._split(q))
+        return ca.sqrt(1 - sine**2), sine
+
     def slider(self, q: ca.SX) -> ca.SX:
         """Slider position [m]."""
-        across = self.crank_radius * ca.sin(q[0])
-        return self.crank_radius * ca.cos(q[0]) + ca.sqrt(self.elastic.chord(*self._split(q)) ** 2 - across**2)
+        return self.pin(q)[0] + self.elastic.chord(*self._split(q)) * self.direction(q)[0]
 
-    def placed(self, q: ca.SX) -> ca.SX:
-        """The rod as a free body (3 + n,): position of its crank pin [m], its angle [rad], its elastic coordinates."""
-        pin = self.crank_radius * ca.vertcat(ca.cos(q[0]), ca.sin(q[0]))
-        angle = -ca.asin(pin[1] / self.elastic.chord(*self._split(q)))
-        return ca.vertcat(pin, angle, *(q[i] for i in range(1, q.shape[0])))
+    def _rod_motion(self, q: ca.SX, v: ca.SX) -> tuple[tuple[ca.SX, ca.SX], ca.SX]:
+        """Velocity of the crank pin in the rod's axes [m/s], rate of the rod's angle [rad/s]."""
+        c, s = self.direction(q)
+        x, y = ca.vertsplit(ca.jtimes(self.pin(q), q, v))
+        return (c * x + s * y, c * y - s * x), ca.jtimes(s, q, v) / c
 
-    def _rod_kinetic_energy(self, z: ca.SX, dz: ca.SX) -> ca.SX:
-        c, s = ca.cos(z[2]), ca.sin(z[2])
-        root = (c * dz[0] + s * dz[1], c * dz[1] - s * dz[0])
-        return self.elastic.kinetic_energy(root, dz[2], *self._split(z[2:]), *self._split(dz[2:]))
-
-    def _rod_weight_energy(self, z: ca.SX) -> ca.SX:
-        x, y = self.elastic.centre(*self._split(z[2:]))
-        return self.gravity * (self.rod.mass * z[1] + ca.sin(z[2]) * x + ca.cos(z[2]) * y)
+    def _rod_kinetic_energy(self, pin: tuple[ca.SX, ca.SX], rate: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
+        return self.elastic.kinetic_energy(pin, rate, *self._split(q), *self._split(v))
 
     def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        z = self.placed(q)
         speed = ca.jtimes(self.slider(q), q, v)
-        rod = self._rod_kinetic_energy(z, ca.jtimes(z, q, v))
+        rod = self._rod_kinetic_energy(*self._rod_motion(q, v), q, v)
         return self.crank_inertia * v[0] ** 2 / 2 + rod + self.slider_mass * speed**2 / 2
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
-        return self._rod_weight_energy(self.placed(q)) + self.elastic.strain_energy(*self._split(q))
+        x, y = self.elastic.centre(*self._split(q))
+        c, s = self.direction(q)
+        height = self.rod.mass * self.pin(q)[1] + s * x + c * y
+        return self.gravity * height + self.elastic.strain_energy(*self._split(q))
 
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
         speed = ca.jtimes(self.slider(q), q, v)
@@ -214,14 +219,13 @@ class SliderCrank(LagrangianPlant):
 
     def middle(self, q: ca.SX) -> ca.SX:
         """Position (2,) [m] of the rod's middle."""
-        z = self.placed(q)
         along, across = self.elastic.middle(*self._split(q))
-        c, s, along = ca.cos(z[2]), ca.sin(z[2]), self.rod.length / 2 + along
-        return z[:2] + ca.vertcat(c * along - s * across, s * along + c * across)
+        (c, s), along = self.direction(q), self.rod.length / 2 + along
+        return self.pin(q) + ca.vertcat(c * along - s * across, s * along + c * across)
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        tilt = self.placed(q)[2]
-        push = w[1] * ca.vertcat(-ca.sin(tilt), ca.cos(tilt))
+        c, s = self.direction(q)
+        push = w[1] * ca.vertcat(-s, c)
         force = ca.jtimes(self.middle(q), q, push, True) - (self.force + w[0]) * ca.gradient(self.slider(q), q)
         if self.crank_speed is None:
             force[0] += u[0]
@@ -233,8 +237,7 @@ class SliderCrank(LagrangianPlant):
         q, v = x[:n], x[n:]
         M, r, _, _ = self.equations(t, x, u, w)
         a = self.acceleration(M, r, u)[0]
-        tilt = self.placed(q)[2]
-        c, s = ca.cos(tilt), ca.sin(tilt)
+        c, s = self.direction(q)
         shift = ca.vertcat(*self.elastic.middle(*self._split(q)))
         moved = _second(self.middle(q), q, v, a)
         pin, slider = self._reactions(q, v, a, w)
@@ -257,39 +260,37 @@ class SliderCrank(LagrangianPlant):
     def _reactions(self, q: ca.SX, v: ca.SX, a: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Forces (2,) [N] on the rod, inertial axes: of the crank, of the slider.
 
-        Lagrange's equations of the rod as a free body, for its translation and its turning about the crank pin.
+        Kirchhoff's equations of the rod as a free body in its own axes: momentum (2,) and moment of momentum about
+        the crank pin are dT/d(pin velocity) and dT/d(rate).
         """
-        z = self.placed(q)
-        at, rate, change = (ca.SX.sym(name, z.shape[0]) for name in ("z", "dz", "ddz"))
-        T = self._rod_kinetic_energy(at, rate)
-        momentum = ca.gradient(T, rate)[:3]
-        load = ca.jtimes(momentum, at, rate) + ca.jacobian(momentum, rate) @ change
-        load += ca.gradient(self._rod_weight_energy(at) - T, at)[:3]
-        [load] = ca.substitute(
-            [load], [at, rate, change], [ca.densify(e) for e in (z, ca.jtimes(z, q, v), _second(z, q, v, a))]
-        )
-        c, s = ca.cos(z[2]), ca.sin(z[2])
-        reach = self.rod.length / 2 + self.elastic.middle(*self._split(q))[0]
-        load -= w[1] * ca.vertcat(-s, c, reach)
-        x, speed = self.slider(q), ca.jtimes(self.slider(q), q, v)
+        pin, rate = self._rod_motion(q, v)
+        free = ca.SX.sym("free", 3)
+        momenta = ca.gradient(self._rod_kinetic_energy((free[0], free[1]), free[2], q, v), free)
+        [P] = ca.substitute([momenta], [free], [ca.vertcat(*pin, rate)])
+        load = ca.jtimes(P, q, v) + ca.jtimes(P, v, a)
+        load += ca.vertcat(-rate * P[1], rate * P[0], pin[0] * P[1] - pin[1] * P[0])
+        (c, s), (x, y) = self.direction(q), self.elastic.centre(*self._split(q))
+        load += self.gravity * ca.vertcat(self.rod.mass * s, self.rod.mass * c, c * x - s * y)
+        load -= w[1] * ca.vertcat(0, 1, self.rod.length / 2 + self.elastic.middle(*self._split(q))[0])
+        speed = ca.jtimes(self.slider(q), q, v)
         drag = self.slider_friction * speed
         drag += self.dry_friction * speed / ca.sqrt(speed**2 + DRY_SPEED**2)
-        along = -(self.slider_mass * _second(x, q, v, a) + self.force + w[0] + drag)
-        across = (load[2] / self.elastic.chord(*self._split(q)) + s * along) / c
-        slider = ca.vertcat(along, across)
-        return load[:2] - slider, slider
+        along = -(self.slider_mass * _second(self.slider(q), q, v, a) + self.force + w[0] + drag)
+        across = load[2] / self.elastic.chord(*self._split(q))  # in the rod's axes
+        slider = ca.vertcat(along, (s * along + across) / c)
+        return ca.vertcat(c * load[0] - s * load[1], s * load[0] + c * load[1]) - slider, slider
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Crank and bent rod at a state x (nx,): inertial positions (2, points, 2) [m]."""
-        n = self.counts[0]
-        q = x[: self.nx // 2]
-        z = np.array(ca.DM(self.placed(ca.DM(q)))).ravel()
-        s = np.linspace(0.0, 1.0, points)
-        crank = s[:, None] * z[:2]
+        n, q = self.counts[0], x[: self.nx // 2]
+        pin, frame = (
+            np.array(ca.evalf(e)).ravel() for e in (self.pin(ca.SX(q)), ca.vertcat(*self.direction(ca.SX(q))))
+        )
+        xi = np.linspace(0.0, 1.0, points)
         line = self.elastic.link.centreline(q[1 : 1 + n], points)
-        line[:, 0] += self.elastic.shapes.psi(s) @ q[1 + n :]
-        turn = np.array([[np.cos(z[2]), np.sin(z[2])], [-np.sin(z[2]), np.cos(z[2])]])
-        return np.stack([crank, z[:2] + line @ turn])
+        line[:, 0] += self.elastic.shapes.psi(xi) @ q[1 + n :]
+        c, s = frame
+        return np.stack([xi[:, None] * pin, pin + line @ np.array([[c, s], [-s, c]])])
 
 
 def _second(e: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:

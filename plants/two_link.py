@@ -127,6 +127,7 @@ class TwoLinkArm(LagrangianPlant):
             ("linear", "clamped-free", 2),
             ("linear", "polynomial", 2),
             ("linear", "polynomial", 3),
+            ("stiffened", "payload", 2),
             ("stiffened", "polynomial", 2),
             ("stiffened", "polynomial", 3),
             ("stiffened", "clamped-free", 4),

@@ -26,7 +26,7 @@ PAYLOAD = "payload.mass"
 FACTORS = (0.5, 1.5)
 MANY_MODES = 6  # of each link, in the dearer plant
 RTOL = 1e-8
-GAINS = 200  # steps in which the feedback is raised
+GAINS = 100  # steps in which the feedback is raised
 LONG = 8_000  # steps above which the stiff method is cheaper
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import time as clock
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -174,9 +175,7 @@ def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
     ladder = motions.ladder
     found: list[Effect] = []
     for f in dataclasses.fields(plant):
-        values = list(dict.fromkeys(getattr(rung, f.name) for rung in ladder))
-        if all(isinstance(v, int) or (isinstance(v, tuple) and all(isinstance(n, int) for n in v)) for v in values):
-            values.sort()
+        values = _values(ladder, f.name)
         own = getattr(plant, f.name)
         if len(values) < 2 or own not in values:
             continue
@@ -186,17 +185,33 @@ def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
         if finest != own:
             others.append((finest, False))
         for value, kept in others:
-            try:
-                changed = dataclasses.replace(plant, **{f.name: value})
-            except ValueError:
-                continue
-            if changed.label == plant.label:
+            changed = _changed(plant, f.name, value)
+            if changed is None:
                 continue
             change = motions.difference(plant, changed)
             bringing = own if kept else value
             name = EFFECTS.get((f.name, bringing)) or EFFECTS.get((f.name, None)) or f.name
             found.append(Effect(name, f.name, _plain(own), _plain(value), change, kept))
     return tuple(sorted(found, key=lambda e: -e.change))
+
+
+def _changed(plant: Plant, field: str, value: Any) -> Plant | None:
+    """The plant with one field changed; None where it may not be, or where that makes no other model."""
+    try:
+        changed = dataclasses.replace(plant, **{field: value})
+    except ValueError:
+        return None
+    return changed if changed.label != plant.label else None
+
+
+def _values(ladder: Sequence[Plant], field: str) -> list[Any]:
+    """A field's values up the ladder, numbers in order, on the rungs where it matters (a rigid arm has no modes)."""
+    values = list(dict.fromkeys(getattr(rung, field) for rung in ladder))
+    matter = [rung for rung in ladder if any(_changed(rung, field, value) for value in values)]
+    values = list(dict.fromkeys(getattr(rung, field) for rung in matter))
+    if all(isinstance(v, int) or (isinstance(v, tuple) and all(isinstance(n, int) for n in v)) for v in values):
+        values.sort()
+    return values
 
 
 def _plain(value: Any) -> str:

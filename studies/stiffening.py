@@ -3,9 +3,9 @@
 1  The profile's largest spin against the lowest bending frequency with the joints locked: from there on the
    unstiffened model is unstable, and stiffening is needed.
 2  Below it, what stiffening adds to the rates along the unstiffened motion x1, c = f_stiffened - f_linear, is a load:
-   for one link -theta'^2 int vartheta phi' phi'^T q and its reaction on the hub. Its response in the model linearised
-   about x1, and the shortening of the tip, are the error of leaving it out. A second pass, with c at x1 + response, says
-   how far to trust the first.
+   for one link -theta'^2 int vartheta phi' phi'^T q and its reaction on the hub. The response to it of the stiffened
+   model linearised about x1, and the shortening of the tip, are the error of leaving it out. A second pass, with what
+   the linearisation missed as a load too, says how far to trust the first.
 
 Stiffening is needed where the error and its uncertainty together exceed the scene's tolerance. No stiffened motion is
 simulated; tests compare the error with the difference of the two motions.
@@ -74,18 +74,16 @@ def stiffening_needed(scene: Scene) -> Stiffening:
         )
     try:
         motion = _motion(scene, linear)
-        model = linear.linearize_along(motion)
-        columns = [index(linear.outputs, name, "output") for name in scene.compare]
-
-        def left_out(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            """(response (nt, nx), error (nt, outputs)) to what stiffening adds at the states `at`."""
-            u = motion.u
-            added = stiff.dynamics(at, u) - linear.dynamics(at, u)
-            response, seen = dataclasses.replace(model, c=added).simulate(np.zeros(linear.nx))
-            return response, (seen + stiff.measure(at, u) - linear.measure(at, u))[:, columns]
-
-        response, first = left_out(motion.x)
-        second = left_out(motion.x + response)[1]
+        model = stiff.linearize_along(motion)
+        columns = [index(stiff.outputs, name, "output") for name in scene.compare]
+        x, u = motion.x, motion.u
+        unstiffened = linear.measure(x, u)[:, columns]
+        response, _ = model.simulate(np.zeros(stiff.nx))
+        first = stiff.measure(x + response, u)[:, columns] - unstiffened
+        curved = stiff.dynamics(x + response, u) - stiff.dynamics(x, u)
+        curved = curved - np.einsum("kij,kj->ki", model.A, response)
+        response, _ = dataclasses.replace(model, c=model.c + curved).simulate(np.zeros(stiff.nx))
+        second = stiff.measure(x + response, u)[:, columns] - unstiffened
     except PliantError as failure:
         return verdict(np.inf, 0.0, f"the motion without stiffening cannot be followed: {failure}")
     error, change = float(np.abs(second).max()), float(np.abs(second - first).max())

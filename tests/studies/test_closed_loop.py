@@ -1,4 +1,5 @@
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -46,15 +47,18 @@ def linear_reach(**changes):
 
 
 def test_spillover_is_named_with_its_mode():
-    """Cheap effort and fast sampling: the fifth bending mode, which the design lacks, is driven unstable."""
+    """Cheap effort and fast sampling: one of the modes beyond the design's six is driven unstable."""
     scene = linear_reach(dt=0.005)
     effort = tuple((name, weight / 100) for name, weight in scene.effort)
     _, loops = closed_loop(dataclasses.replace(scene, effort=effort))
     assert all(loop.stable for loop in loops[:3])
     dear = loops[3]
     assert dear.stable is False and dear.spillover and dear.radius > 1
-    assert dear.verdict.startswith("unstable by spillover: mode 7 of the plant, ")
-    assert dear.verdict.endswith("the design model has only 6")
+    said = re.fullmatch(
+        r"unstable by spillover: mode (\d+) of the plant, .* Hz .* grows at .* 1/s; the design model has only 6",
+        dear.verdict,
+    )
+    assert int(said[1]) > 6
     assert np.abs(dear.motion["tip1_deflection_rate"][300:]).max() > 1.0
 
 
