@@ -41,7 +41,7 @@ class PlantVecEnv(VecEnv):
         )
         self.render_mode = None
         self._infos: list[dict[str, Any]] = [{} for _ in range(num_envs)]
-        self._actions = np.zeros(self.vector.action_space.shape, dtype=np.float32)
+        self._actions = np.zeros((num_envs, self.vector.scene.plant.nu), dtype=np.float32)
         super().__init__(num_envs, self.vector.single_observation_space, self.vector.single_action_space)
 
     def reset(self) -> np.ndarray:

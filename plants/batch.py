@@ -12,6 +12,7 @@ import numpy as np
 
 from . import kernels, native
 from .functions import NumericFunction
+from .native import Bound
 from .parameters import require_choice, require_count
 from .threads import available
 
@@ -76,7 +77,9 @@ class Workspace:
     def __init__(self, kernel: BatchKernel, batch: int) -> None:
         self.kernel, self.batch = kernel, batch
         self.padded = -(-batch // kernel.lanes) * kernel.lanes
-        self.inputs, self.all_outputs, self.outputs = [], np.empty(0), []
+        self.inputs: list[Array] = []
+        self.outputs: list[Array] = []
+        self.all_outputs = np.empty(0)
         for rows in kernel.rows:  # one array holds all inputs, one all outputs
             whole = np.zeros((sum(rows), self.padded), dtype=kernel.dtype)
             parts = np.split(whole, np.cumsum(rows)[:-1])
@@ -204,7 +207,7 @@ class Stepper:
         self.kernel = step_kernel(plant, method, dtype)
         self.work = self.kernel.workspace(batch)
         self.work.set(4, plant.nominal_parameters)
-        self._direct: tuple[tuple[int, int], native.Bound] | None = None
+        self._direct: tuple[tuple[int, int], Bound] | None = None
 
     @property
     def native(self) -> bool:
@@ -241,7 +244,7 @@ class Stepper:
         out[:] = work.get(0)
         return out
 
-    def _in_place(self, x: Array, out: Array) -> native.Bound | None:
+    def _in_place(self, x: Array, out: Array) -> Bound | None:
         """A call on the caller's own arrays, where they are whole vectors in the kernel's layout."""
         kernel = self.kernel.kernel
         fits = kernel is not None and self.work.padded == self.batch

@@ -20,6 +20,7 @@ import sys
 import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from . import cache
 from .errors import PliantError
@@ -63,7 +64,7 @@ def candidates() -> list[tuple[str, ...]]:
     """Compiler commands to try, best first: $CC alone where it is set."""
     if os.environ.get("CC"):
         return [tuple(shlex.split(os.environ["CC"]))]
-    found = [(path,) for name in ("cc", "gcc", "clang") if (path := shutil.which(name))]
+    found: list[tuple[str, ...]] = [(path,) for name in ("cc", "gcc", "clang") if (path := shutil.which(name))]
     if importlib.util.find_spec("ziglang"):
         found.append((sys.executable, "-m", "ziglang", "cc"))
     return found
@@ -99,7 +100,7 @@ def toolchain() -> Toolchain:
         try:
             name = f"toolchain-{_stamp(command)}.json"
             if stored := cache.read_text(name):
-                fields = json.loads(stored)
+                fields: dict[str, Any] = json.loads(stored)
                 return Toolchain(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
             found = _probe(command)
             cache.write(name, json.dumps(asdict(found)).encode())

@@ -35,9 +35,9 @@ class NumericFunction:
             results = [np.zeros((batch, c, r)) for r, c in self._shapes]
             buffer, trigger = mapped.buffer()
             for i, a in enumerate(arguments):
-                buffer.set_arg(i, memoryview(a))
+                buffer.set_arg(i, memoryview(a))  # type: ignore[call-arg, arg-type]
             for i, r in enumerate(results):
-                buffer.set_res(i, memoryview(r))
+                buffer.set_res(i, memoryview(r))  # type: ignore[call-arg, arg-type]
             store[batch] = arguments, results, trigger, buffer
         return store[batch]
 

@@ -50,9 +50,7 @@ class LargeDeflectionBeam(LagrangianPlant):
     basis: str = "modes"  # of the rotations ("strain")
     planar: bool = True
     twists: int = 1  # torsion shapes (planar=False)
-    points: int | None = (
-        None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
-    )
+    points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
 
     def __post_init__(self) -> None:
         validate(self)
@@ -68,9 +66,7 @@ class LargeDeflectionBeam(LagrangianPlant):
         if not isinstance(self.gravity, tuple) or len(self.gravity) != 3:
             raise ValueError(f"{owner}.gravity = {self.gravity!r} must be a tuple of 3 numbers [m/s^2]")
         require_count(owner, "modes", self.modes, 1, BASES[self.basis] if self.kinematics == "strain" else 12)
-        require_count(
-            owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1
-        )
+        require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
         require_count(owner, "twists", self.twists, 0, 12)
         if not self.planar and self.kinematics != "strain":
             raise ValueError(f'{owner}.planar = False needs kinematics "strain", not {self.kinematics!r}')
@@ -134,18 +130,13 @@ class LargeDeflectionBeam(LagrangianPlant):
             Signal("tip_angle", "rad"),
             Signal("tip_deflection", "m"),
             Signal("tip_deflection_rate", "m/s"),
-            *(
-                (Signal("tip_z", "m"), Signal("tip_z_rate", "m/s"), Signal("tip_twist", "rad"))
-                * (not self.planar)
-            ),
+            *((Signal("tip_z", "m"), Signal("tip_z_rate", "m/s"), Signal("tip_twist", "rad")) * (not self.planar)),
         )
 
     @property
     def label(self) -> str:
         if self.kinematics == "strain":
-            return f"strain, {self.basis} {self.modes}" + (
-                "" if self.planar else f", spatial, twist {self.twists}"
-            )
+            return f"strain, {self.basis} {self.modes}" + ("" if self.planar else f", spatial, twist {self.twists}")
         return f"substructured, {self.segments} x {self.modes}, {self.frame}"
 
     def ladder(self) -> tuple[Self, ...]:
@@ -158,14 +149,14 @@ class LargeDeflectionBeam(LagrangianPlant):
             ("strain", 1, 3),
             ("strain", 1, 4),
             ("substructured", 2, 2),
-            ("strain", 1, 6),
             ("substructured", 3, 2),
-            ("strain", 1, 8),
+            ("strain", 1, 6),
             ("substructured", 4, 2),
+            ("strain", 1, 8),
         ):
             if self.planar or kinematics == "strain":
-                fidelity = {"kinematics": kinematics, "segments": segments, "modes": modes, "points": None}
-                steps.append(dataclasses.replace(self, **fidelity))
+                step = dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
+                steps.append(step)
         return tuple(steps)
 
     @cached_property
@@ -219,7 +210,7 @@ class LargeDeflectionBeam(LagrangianPlant):
 
     @property
     def _g(self) -> ca.SX:
-        return ca.vertcat(*self.gravity[: 2 if self.planar else 3])
+        return ca.SX(ca.vertcat(*self.gravity[: 2 if self.planar else 3]))
 
     def _tip(self, at: Tangents) -> ca.SX:
         return self.beam.length * at.sum(self.tangent_field.points.weight)

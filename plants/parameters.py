@@ -66,7 +66,7 @@ def require_choice(owner: str, name: str, value: object, choices: Collection[Any
 
 def require_count(owner: str, name: str, value: object, lowest: int, highest: int) -> None:
     """Raise ValueError unless value is an integer within [lowest, highest]."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= value <= highest:
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= int(value) <= highest:
         raise ValueError(f"{owner}.{name} = {value!r} must be an integer from {lowest} to {highest}")
 
 

@@ -229,8 +229,14 @@ class Plant(ABC):
             raise ValueError(
                 f"{type(self).__name__}.x has shape {x.shape}, must be ({self.nx},) to linearise"
             )
+        A, B, E, C, D, F = self.jacobians(x, u, w=w, p=p, t=t)
         return LinearModel(
-            *self.jacobians(x, u, w=w, p=p, t=t),
+            A,
+            B,
+            E,
+            C,
+            D,
+            F,
             states=self.states,
             inputs=self.inputs,
             disturbances=self.disturbances,
@@ -330,11 +336,16 @@ class Plant(ABC):
                     f"nominal.{name} = {tuple(s.name for s in have)} must be {tuple(s.name for s in want)}"
                 )
         w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), self.nw))
-        blocks = self.jacobians(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
+        A, B, E, C, D, F = self.jacobians(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
         rate = self.dynamics(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
         return LTVModel(
             nominal.t,
-            *blocks,
+            A,
+            B,
+            E,
+            C,
+            D,
+            F,
             c=rate - nominal.derivative(),
             x=nominal.x,
             u=nominal.u,

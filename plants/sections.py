@@ -233,9 +233,7 @@ class SpatialSections:
     def _inertias(self) -> list[ca.SX]:
         """rho L weight diag(I_x, I_y, I_z) [kg m^2] of every point, then the payload's tensor."""
         beam, load = self.beam, self.payload.inertia
-        section = (
-            ca.diag(ca.vertcat(ca.SX(beam.polar_moment), beam.I_y, beam.I_z)) * beam.density * beam.length
-        )
+        section = ca.diag(ca.vertcat(ca.SX(beam.polar_moment), beam.I_y, beam.I_z)) * beam.density * beam.length
         if isinstance(load, tuple):
             tensor = ca.vertcat(*[ca.horzcat(*row) for row in load])
         else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
@@ -117,15 +117,15 @@ class _Drive:
     def __init__(self, plant: Plant, u: Input, t: np.ndarray, w: np.ndarray, p: np.ndarray) -> None:
         self.plant, self.t, self.w, self.p = plant, t, w, p
         self.samples = np.zeros((len(t), plant.nu))
-        self.controller = u if hasattr(u, "act") else None
-        self.law = u if callable(u) and self.controller is None else None
+        self.controller: Any = u if hasattr(u, "act") else None
+        self.law: Any = u if callable(u) and self.controller is None else None
         self.smooth = self.law is not None
         if self.controller is not None:
             self._choose_reads()
         elif self.law is not None:
             self.samples[:] = [self(s) for s in t]
         elif u is not None:
-            array = np.asarray(u, dtype=float)
+            array = np.asarray(cast(Any, u), dtype=float)
             shape = (len(t), plant.nu) if array.ndim == 2 else (plant.nu,)
             self.samples[:] = require_finite(f"{type(plant).__name__}.u", array, shape)
             self.smooth = array.ndim == 1
@@ -142,7 +142,7 @@ class _Drive:
             self.controller.reset()
 
     def __call__(self, time: float) -> np.ndarray:
-        value = np.asarray(self.law(time), dtype=float).reshape(-1)  # type: ignore[misc, operator]
+        value = np.asarray(self.law(time), dtype=float).reshape(-1)
         if value.shape != (self.plant.nu,) or not np.isfinite(value).all():
             raise ValueError(f"u({time:.6g}) = {value} must be {self.plant.nu} finite numbers")
         return value
@@ -224,7 +224,7 @@ class _Run:
 
     def _fixed(self, k: int, z: np.ndarray) -> np.ndarray:
         began, ended = self.t[k], self.t[k + 1]
-        count = max(1, int(np.ceil((ended - began) / self.step * (1 - 1e-12))))  # type: ignore[operator]
+        count = max(1, int(np.ceil((ended - began) / self.step * (1 - 1e-12))))
         h = (ended - began) / count
         if k % max(1, (len(self.t) - 1) // CHECKS) == 0:
             check_step(self.plant, z, self.method, h, u=self.drive.samples[k], p=self.p, t=began)

@@ -66,9 +66,7 @@ def points(m: int, panels: int = 1) -> Points:
     """m points on each of `panels` equal parts; W is exact for tangents of degree m - 1 on each."""
     x, w = np.polynomial.legendre.leggauss(m)
     start = np.arange(panels)[:, None]
-    found = Points(
-        ((start + (1 + x) / 2) / panels).ravel(), np.tile(w / (2 * panels), panels), np.empty(0), panels
-    )
+    found = Points(((start + (1 + x) / 2) / panels).ravel(), np.tile(w / (2 * panels), panels), np.empty(0), panels)
     finer, weight = np.polynomial.legendre.leggauss(m + 1)
     at, weight = ((start + (1 + finer) / 2) / panels).ravel(), np.tile(weight / (2 * panels), panels)
     reach = found.cumulative(at)
@@ -119,10 +117,7 @@ class Tangents:
             root, A = self.field.points.root, self.field.A
             self._P = [
                 ca.horzcat(
-                    *[
-                        sum(sparse(root * Aj[:, i]) @ e for Aj, e in zip(A, slopes))
-                        for i in range(A[0].shape[1])
-                    ]
+                    *[sum(sparse(root * Aj[:, i]) @ e for Aj, e in zip(A, slopes)) for i in range(A[0].shape[1])]
                 )
                 for slopes in self.slope
             ]

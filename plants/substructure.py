@@ -60,7 +60,7 @@ class SubBeamModes:
         fixed = beams.shapes("clamped-clamped", max(self.n - 2, 0))(xi, derivative)
         return np.column_stack([static, fixed])
 
-    def __call__(self, xi: Array, derivative: int = 0) -> Array:
+    def __call__(self, xi: float | Array, derivative: int = 0) -> Array:
         """phi (derivative 0), its slope (1) or curvature (2) at xi (k,) in [0, 1] -> (k, n)."""
         return self._raw(np.atleast_1d(np.asarray(xi, dtype=float)), derivative) @ self._combination
 

@@ -255,6 +255,26 @@ def report(
         print(page)
 
 
+@app.command()
+def doctor(as_json: AsJson = False) -> None:
+    """Say which compiler and vector width serve, where the cache is, and what to do if something is missing."""
+    from .doctor import advise
+
+    advise(as_json)
+
+
+@app.command()
+def cache(
+    action: Annotated[Literal["info", "clear", "verify"], typer.Argument(help="What to do with the compiled kernels.")],
+    as_json: AsJson = False,
+) -> None:
+    """Show, empty or check the cache of compiled kernels; verify ends with 1 where a file is refused or damaged."""
+    from .doctor import manage_cache
+
+    if not manage_cache(action, as_json):
+        raise typer.Exit(1)
+
+
 def main() -> None:
     """The console script."""
     app()

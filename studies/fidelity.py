@@ -180,8 +180,9 @@ def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
         if len(values) < 2 or own not in values:
             continue
         at = values.index(own)
-        others = [(values[at - 1], True)] if at > 0 else []
         finest = getattr(motions.reference, f.name)
+        cheaper = [value for value in values[:at] if value != finest]
+        others = [(cheaper[-1], True)] if cheaper else []
         if finest != own:
             others.append((finest, False))
         for value, kept in others:

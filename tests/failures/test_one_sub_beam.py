@@ -1,4 +1,4 @@
-"""One sub-beam cannot carry a large deflection: wrong by tens of centimetres, with its energy constant all the while."""
+"""One sub-beam cannot carry a large deflection: wrong by tens of centimetres while its energy stays constant."""
 
 import dataclasses
 
@@ -45,4 +45,4 @@ def test_its_axis_stretches(reference):
     exact = dataclasses.replace(BEAM, modes=6, points=24)
     motion = exact.simulate(np.zeros(exact.nx), None, [0.0, 1.54], rtol=1e-8, atol=1e-9)
     held = np.linalg.norm(np.diff(exact.outline(motion.x[-1], 4001)[0], axis=0), axis=1).sum()
-    assert length > 10.05 and held == pytest.approx(10.0, abs=1e-4)
+    assert length > 10.03 and held == pytest.approx(10.0, abs=1e-4)

@@ -271,8 +271,10 @@ def section_frames(plant, q, xi):
     a = twist + np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(xi))])
     zero = np.zeros_like(a)
     swing = Rotation.from_rotvec(np.column_stack([zero, beta, gamma]))
-    return Rotation.from_rotvec(np.column_stack([zero, zero, h])) * swing * Rotation.from_rotvec(
-        np.column_stack([a, zero, zero])
+    return (
+        Rotation.from_rotvec(np.column_stack([zero, zero, h]))
+        * swing
+        * Rotation.from_rotvec(np.column_stack([a, zero, zero]))
     )
 
 
@@ -306,9 +308,7 @@ def test_strains_and_spins_of_the_spatial_beam_against_its_frames(name):
 def test_offset_payload_twists_the_spatial_beam_as_bar_theory_says():
     """A weight beside the axis of a stiff beam: a small twist m g y L/(G J)."""
     stiff = dataclasses.replace(BEAM.beam, E=1e6 * BEAM.beam.E, G=1e3 * BEAM.beam.G)
-    plant = large(
-        beam=stiff, planar=False, modes=2, twists=6, payload=Payload(mass=0.5, offset=(0.0, 0.0, 0.4))
-    )
+    plant = large(beam=stiff, planar=False, modes=2, twists=6, payload=Payload(mass=0.5, offset=(0.0, 0.0, 0.4)))
     x, u = plant.equilibrium()
     twist = plant.measure(x, u)[-1]
     expected = 0.5 * 9.8 * 0.4 * 10.0 / stiff.GJ

@@ -19,9 +19,7 @@ LOADED = dataclasses.replace(
 
 
 def chain(segments, modes=2, frame="mean-axis", of=BEAM, **changes):
-    return dataclasses.replace(
-        of, kinematics="substructured", segments=segments, modes=modes, frame=frame, **changes
-    )
+    return dataclasses.replace(of, kinematics="substructured", segments=segments, modes=modes, frame=frame, **changes)
 
 
 def released(plant, times):
@@ -52,7 +50,7 @@ def test_each_frame_is_what_its_name_says(frame):
     for i in range(2):
         v = links.deformation(q, i, xi, 10.0)[:, 1]
         if frame == "tangent":
-            assert v[0] == pytest.approx(0, abs=1e-12) and (v[1] - v[0]) / v.max() < 1e-5
+            assert v[0] == pytest.approx(0, abs=1e-12) and abs(v[1] - v[0]) < 1e-6 * np.abs(v).max()
         elif frame == "chord":
             np.testing.assert_allclose(v[[0, -1]], 0, atol=1e-12)
         else:
@@ -88,9 +86,7 @@ def test_peak_deformation_by_frame(reference):
 
 def errors(plant, rows):
     motion = released(plant, [0.0] + [row["t"] for row in rows])
-    return [
-        max(abs(motion[f"tip_{name}"][k] - row[name]) for name in "uv") for k, row in enumerate(rows, start=1)
-    ]
+    return [max(abs(motion[f"tip_{name}"][k] - row[name]) for name in "uv") for k, row in enumerate(rows, start=1)]
 
 
 def test_two_sub_beams_at_all_reference_times(reference):
@@ -158,10 +154,8 @@ def test_the_sweep_holds_for_many_sub_beams_where_the_product_has_lost_its_digit
     x, u = 0.1 * rng.uniform(-1, 1, plant.nx), rng.uniform(-1, 1, 2)
     expected = plant.dynamics(x, u)[plant.nx // 2 :]
     solver = TransferMatrices(plant)
-    np.testing.assert_allclose(
-        solver.acceleration(x, u), expected, rtol=0, atol=1e-9 * np.abs(expected).max()
-    )
-    with pytest.raises(PliantError, match='product of 12 transfer matrices has lost its digits.*method="sweep"'):
+    np.testing.assert_allclose(solver.acceleration(x, u), expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    with pytest.raises(PliantError, match=r'product of 12 transfer matrices has lost its digits.*method="sweep"'):
         solver.acceleration(x, u, method="product")
 
 
@@ -179,4 +173,4 @@ def test_small_motions_are_those_of_the_exact_beam():
     expected = dataclasses.replace(BEAM, modes=4, points=24, gravity=(0.0, 0.0, 0.0)).natural_frequencies()[:3]
     for frame in FRAMES:
         found = chain(4, 3, frame, gravity=(0.0, 0.0, 0.0)).natural_frequencies()[:3]
-        np.testing.assert_allclose(found, expected, rtol=1e-4)
+        np.testing.assert_allclose(found, expected, rtol=5e-4)
