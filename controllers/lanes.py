@@ -43,7 +43,7 @@ class TrainingLanes(VecEnvWrapper):
         self._knee = KNEE * scene.dt * rate / self.unit if rate > 0 else np.inf
         self._seed = seed
         self._excess: np.ndarray | float = 0.0
-        self.seen = np.zeros((0, len(scene.observe)))
+        self.seen = self.last = np.zeros((0, len(scene.observe)))  # observations of the last `reset`
         if not bounded:
             self.action_space = spaces.Box(-BEYOND, BEYOND, self.action_space.shape, np.float32)
 
@@ -63,7 +63,7 @@ class TrainingLanes(VecEnvWrapper):
             mask = phase == k
             if mask.any():
                 obs, _ = vector.reset(options={"reset_mask": mask})
-        self.seen = np.concatenate(seen)
+        self.seen, self.last = np.concatenate(seen), obs
         return obs
 
     def step_async(self, actions: np.ndarray) -> None:
@@ -84,5 +84,4 @@ class TrainingLanes(VecEnvWrapper):
 
 def normalised(lanes: TrainingLanes) -> VecNormalize:
     """The lanes with observations over their spread, which keeps being learned; rewards as they are."""
-    env = VecNormalize(lanes, norm_obs=True, norm_reward=False, clip_obs=CLIP)
-    return env
+    return VecNormalize(lanes, norm_obs=True, norm_reward=False, clip_obs=CLIP)

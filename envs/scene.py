@@ -10,13 +10,17 @@ import dataclasses
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, wraps
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from pliant.plants import Plant, Signal, Trajectory
 from pliant.plants.parameters import quantity, unit_of, validate
 from pliant.plants.signals import index
+
+if TYPE_CHECKING:
+    from .sb3 import PlantVecEnv
+    from .vector import PlantVectorEnv
 
 Pairs = tuple[tuple[str, float], ...]
 R = TypeVar("R")
@@ -258,6 +262,22 @@ class Scene:
     def open_loop(self, **options: Any) -> Trajectory:
         """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate."""
         return self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options)
+
+    def vector_env(
+        self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float64, threads: int | None = None
+    ) -> PlantVectorEnv:
+        """`num_envs` lanes of this scene as a Gymnasium vector environment; keywords as there."""
+        from .vector import PlantVectorEnv
+
+        return PlantVectorEnv(self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
+
+    def sb3_env(
+        self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float32, threads: int | None = None
+    ) -> PlantVecEnv:
+        """`num_envs` lanes of this scene for Stable-Baselines3; keywords as there. ImportError without it."""
+        from .sb3 import PlantVecEnv
+
+        return PlantVecEnv(self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}

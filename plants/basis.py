@@ -181,9 +181,7 @@ def _basis(kind: str, n: int, tip_mass_ratio: float, tip_inertia_ratio: float) -
 
 
 @lru_cache(maxsize=128)
-def _sheared(
-    kind: str, n: int, rotary: float, shear: float, tip_mass_ratio: float, tip_inertia_ratio: float
-) -> Basis:
+def _sheared(kind: str, n: int, rotary: float, shear: float, tip_mass_ratio: float, tip_inertia_ratio: float) -> Basis:
     if kind == "polynomial":
         phi = polynomial(n)
     else:

@@ -138,9 +138,7 @@ class Beam:
         return cls._of(material, length, area, I, I, 2 * I, _round(material, inner / outer))
 
     @classmethod
-    def _of(
-        cls, material: MaterialLike, length: Any, area: Any, I_y: Any, I_z: Any, J: Any, kappa: Any
-    ) -> Beam:
+    def _of(cls, material: MaterialLike, length: Any, area: Any, I_y: Any, I_z: Any, J: Any, kappa: Any) -> Beam:
         return cls(
             length=length,
             area=area,
@@ -253,9 +251,7 @@ def _check_inertia(inertia: tuple[Any, ...]) -> None:
         )
 
 
-def frequencies(
-    beam: Beam, n: int, boundary: str = "clamped-free", payload: Payload | None = None
-) -> np.ndarray:
+def frequencies(beam: Beam, n: int, boundary: str = "clamped-free", payload: Payload | None = None) -> np.ndarray:
     """The lowest n natural frequencies [rad/s] (n,) of bending in the x-y plane.
 
     omega = beta^2 sqrt(EI/(rho A L^4)). A payload needs boundary "clamped-free"; its offset must lie in the

@@ -44,9 +44,7 @@ class ElasticLink:
 
     def shortening(self, q: ca.SX) -> ca.SX:
         """Tip shortening s(L) [m]."""
-        return (
-            _quadratic(q, self.basis.shortening, q) / (2 * self.beam.length) if self.stiffened else ca.SX(0)
-        )
+        return _quadratic(q, self.basis.shortening, q) / (2 * self.beam.length) if self.stiffened else ca.SX(0)
 
     def shortening_rate(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """ds(L)/dt [m/s]."""
@@ -56,9 +54,7 @@ class ElasticLink:
         """Tip position (x, y) [m] in the root frame."""
         return self.beam.length - self.shortening(q), self.deflection(q)
 
-    def tip_velocity(
-        self, root: tuple[ca.SX, ca.SX], omega: ca.SX, q: ca.SX, v: ca.SX
-    ) -> tuple[ca.SX, ca.SX]:
+    def tip_velocity(self, root: tuple[ca.SX, ca.SX], omega: ca.SX, q: ca.SX, v: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Velocity (x, y) [m/s] of the tip, in root-frame axes, when the root moves at `root` and turns at omega."""
         x, y = self.tip(q)
         return root[0] - self.shortening_rate(q, v) - omega * y, root[1] + self.deflection(v) + omega * x
@@ -81,7 +77,7 @@ class ElasticLink:
             x_rate = -m / L * _quadratic(q, basis.shortening_mean, v)
             second = second - m * _quadratic(q, basis.shortening_moment, q)
         turning = m * L * _dot(basis.moment, v)
-        if basis.rotary is not None:
+        if basis.rotary is not None and basis.rotary_first is not None:
             per_area = self.beam.I_z / self.beam.area
             second = second + m * per_area
             turning = turning + m * per_area / L * _dot(basis.rotary_first, v)
@@ -103,9 +99,7 @@ class ElasticLink:
         L = self.beam.length
         xi = np.linspace(0.0, 1.0, points)
         line = np.column_stack([L * xi, self.basis.phi(xi) @ q])
-        if (
-            self.stiffened
-        ):  # shortening: half the integral of the slope squared, by Gauss's rule between the points
+        if self.stiffened:  # shortening: half the integral of the slope squared, by Gauss's rule between the points
             node, weight = np.polynomial.legendre.leggauss(6)
             width = 1.0 / (points - 1)
             at, phi = xi[:-1, None] + width * (1 + node) / 2, self.basis.phi
@@ -128,9 +122,7 @@ class ElasticLink:
         return self.beam.damping * self.strain_energy(v)
 
 
-def payload_energy(
-    payload: Payload, tip: tuple[ca.SX, ca.SX], rate: ca.SX, slope: ca.SX, carried: bool
-) -> ca.SX:
+def payload_energy(payload: Payload, tip: tuple[ca.SX, ca.SX], rate: ca.SX, slope: ca.SX, carried: bool) -> ca.SX:
     """T [J] of a rigid payload on a tip that moves at `tip` (root-frame axes) and turns at `rate`.
 
     Its mass centre stands at payload.offset in axes turned by `slope`; `carried` says that the offset is not zero.
@@ -143,9 +135,7 @@ def payload_energy(
     return payload.mass * (vx**2 + vy**2) / 2 + payload.inertia_z * rate**2 / 2
 
 
-def payload_position(
-    payload: Payload, tip: tuple[ca.SX, ca.SX], slope: ca.SX, carried: bool
-) -> tuple[ca.SX, ca.SX]:
+def payload_position(payload: Payload, tip: tuple[ca.SX, ca.SX], slope: ca.SX, carried: bool) -> tuple[ca.SX, ca.SX]:
     """Mass centre (x, y) [m] of the payload in the root frame."""
     x, y = tip
     if carried:

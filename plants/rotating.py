@@ -70,9 +70,7 @@ def rotating_frequencies(
     K = found.bending + (found.shearing / shear if shear else 0.0)
     if stiffened:
         K = K + gamma**2 * (
-            found.tension_beam
-            + hub_radius * found.tension_hub
-            + tip_mass * (1 + hub_radius) * found.tension_uniform
+            found.tension_beam + hub_radius * found.tension_hub + tip_mass * (1 + hub_radius) * found.tension_uniform
         )
     if plane == "lag":
         K = K - gamma**2 * moving

@@ -235,6 +235,57 @@ def choose(
 
 
 @app.command()
+def train(
+    scene: SceneName,
+    settings: Settings = None,
+    algorithm: Annotated[Literal["ppo", "sac"], typer.Option(help="Who learns.")] = "ppo",
+    seed: Annotated[int, typer.Option(help="Of everything drawn at random.")] = 0,
+    seconds: Annotated[float | None, typer.Option(help="Time it may take; 300 if nothing is said.")] = None,
+    steps: Annotated[int | None, typer.Option(help="Environment steps, in place of a time.")] = None,
+    num_envs: Annotated[int | None, typer.Option(help="Lanes; the algorithm's own number if not given.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Of torch; measured if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder to write; trained/SCENE if not given.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the folder's checkpoint.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Learn to play a scene: a policy as arrays and JSON, its evaluation curve, a checkpoint to go on from."""
+    import shlex
+
+    from .train import lqr_cost, table
+    from .train import train as learn
+
+    chosen = scene_with(scene, settings or [])
+    folder = Path("trained") / chosen.name if out is None else out
+    words = ["pliant", "train", scene, *(w for s in settings or [] for w in ("--set", s)), "--algorithm", algorithm]
+    given = {"--seed": seed, "--seconds": seconds, "--steps": steps, "--num-envs": num_envs, "--threads": threads}
+    words += [w for key, value in given.items() if value is not None for w in (key, str(value))]
+    try:
+        found = learn(
+            chosen,
+            algorithm,
+            seed=seed,
+            seconds=seconds,
+            steps=steps,
+            num_envs=num_envs,
+            folder=folder,
+            resume=resume,
+            threads=threads,
+            command=shlex.join(words),
+        )
+    except ImportError as error:
+        complain(str(error))
+        raise typer.Exit(1) from None
+    lqr = lqr_cost(chosen)
+    if as_json:
+        _print_json(table(found, lqr))
+        return
+    beside = f", {found.cost / lqr:.3g} times LQR's {lqr:.4g}" if lqr else ""
+    print(f"cost {found.cost:.4g}{beside}")
+    print(f"{found.steps:,} steps in {found.seconds:.0f} s, {found.rate:,.0f} steps/s; {found.threads}")
+    print(folder)
+
+
+@app.command()
 def report(
     scene: SceneName,
     settings: Settings = None,

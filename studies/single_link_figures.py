@@ -49,7 +49,7 @@ def first_frequency(points: int = 25) -> Figure:
         right.plot(fine, curve, color=COLOURS[i], label=f"$I_{{zz}}$ = {z:g}")
     right.set_ylabel(r"$\lambda_1^2$")
     right.set_title("Flat until torsion takes over")
-    right.legend(loc="upper right")
+    right.legend(loc="center left", bbox_to_anchor=(0.02, 0.43))
     for ax in (left, right):
         ax.set_xscale("log")
         ax.set_xlabel(r"$I_{xx}$")
@@ -94,9 +94,7 @@ def spin_up_deflections(theory: str, *, times: tuple[float, ...] = (0.5, 1.0)) -
         for i, kinematics in enumerate(("linear", "stiffened")):
             found = spin_up(theory, kinematics, time=time, after=times[-1] + 0.8 - time)
             label = f"{kinematics}: {1e3 * found.largest:.1f} mm, then {found.frequency:.2f} Hz"
-            ax.plot(
-                found.motion.t, 1e3 * found.motion["tip_deflection"], ("-", "--")[i], color=COLOURS[i], label=label
-            )
+            ax.plot(found.motion.t, 1e3 * found.motion["tip_deflection"], ("-", "--")[i], color=COLOURS[i], label=label)
         ax.set_ylabel("tip deflection [mm]")
         ax.set_title(f"Spun up in {time:g} s")
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

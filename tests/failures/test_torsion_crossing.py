@@ -34,8 +34,7 @@ def test_order_is_no_name_where_modes_cross():
     """On either side of the crossing mode 1 is another motion: torsion_share tells them apart."""
     inertia = np.linspace(0.0, 0.02, 9)
     swept = [
-        OffsetPayload(mass=1.0, inertia=(I, 0.1, 0.0), chi=1.2, mu=0.9 * crossing(1).mu).shapes(3)
-        for I in inertia
+        OffsetPayload(mass=1.0, inertia=(I, 0.1, 0.0), chi=1.2, mu=0.9 * crossing(1).mu).shapes(3) for I in inertia
     ]
     share = np.array([modes.torsion_share[:3] for modes in swept])
     assert share[0, 1] < 1e-9 < 0.99 < share[-1, 1]

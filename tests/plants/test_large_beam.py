@@ -188,3 +188,12 @@ def test_keyword_constructor():
     plant = LargeDeflectionBeam(beam=beam)
     assert plant.root == "clamped" and plant.kinematics == "strain" and plant.planar
     assert plant.gravity == (0.0, -9.8, 0.0) and plant.segments == 1 and plant.modes == 3
+
+
+@pytest.mark.parametrize("basis", ["modes", "polynomial"])
+def test_root_angle_is_the_direction_in_which_the_beam_leaves_its_root(basis):
+    for root in ("hinged", "driven"):
+        plant = large(root=root, basis=basis, points=20)
+        x = np.random.default_rng(9).uniform(-0.6, 0.6, plant.nx)
+        near = plant.positions(x, np.array([1e-5]))[0]
+        assert np.arctan2(near[1], near[0]) == pytest.approx(x[0], abs=1e-4)

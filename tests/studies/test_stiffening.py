@@ -72,9 +72,7 @@ def test_two_links_need_it_under_gravity():
     scene = scenes.get("two-link-reach")
     found = stiffening_needed(scene)
     assert found.needed and measured(scene) > scene.tolerance
-    slow = dataclasses.replace(
-        scene, plant=dataclasses.replace(scene.plant, gravity=0.0), move_time=3.0, duration=3.0
-    )
+    slow = dataclasses.replace(scene, plant=dataclasses.replace(scene.plant, gravity=0.0), move_time=3.0, duration=3.0)
     gentle = stiffening_needed(slow)
     assert not gentle.needed
     assert gentle.error == pytest.approx(measured(slow), rel=0.1)
@@ -84,7 +82,7 @@ def test_a_plant_without_the_choice_is_refused():
     class Other:
         name, plant = "x", object()
 
-    with pytest.raises(ValueError, match="scene 'x': plant.kinematics = None must be 'linear' or 'stiffened'"):
+    with pytest.raises(ValueError, match=r"scene 'x': plant\.kinematics = None must be 'linear' or 'stiffened'"):
         stiffening_needed(Other())
 
 
