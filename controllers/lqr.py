@@ -66,9 +66,7 @@ class LQR:
         UncontrollableError names modes that do not decay and are not reached, or not seen by the cost.
         """
         if model.dt is not None:
-            raise ValueError(
-                f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones"
-            )
+            raise ValueError(f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones")
         Q, R, N = _weights(model, Q, R)
         wanted = dict(integral or {})
         Ci, Di, target = _integrated(model, tuple(wanted))

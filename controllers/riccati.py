@@ -57,9 +57,7 @@ def dlqr(
     return _design(A, B, Q, R, N, names, dt)
 
 
-def lqi(
-    A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequence[str] | None = None
-) -> Regulator:
+def lqi(A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequence[str] | None = None) -> Regulator:
     """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny)."""
     A, B = _system(A, B)
     C = require_finite("C", C, (-1, len(A)))
@@ -114,9 +112,7 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
 
 
-def _design(
-    A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None, dt: float | None
-) -> Regulator:
+def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None, dt: float | None) -> Regulator:
     A, B = _system(A, B)
     nx, nu = B.shape
     known = _names(names, nx)
@@ -167,9 +163,7 @@ def _solve(
         )
     if decay <= 0:
         worst = poles[np.argmax(poles.real if dt is None else np.abs(poles))]
-        raise PliantError(
-            f"the closed loop does not decay: a pole is {worst:.4g}; scale the states, or change Q and R"
-        )
+        raise PliantError(f"the closed loop does not decay: a pole is {worst:.4g}; scale the states, or change Q and R")
     return P, K
 
 
@@ -209,9 +203,7 @@ def _require_reached(
         missed = left[:, sigma <= UNREACHED * size]
         pivots = sla.qr(missed.conj().T, mode="r", pivoting=True)[1][: missed.shape[1]]
         for z in (missed @ np.linalg.inv(missed[pivots])).T:
-            state = names[
-                _state_of(z, z if dual else shifted @ z, vectors[:, np.abs(lam - s) <= 1e-6 * size])
-            ]
+            state = names[_state_of(z, z if dual else shifted @ z, vectors[:, np.abs(lam - s) <= 1e-6 * size])]
             found[f"mode {abs(rate) / (2 * np.pi):.2f} Hz ({state})"] = None
     if found:
         raise UncontrollableError(f"{', '.join(found)} {what}", tuple(found))

@@ -22,6 +22,7 @@ from .ltv import LTVModel
 from .plant import Plant
 from .signals import Signal
 from .single_link import SingleLinkArm
+from .slider_crank import SliderCrank
 from .trajectory import Trajectory
 from .transfer import TransferMatrices
 from .two_link import TwoLinkArm
@@ -43,6 +44,7 @@ __all__ = [
     "PliantError",
     "Signal",
     "SingleLinkArm",
+    "SliderCrank",
     "StabilityLimitError",
     "Terms",
     "Trajectory",

@@ -307,6 +307,19 @@ def report(
 
 
 @app.command()
+def figures(
+    paper: Annotated[str, typer.Argument(help="single-link, large-beam or slider-crank.")],
+    out: Annotated[Path | None, typer.Option(help="Folder to write; figures/PAPER if not given.")] = None,
+) -> None:
+    """Draw the figures of the paper that a plant comes from."""
+    from .paper_figures import write
+
+    with bar(f"figures {paper}") as tell:
+        files = write(paper, Path("figures") / paper if out is None else out, tell)
+    print("\n".join(map(str, files)))
+
+
+@app.command()
 def doctor(as_json: AsJson = False) -> None:
     """Say which compiler and vector width serve, where the cache is, and what to do if something is missing."""
     from .doctor import advise

@@ -49,6 +49,8 @@ PLANTS = {
     "one gravity": one(basis="polynomial", gravity=9.81),
     "one offset": one(payload=OFFSET, modes=1),
     "one driven": one(drive="motion"),
+    "one timoshenko": one(theory="timoshenko", modes=2),
+    "one pinned": one(frame="pinned", payload=OFFSET, hub_radius=0.1),
     "one damped": one(link=damped(LINK.link), hub_friction=0.1),
 }
 DAMPED = ("two damped", "one damped")

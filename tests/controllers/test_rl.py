@@ -217,7 +217,7 @@ def test_sac_trains_and_goes_on(stable_baselines, tmp_path):
 
 @pytest.mark.parametrize("algorithm", ["ppo", "sac"])
 def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
-    """A zip with normalised observations, by its own networks in double precision and as a Policy: 1e-6 of the limits."""
+    """A zip with normalised observations and as a Policy: 1e-6 of the limits."""
     import torch
     from stable_baselines3.common.vec_env import VecNormalize
 
@@ -233,17 +233,22 @@ def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
     p = Policy.from_sb3_zip(
         tmp_path / "model.zip", SCENE, algorithm=algorithm, statistics=tmp_path / "statistics.pkl", trust=True
     )
-    model.policy.double()
+    rng, points = np.random.default_rng(2), []
     for _ in range(50):
-        obs = np.random.default_rng(2).normal(size=4)
-        z = torch.from_numpy(np.clip((obs - env.obs_rms.mean) / np.sqrt(env.obs_rms.var + env.epsilon), -2, 2)[None])
+        obs = rng.normal(size=4)
+        alone, _ = model.predict(env.normalize_obs(obs.astype(np.float32)[None]), deterministic=True)
+        points.append((obs, alone[0], p.act(0.0, obs + p.goal)))
+    model.policy.double()
+    for obs, alone, u in points:
+        z = torch.from_numpy(np.clip((obs - env.obs_rms.mean) / np.sqrt(env.obs_rms.var + env.epsilon), -2, 2))
         with torch.no_grad():
             if algorithm == "ppo":
-                action = model.policy.get_distribution(z).mode().numpy()[0].clip(-1, 1)
+                action = model.policy.action_net(model.policy.mlp_extractor.policy_net(z)).clamp(-1, 1)
             else:
-                action = model.policy.actor(z, deterministic=True).numpy()[0]
-        u = p.act(0.0, obs + p.goal)
-        assert np.abs(u - 40 * action).max() < 1e-6 * 40
+                action = torch.tanh(model.policy.actor.mu(model.policy.actor.latent_pi(z)))
+        assert np.abs(u / 40 - action.numpy()).max() < 1e-9
+        assert np.abs(u / 40 - alone).max() < 1e-6  # through its own single precision
+    assert len({float(u[0]) for *_, u in points}) == 50
 
 
 def test_zip_of_another_scene_is_refused(stable_baselines, tmp_path):
