@@ -19,7 +19,6 @@ from .functions import NumericFunction, function
 from .plant import Array, Plant
 from .signals import Signal
 
-
 NEARLY_SINGULAR = 1e-3  # of the smallest eigenvalue of the scaled mass matrix at the start of a motion
 HUGE = 1e6  # root of an inertia that only a diverged state has
 

@@ -24,8 +24,10 @@ from . import strain
 from .beams import Beam, Payload
 from .lagrange import LagrangianPlant
 from .parameters import is_symbolic, quantity, require_choice, require_count, validate
-from .sections import PlanarSections, SpatialSections
+from .sections import PlanarSections
 from .signals import Signal
+from .spatial_chain import SpatialChain
+from .spatial_strain import SpatialSections
 from .strain import Array, TangentField, Tangents
 from .substructure import FRAMES, Chain
 
@@ -68,8 +70,6 @@ class LargeDeflectionBeam(LagrangianPlant):
         require_count(owner, "modes", self.modes, 1, BASES[self.basis] if self.kinematics == "strain" else 12)
         require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
         require_count(owner, "twists", self.twists, 0, 12)
-        if not self.planar and self.kinematics != "strain":
-            raise ValueError(f'{owner}.planar = False needs kinematics "strain", not {self.kinematics!r}')
         if self.points is not None:
             require_count(owner, "points", self.points, 2, 64)
 
@@ -91,13 +91,13 @@ class LargeDeflectionBeam(LagrangianPlant):
     @property
     def coordinates(self) -> tuple[Signal, ...]:
         turning = {"clamped": (), "hinged": ("root_angle",), "driven": ("hub_angle",)}[self.root]
-        if self.kinematics == "strain":
-            bent = [f"bend{i + 1}" for i in range(self.modes)]
-        else:
-            bent = [f"bend{i + 1}_{k + 1}" for i in range(self.segments) for k in range(self.modes)]
-        if not self.planar:
-            bent += [f"flap{i + 1}" for i in range(self.modes)]
-            bent += [f"twist{i + 1}" for i in range(self.twists)]
+        kinds = (("bend", self.modes), ("flap", self.modes), ("twist", self.twists))
+        bent = []
+        for kind, count in kinds[: 1 if self.planar else 3]:
+            own = [str(k + 1) for k in range(count)]
+            if self.kinematics == "substructured":
+                own = [f"{i + 1}_{k}" for i in range(self.segments) for k in own]
+            bent += [kind + k for k in own]
         return tuple(Signal(name, "rad") for name in (*turning, *bent))
 
     @property
@@ -135,12 +135,13 @@ class LargeDeflectionBeam(LagrangianPlant):
 
     @property
     def label(self) -> str:
+        space = "" if self.planar else f", spatial, twists {self.twists}"
         if self.kinematics == "strain":
-            return f"strain, {self.basis} {self.modes}" + ("" if self.planar else f", spatial, twist {self.twists}")
-        return f"substructured, {self.segments} x {self.modes}, {self.frame}"
+            return f"strain, {self.basis} {self.modes}{space}"
+        return f"substructured, {self.segments} x {self.modes}, {self.frame}{space}"
 
     def ladder(self) -> tuple[Self, ...]:
-        """Rotation fields with one to eight shapes; in the plane, chains of sub-beams between them."""
+        """Rotation fields with one to eight shapes, chains of sub-beams between them."""
         steps: list[Self] = []
         for kinematics, segments, modes in (
             ("strain", 1, 1),
@@ -154,9 +155,8 @@ class LargeDeflectionBeam(LagrangianPlant):
             ("substructured", 4, 2),
             ("strain", 1, 8),
         ):
-            if self.planar or kinematics == "strain":
-                step = dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
-                steps.append(step)
+            step = dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
+            steps.append(step)
         return tuple(steps)
 
     @cached_property
@@ -176,10 +176,12 @@ class LargeDeflectionBeam(LagrangianPlant):
         return load.mass / mass, about_tip / (mass * self.beam.length**2)
 
     @cached_property
-    def sections(self) -> PlanarSections | SpatialSections:
+    def sections(self) -> PlanarSections | SpatialSections | SpatialChain:
         """What the sections add to the axis: rotary inertia, strain energy, the payload's attitude."""
         shapes, own = self.shapes, self.nominal
         if isinstance(shapes, Chain):
+            if not self.planar:
+                return SpatialChain(self.beam, self.payload, shapes, self.twists, self.points or self.modes + 3)
             turn, inertia = shapes.frame_angles[-1], shapes.inertia()
             return PlanarSections(self.beam, self.payload, shapes.stiffness, inertia, turn)
         at = self._strain_points
@@ -195,9 +197,11 @@ class LargeDeflectionBeam(LagrangianPlant):
         return strain.points(self.points or 2 * self.modes + 1)
 
     @cached_property
-    def tangent_field(self) -> TangentField:
+    def tangent_field(self) -> TangentField | SpatialChain:
         """The tangents as functions of q."""
         shapes, sections = self.shapes, self.sections
+        if isinstance(sections, SpatialChain):
+            return sections
         if isinstance(sections, SpatialSections):
             return sections.field()
         if isinstance(shapes, Chain):
@@ -274,7 +278,7 @@ class LargeDeflectionBeam(LagrangianPlant):
         moved = (tip[0] - self.beam.length, tip[1], rate[:2])
         sections = self.sections
         out = [*turning, tip[:2], *moved, sections.tip_rotation(q), across, across_rate]
-        if isinstance(sections, SpatialSections):
+        if not isinstance(sections, PlanarSections):
             out += [tip[2], rate[2], sections.tip_twist(q)]
         return ca.vertcat(*out)
 
@@ -287,12 +291,6 @@ class LargeDeflectionBeam(LagrangianPlant):
         values, batch = self._arguments(x)
         if batch is not None:
             raise ValueError(f"positions takes one state ({self.nx},), not a batch of {batch}")
-        t = self._tangents(values[1][: self.nx // 2])
+        t = self.tangent_field.values(values[1][: self.nx // 2])
         own: Any = self.nominal
         return own.beam.length * self.tangent_field.points.cumulative(xi) @ t
-
-    def _tangents(self, q: Array) -> Array:
-        at = self.tangent_field
-        angles = np.column_stack([A @ q for A in at.A])
-        function = ca.Function("tangent", [at.angles], [at.tangent]).map(len(angles))
-        return np.asarray(function(angles.T)).T

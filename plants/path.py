@@ -117,11 +117,11 @@ class Path:
         size = np.abs(c).max(axis=1)
         tail = np.sqrt(np.cumsum(size[::-1] ** 2)[::-1])
         K = int(np.sum(tail > DROPPED * self.size))  # harmonics 0 .. K-1 are kept
-        if K > MOST_HARMONICS or (K == len(c) and tail[3 * len(c) // 4] > 1e-4 * self.size):
+        if K > MOST_HARMONICS or (len(c) == K and tail[3 * len(c) // 4] > 1e-4 * self.size):
             return False
         K = max(K, 1)
         self.harmonics = K - 1
-        self.error = float(tail[K] if K < len(c) else tail[-1])
+        self.error = float(tail[K] if len(c) > K else tail[-1])
         omega, start = 2 * np.pi / (self.t[-1] - self.t[0]) * np.arange(K), self.t[0]
         weights = np.concatenate([c[:K].real, -c[:K].imag])
 

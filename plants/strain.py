@@ -91,6 +91,11 @@ class TangentField:
         """The tangents and their derivatives at coordinates q and rates v (n,)."""
         return Tangents(self, q, v)
 
+    def values(self, q: Array) -> Array:
+        """t (m, d) at numeric q."""
+        angles = np.column_stack([A @ q for A in self.A])
+        return np.asarray(ca.Function("t", [self.angles], [self.tangent]).map(len(angles))(angles.T)).T
+
 
 class Tangents:
     """A field at q, v: t (d lists of (m,)), and P_c = root dt_c/dq, from which mass matrix and forces follow."""
@@ -104,7 +109,8 @@ class Tangents:
         angle = ca.horzcat(*[sparse(A) @ q for A in field.A])  # (m, k)
         turn = ca.horzcat(*[sparse(A) @ v for A in field.A])
         found = [local(angle[b, :].T, turn[b, :].T) for b in range(m)]
-        self.field, self.d = field, d
+        self.points, self.d = field.points, d
+        self._field = field
         self.t = [ca.vertcat(*[f[0][c] for f in found]) for c in range(d)]
         self.rate = [ca.vertcat(*[f[2][c] for f in found]) for c in range(d)]
         self.bias = [ca.vertcat(*[f[3][c] for f in found]) for c in range(d)]
@@ -114,7 +120,7 @@ class Tangents:
     def P(self) -> list[ca.SX]:
         """root dt_c/dq, d matrices (m, n)."""
         if not hasattr(self, "_P"):
-            root, A = self.field.points.root, self.field.A
+            root, A = self.points.root, self._field.A
             self._P = [
                 ca.horzcat(
                     *[sum(sparse(root * Aj[:, i]) @ e for Aj, e in zip(A, slopes)) for i in range(A[0].shape[1])]
@@ -134,11 +140,11 @@ class Tangents:
 
     def kinetic(self) -> ca.SX:
         """sum_ab W_ab t_a' . t_b' / 2 from the rates themselves."""
-        return sum((ca.sumsqr(sparse(self.field.points.root) @ rate) for rate in self.rate), ca.SX(0)) / 2
+        return sum((ca.sumsqr(sparse(self.points.root) @ rate) for rate in self.rate), ca.SX(0)) / 2
 
     def inertia_force(self) -> ca.SX:
         """sum_ab W_ab dt_a/dq . (t_b'' where q'' = 0), (n,): to be subtracted from the forces."""
-        root = sparse(self.field.points.root)
+        root = sparse(self.points.root)
         return sum((p.T @ (root @ c) for p, c in zip(self.P, self.bias)), ca.SX(0))
 
     def sum(self, weight: Array) -> ca.SX:
@@ -155,7 +161,7 @@ class Tangents:
 
     def sum_jacobian(self, weight: Array) -> ca.SX:
         """Its derivative by q, (d, n)."""
-        through = ca.DM(np.linalg.solve(self.field.points.root.T, weight))
+        through = ca.DM(np.linalg.solve(self.points.root.T, weight))
         return ca.vertcat(*[through.T @ p for p in self.P])
 
 

@@ -126,6 +126,6 @@ def stroboscopic(
         ax.autoscale_view()
         ax.set_title(name)
         ax.set_xlabel("x [m]")
-        ax.axhline(0, color=QUIET, lw=0.5)
+        ax.axhline(0, color=QUIET, lw=0.5, zorder=0)
     axes[0].set_ylabel("y [m]")
     return figure

@@ -189,5 +189,5 @@ def test_runs_without_torch(tmp_path):
 def test_zip_is_not_opened_without_trust(tmp_path):
     scene = scenes.get("single-link-slew")
     for trust in ({}, {"trust": False}, {"trust": 1}):
-        with pytest.raises(ValueError, match="holds a pickle.*trust=True"):
+        with pytest.raises(ValueError, match=r"holds a pickle.*trust=True"):
             Policy.from_sb3_zip(tmp_path / "absent.zip", scene, **trust)

@@ -192,8 +192,8 @@ def test_vector_width_is_used() -> None:
     ).stdout  # fmt: skip
     if tools.width >= 256:
         register = "%zmm" if tools.width == 512 else "%ymm"
-        products = [line for line in listing.splitlines() if "mulpd" in line or "fmadd" in line and "pd" in line]
-        scalar = [line for line in listing.splitlines() if "mulsd" in line or "fmadd" in line and "sd" in line]
+        products = [line for line in listing.splitlines() if "mulpd" in line or ("fmadd" in line and "pd" in line)]
+        scalar = [line for line in listing.splitlines() if "mulsd" in line or ("fmadd" in line and "sd" in line)]
         wide = [line for line in products if register in line]
         assert len(wide) > 200
         assert len(scalar) < len(wide) / 20
