@@ -42,7 +42,7 @@ def describe(model: BaseAlgorithm, scene: Scene, statistics: VecNormalize | None
     mean, std, clip = np.zeros(ny), np.ones(ny), np.inf
     if given:
         assert statistics is not None
-        found = statistics.obs_rms
+        found: Any = statistics.obs_rms
         mean, std, clip = found.mean, np.sqrt(found.var + statistics.epsilon), statistics.clip_obs
     return {
         "weights": tuple(_array(part.weight) for part in linear),

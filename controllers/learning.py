@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import random
 import time
 from collections.abc import Iterator
@@ -16,112 +15,19 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecNormalize
 
-from . import actor, checkpoint
+from . import checkpoint
 from .lanes import TrainingLanes, normalised
-from .policy import Policy
-from .rl import CURVE, FLOOR, POLICY, Evaluation, PPOSettings, Progress, SACSettings, Training, evaluate
+from .rl import FLOOR, PPOSettings, Progress, SACSettings, Training
+from .run import Run
 from .torch_threads import choose
 
 if TYPE_CHECKING:
     from pliant.envs import Scene
 
-EVALUATIONS = 60  # of a run
 PACKAGES = ("pliant", "stable-baselines3", "torch", "numpy")
-
-
-class Run(BaseCallback):
-    """Keeps the budget, evaluates, saves. Its fields up to `spent` are what a checkpoint keeps besides the model."""
-
-    def __init__(
-        self,
-        scene: Scene,
-        env: VecNormalize,
-        folder: Path | None,
-        budget: tuple[float | None, int | None],
-        made: dict[str, Any],
-        progress: Progress,
-        begin: float,
-    ) -> None:
-        super().__init__()
-        self.scene, self.env, self.folder, self.made, self.progress = scene, env, folder, made, progress
-        self.seconds, self.steps = budget
-        self.curve: list[Evaluation] = []
-        self.best: Policy | None = None
-        self.best_cost = np.inf
-        self.former = 0.0  # seconds of former runs
-        self.begin = begin
-        self.first_steps, self.learning_since = 0, begin
-        self._judge = scene.vector_env(1, threads=1)
-        self._told = 0.0
-
-    @property
-    def spent(self) -> float:
-        """Seconds so far, former runs included."""
-        return self.former + time.perf_counter() - self.begin
-
-    @property
-    def share(self) -> float:
-        """Of the budget."""
-        if self.steps is not None:
-            return min(self.model.num_timesteps / self.steps, 1.0)
-        assert self.seconds is not None
-        return min(self.spent / self.seconds, 1.0)
-
-    def resume(self, model: BaseAlgorithm, words: dict[str, Any]) -> None:
-        """Go on from the folder's checkpoint. ValueError unless it is of the same scene and algorithm."""
-        assert self.folder is not None
-        for name in ("scene", "algorithm"):
-            if words[name] != self.made[name]:
-                raise ValueError(f"resume: the checkpoint's {name} = {words[name]!r} must be {self.made[name]!r}")
-        checkpoint.restore(self.folder, words, model, self.env)
-        self.curve = [Evaluation(**point) for point in words["curve"]]
-        self.best_cost, self.former = words["best_cost"], words["spent"]
-        self.best = Policy.load(self.folder / POLICY)
-
-    def judge(self) -> None:
-        """Evaluate the policy as it is; keep it if it is the best; save everything."""
-        self._next = self.share + 1 / EVALUATIONS
-        words = actor.describe(self.model, self.scene, self.env)
-        policy = Policy(**words)
-        cost = evaluate(policy, self.scene, self._judge)
-        point = Evaluation(int(self.model.num_timesteps), round(self.spent, 2), cost)
-        self.curve.append(point)
-        better = cost < self.best_cost or self.best is None
-        if better:
-            made = {**self.made, **dataclasses.asdict(point)}
-            self.best, self.best_cost = Policy(**words | {"made": made}), cost
-        if self.folder is None:
-            return
-        if better and self.best is not None:
-            self.best.save(self.folder / POLICY)
-        kept = {
-            "scene": self.made["scene"],
-            "algorithm": self.made["algorithm"],
-            "best_cost": self.best_cost,
-            "spent": self.spent,
-            "curve": [dataclasses.asdict(p) for p in self.curve],
-        }
-        checkpoint.save(self.folder, self.model, self.env, kept)
-        (self.folder / CURVE).write_text(json.dumps(kept, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-
-    def _on_training_start(self) -> None:
-        self.first_steps, self.learning_since = self.model.num_timesteps, time.perf_counter()
-        self.judge()
-
-    def _on_rollout_start(self) -> None:
-        if self.share >= self._next:
-            self.judge()
-        now = time.perf_counter()
-        if now - self._told > 0.2:
-            self._told = now
-            self.progress(self.share, f"{self.model.num_timesteps / 1e6:.2f} M steps, cost {self.best_cost:.4g}")
-
-    def _on_step(self) -> bool:
-        return self.seconds is None or self.spent < self.seconds
 
 
 def learn(
@@ -163,11 +69,7 @@ def learn(
         )
         env = normalised(lanes)
         try:
-            run = Run(scene, env, folder, (seconds, steps), {}, progress, begin)
-            model = _model(settings, env, own_seed, run)
-            model.set_logger(Logger(None, []))  # else one more folder for temporary files is made
-            run.init_callback(model)
-            run.made = {
+            made = {
                 "command": command,
                 "scene": scene.name,
                 "algorithm": algorithm,
@@ -176,16 +78,15 @@ def learn(
                 "settings": dataclasses.asdict(settings),
                 "versions": {name: metadata.version(name) for name in PACKAGES},
             }
+            run = Run(scene, env, folder, (seconds, steps), made, progress, begin)
+            model = _model(settings, env, own_seed, run)
+            model.set_logger(Logger(None, []))  # else one more folder for temporary files is made
+            run.init_callback(model)
             if resume:
                 run.resume(model, words)
                 if isinstance(model, SAC):
                     model.learning_starts += model.num_timesteps
-            model._last_obs = env.reset()  # episodes start here, not in `learn`, which would forget num_timesteps
-            model._last_original_obs = env.get_original_obs()
-            model._last_episode_starts = np.ones(env.num_envs, dtype=bool)
-            if not resume:
-                env.obs_rms.update(lanes.seen)  # type: ignore[union-attr]
-                model._last_obs = env.normalize_obs(lanes.last)
+            _start(model, env, lanes, fresh=not resume)
             done = model.num_timesteps
             left = max(0, steps - done) if steps is not None else 10**15
             if run.share < 1:
@@ -235,6 +136,18 @@ def _model(settings: PPOSettings | SACSettings, env: VecNormalize, seed: int, ru
         policy_kwargs=layers,
         **common,
     )
+
+
+def _start(model: BaseAlgorithm, env: VecNormalize, lanes: TrainingLanes, *, fresh: bool) -> None:
+    """Start the episodes: `model.learn` would do it too, but then forget num_timesteps."""
+    obs = env.reset()
+    if fresh:
+        statistics: Any = env.obs_rms
+        statistics.update(lanes.seen)
+        obs = env.normalize_obs(lanes.last)
+    model._last_obs = obs  # type: ignore[assignment]
+    model._last_original_obs = env.get_original_obs()  # type: ignore[assignment]
+    model._last_episode_starts = np.ones(env.num_envs, dtype=bool)
 
 
 def _divisor(whole: int, most: int) -> int:

@@ -41,7 +41,7 @@ def step_function(plant: Plant, audit: bool) -> NumericFunction:
     """
     from scipy.integrate import DOP853
 
-    t, x, u, w, p = plant.symbols
+    p = plant.symbols[4]
     rate = plant.expressions[0]
     if audit:
         rate = ca.vertcat(rate, plant.net_power())  # type: ignore[attr-defined]

@@ -34,8 +34,9 @@ def as_dtype(dtype: Any) -> np.dtype:
 class BatchKernel:
     """A kernel with its fall-back. `native` says which of the two runs.
 
-    source() writes the C (None: the virtual machine always); reference(inputs (B, n) ..., scalars, count) computes the same on the virtual machine;
-    rows gives n of every input and output; points the inputs (n, B) at which both are compared.
+    source() writes the C (None: the virtual machine always); reference(inputs (B, n) ..., scalars, count) computes the
+    same on the virtual machine; rows gives n of every input and output; points the inputs (n, B) at which both are
+    compared.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """C source from CasADi SX functions: straight-line code over a block of lanes, which the compiler vectorises.
 
-Every array is structure-of-arrays: `x[k][l]` is element k of lane l in a block of W lanes. Each SX operation becomes one
-assignment of a local constant; the loop over l carries `#pragma omp simd`. Divisions by the same value share one
+Every array is structure-of-arrays: `x[k][l]` is element k of lane l in a block of W lanes. Each SX operation is one
+assignment to a local constant; the loop over l carries `#pragma omp simd`. Divisions by the same value share one
 reciprocal, for a division costs as much as twenty products.
 """
 

@@ -1,7 +1,7 @@
 """The C compiler of this machine: which one, which of its flags help, and how a shared library is made with it.
 
 What made gcc vectorise straight-line code over lanes: -O3 -march=native -ffast-math -fopenmp-simd, the math calls kept
-apart (gcc merges sin and cos of one angle to sincos, which has no vector form) and no SLP vectoriser. -ffast-math stands
+apart (gcc merges sin and cos of one angle to sincos, which has no vector form) and no SLP vectoriser. -ffast-math is
 on the compile step only: on the link step gcc would add crtfastmath.o, which sets flush-to-zero for the whole process.
 """
 

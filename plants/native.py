@@ -1,7 +1,7 @@
 """Batch kernels: CasADi SX functions as vectorised C over structure-of-arrays lanes, or its virtual machine instead.
 
 A kernel is compiled once, compared with the virtual machine at random points, and only then published to the cache.
-Without a compiler, or with PLIANT_NATIVE=0, the same calls run on the virtual machine: slower, same results to rounding.
+Without a compiler, or with PLIANT_NATIVE=0, the same calls run on the virtual machine: slower, the same to rounding.
 """
 
 from __future__ import annotations
@@ -43,7 +43,8 @@ def _tell(why: str) -> None:
     global _told
     if not _told:
         _told = True
-        warnings.warn(f"native code is off where this holds, and the slower virtual machine runs: {why}", NativeWarning, stacklevel=4)
+        message = f"native code is off where this holds, and the slower virtual machine runs: {why}"
+        warnings.warn(message, NativeWarning, stacklevel=4)
 
 
 class Kernel:

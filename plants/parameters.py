@@ -105,7 +105,7 @@ def put(obj: T, path: str, value: Any) -> T:
     inner = _step(obj, key, path)
     new = put(inner, rest, value) if rest else value
     if isinstance(obj, tuple):
-        return obj[: int(key)] + (new,) + obj[int(key) + 1 :]  # type: ignore[return-value]
+        return (*obj[: int(key)], new, *obj[int(key) + 1 :])  # type: ignore[return-value]
     return dataclasses.replace(obj, **{key: new})  # type: ignore[type-var]
 
 

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 PAPERS = {
     "single-link": "On the dynamic modelling of flexible manipulators: Figures 3 to 5",
-    "large-beam": "Substructuring Technique for Dynamics Analysis of Flexible Beams with Large Deformation: Figures 3, 4",
-    "slider-crank": "Elastodynamic Analysis of a Mechanism with Flexible Links: Figures 6 to 10, and the unstable tongues",
+    "large-beam": "Substructuring Technique for Dynamics Analysis of Flexible Beams: Figures 3 and 4",
+    "slider-crank": "Elastodynamic Analysis of a Mechanism with Flexible Links: Figures 6 to 10, and unstable tongues",
 }
 
 

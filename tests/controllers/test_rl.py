@@ -158,10 +158,11 @@ def test_checkpoint_restores_everything(trained, stable_baselines):
     """Weights, both moments of every optimiser's parameter and the observations' statistics, bit for bit."""
     from pliant.controllers import checkpoint, learning
     from pliant.controllers.lanes import TrainingLanes, normalised
+    from pliant.controllers.run import Run
 
     folder, _, _ = trained
     env = normalised(TrainingLanes(SCENE, 32, spread=1.5, bounded=False, seed=9, threads=1))
-    run = learning.Run(SCENE, env, None, (None, 4096), {}, lambda a, b: None, 0.0)
+    run = Run(SCENE, env, None, (None, 4096), {}, lambda a, b: None, 0.0)
     model = learning._model(SMALL, env, 9, run)
     checkpoint.restore(folder, checkpoint.read_words(folder), model, env)
     assert model.num_timesteps == 2048

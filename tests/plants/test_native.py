@@ -1,4 +1,4 @@
-"""Native kernels against the virtual machine and adaptive integration; layout, threads, fall-back, refusal of a bad one."""
+"""Native kernels against the virtual machine and integration; layout, threads, fall-back, refusal of a bad one."""
 
 import ctypes
 import os

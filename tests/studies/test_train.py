@@ -5,8 +5,6 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from pliant.envs import scenes
-from pliant.studies import train
 from pliant.studies.cli import app
 
 SCENE = "single-link-slew"
@@ -53,7 +51,3 @@ def test_without_stable_baselines_it_says_what_to_install(tmp_path, monkeypatch)
     monkeypatch.setattr("pliant.controllers.rl._installed", lambda: False)
     done = run(SCENE, "--out", str(tmp_path / "out"))
     assert done.exit_code == 1 and "pliant[rl]" in done.stderr
-
-
-def test_lqr_beside_it_is_the_scenes_own():
-    assert train.lqr_cost(scenes.get("two-link-reach")) == pytest.approx(2.4747, rel=1e-3)
