@@ -13,10 +13,15 @@ $(VENV)/ready: pyproject.toml constraints.txt Makefile
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
 	touch $@
 
+# The tests of learning need PyTorch; constraints.txt pins it, so that it comes without gigabytes of CUDA.
+$(VENV)/ready-to-learn: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev,rl]"
+	touch $@
+
 report: $(VENV)/ready
 	$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
 
-test: $(VENV)/ready
+test: $(VENV)/ready-to-learn
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest
 
 $(VENV)/bench: $(VENV)/ready
@@ -27,7 +32,7 @@ $(VENV)/bench: $(VENV)/ready
 bench: $(VENV)/bench
 	$(BIN)/python benchmarks/run.py $(BENCH)
 
-check: $(VENV)/ready
+check: $(VENV)/ready-to-learn
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	rm -rf build/check && $(BIN)/python -m pip install --quiet --no-deps --target build/check .

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import environments as env
+import learning
 import peers
 import physics
 import startup
@@ -43,7 +44,7 @@ def _median(row: Row | None) -> float | None:
 
 def checks(rows: Sequence[Row], soak: Soak | None, steps: int = STEPS) -> list[Check]:
     """Everything asked, in order; `steps` of the soak."""
-    return [*_physics(rows), *_environments(rows), *_times(rows), *_soak(soak, steps)]
+    return [*_physics(rows), *_environments(rows), *_times(rows), *_soak(soak, steps), *_learning(rows)]
 
 
 def _physics(rows: Sequence[Row]) -> Iterator[Check]:
@@ -100,3 +101,9 @@ def _soak(soak: Soak | None, steps: int) -> Iterator[Check]:
     yield Check(6, "soak: numbers that are not finite", wrong, 0, "", least=False)
     yield Check(6, "soak: memory gained after the first tenth", growth, GROWTH, "MB", least=False)
     yield Check(6, "soak: runs of one seed that agree bit for bit", None if same is None else 1 + same, 2, "")
+
+
+def _learning(rows: Sequence[Row]) -> Iterator[Check]:
+    found = [r for r in rows if (r.group, r.name) == (learning.GROUP, learning.PLIANT) and r.samples]
+    rate = max((r.median or 0.0 for r in found), default=None)
+    yield Check(8, "PPO end to end, 1,024 environments", rate, learning.ASKED_RATE, "steps/s")

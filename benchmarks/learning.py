@@ -54,10 +54,10 @@ def sync_env(scene: Scene, num_envs: int) -> Any:
             return self.vector.reset(seed=0)[0]
 
         def step_async(self, actions: np.ndarray) -> None:
-            self.vector.step_async(actions)
+            self._actions = actions
 
         def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-            obs, rewards, terminated, truncated, ended = self.vector.step_wait()
+            obs, rewards, terminated, truncated, ended = self.vector.step(self._actions)
             dones, infos = terminated | truncated, [{} for _ in range(num_envs)]
             for i in np.flatnonzero(dones):
                 infos[i] = {
@@ -205,13 +205,23 @@ def markdown(found: list[dict[str, Any]], rates: list[dict[str, Any]], about: di
         for r in rates
     ]
     text += table._grid(["", "torch threads", "steps/s, median", "range"], lines, 1)
+    others = [value for r in rates for value in r["others"]]
+    if others:
+        text += ["", f"Other processes used {np.mean(others):.2f} processors meanwhile, {max(others):.2f} at most."]
+    text += ["", "On a busy machine several torch threads wait for each other: `pliant train` then takes one."]
     text += ["", "## Runs", ""]
     lines = [
-        [r["command"], f"{r['cost']:.3f}", f"{r['seconds']:.0f}", "yes" if r["seed"] == f["shipped_seed"] else ""]
+        [
+            r["command"],
+            "yes" if r["seed"] == f["shipped_seed"] else "",
+            f"{r['cost']:.3f}",
+            f"{r['seconds']:.0f}",
+            table.number(r["steps"] / r["seconds"]),
+        ]
         for f in found
         for r in f["runs"]
     ]
-    text += table._grid(["command", "cost", "seconds", "shipped"], lines, 1)
+    text += table._grid(["command", "shipped", "cost", "seconds", "steps/s, all included"], lines, 2)
     text += ["", "## Machine", "", *table._grid(["", ""], [[k, v] for k, v in about.items()], 2), ""]
     return "\n".join(text)
 
@@ -235,8 +245,6 @@ def main() -> int:
             ship(f, given.runs)
     rates = rows(quick=False)
     described = {k: v for k, v in machine.describe().items() if k in ("processor", "cores", "system", "python")}
-    others = [value for r in rates for value in r["others"]]
-    described["processors used by others in the rates"] = f"{np.mean(others):.2f}" if others else "not known"
     described |= {name: machine.version(name) for name in PACKAGES}
     given.out.mkdir(parents=True, exist_ok=True)
     content = {"about": described, "scenes": found, "rates": rates}

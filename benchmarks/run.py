@@ -20,6 +20,7 @@ from statistics import mean
 
 import asked
 import environments
+import learning
 import peers
 import physics
 import sampling
@@ -27,7 +28,7 @@ import soak as soaking
 import startup
 import table
 
-from pliant.plants import compiler
+from pliant.plants import compiler, native
 from pliant.studies import console, machine
 
 HERE = Path(__file__).parent
@@ -44,6 +45,7 @@ def about(rows: Sequence[sampling.Row]) -> dict[str, str]:
     try:
         tools = compiler.toolchain()
         made = f"{tools.version}, {tools.width}-bit vectors"
+        made += "" if native.wanted() else "; not used, PLIANT_NATIVE=0: every row of Pliant is the virtual machine"
     except compiler.CompileError:
         made = "none: the virtual machine runs"
     others = [value for row in rows for value in row.others]
@@ -57,6 +59,12 @@ def about(rows: Sequence[sampling.Row]) -> dict[str, str]:
 def notes(part: str | None, rows: Sequence[sampling.Row]) -> list[str]:
     """What must be known to read the table."""
     said = []
+    others = [value for row in rows for value in row.others]
+    if others and mean(others) > sampling.DISTURBED:
+        said.append(
+            f"**Disturbed run**: other processes used {mean(others):.2f} processors on average. Ratios hold roughly, "
+            "rates and times are worse than the machine's own; repeat it on an idle machine."
+        )
     if part in (None, "physics", "environments"):
         said.append(
             "The peers' settings are the fastest found: MuJoCo without contacts and constraints, Exudyn's fast module "
@@ -100,7 +108,7 @@ def notes(part: str | None, rows: Sequence[sampling.Row]) -> list[str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="3 rounds of short samples, a soak of 2 million steps")
-    parser.add_argument("--only", choices=[*PARTS, "start", "soak"], help="one part")
+    parser.add_argument("--only", choices=[*PARTS, "start", "soak", "learning"], help="one part")
     parser.add_argument("--rounds", type=int, help="samples of each row (default 9)")
     parser.add_argument("--out", type=Path, help="folder for the results")
     given = parser.parse_args()
@@ -125,6 +133,8 @@ def main() -> int:
     if wanted("start"):
         with console.bar("start") as progress:
             rows += startup.measure(min(rounds, 5), progress)
+    if wanted("learning"):
+        rows += [sampling.Row(**row) for row in learning.rows(given.quick)]
     checks = asked.checks(rows, soak, steps)
     if not whole:
         checks = [c for c in checks if c.measured is not None]

@@ -6,13 +6,15 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from asked import Check
 from matplotlib.figure import Figure
 from sampling import RATE, SHARE, Row
 
 from pliant.studies import style
+
+if TYPE_CHECKING:
+    from asked import Check
 
 COLUMNS = (1, 64, 1024, 4096)  # environments at once
 WIDE = {"physics": "Physics", "environments": "Environment"}  # groups with a column a size and a panel of the chart

@@ -14,14 +14,14 @@ Actions  beyond the limits are cut off by the plant and would have no slope ther
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnvWrapper, VecNormalize
 
 if TYPE_CHECKING:
-    from pliant.envs import Scene
+    from .playable import Playable
 
 KNEE, EARLY_END, EXCESS = 1.5, 10.0, 0.05
 BEYOND = 5.0  # largest |action| that is told apart
@@ -32,10 +32,12 @@ CLIP = 10.0  # largest |normalised observation|
 class TrainingLanes(VecEnvWrapper):
     """Pliant's lanes with shaped rewards. After `reset` they are anywhere in their episodes, moving a little."""
 
-    def __init__(self, scene: Scene, num_envs: int, *, spread: float, bounded: bool, seed: int, threads: int) -> None:
+    def __init__(
+        self, scene: Playable, num_envs: int, *, spread: float, bounded: bool, seed: int, threads: int
+    ) -> None:
         near, far = dict(scene.start), dict(scene.goal)
         distance = max((abs(far[name] - near[name]) for name in near if name in far), default=0.0)
-        wide = dataclasses.replace(scene, start_spread=max(scene.start_spread, spread * distance))
+        wide: Any = dataclasses.replace(cast(Any, scene), start_spread=max(scene.start_spread, spread * distance))
         super().__init__(wide.sb3_env(num_envs, randomise=True, threads=threads))
         self.scene = scene
         rate = float(scene.stage_cost(*scene.initial, scene.plant.measure(*scene.initial)))

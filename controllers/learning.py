@@ -25,13 +25,13 @@ from .run import Run
 from .torch_threads import choose
 
 if TYPE_CHECKING:
-    from pliant.envs import Scene
+    from .playable import Playable
 
 PACKAGES = ("pliant", "stable-baselines3", "torch", "numpy")
 
 
 def learn(
-    scene: Scene,
+    scene: Playable,
     algorithm: str,
     settings: PPOSettings | SACSettings,
     *,
@@ -145,8 +145,8 @@ def _start(model: BaseAlgorithm, env: VecNormalize, lanes: TrainingLanes, *, fre
         statistics: Any = env.obs_rms
         statistics.update(lanes.seen)
         obs = env.normalize_obs(lanes.last)
-    model._last_obs = obs  # type: ignore[assignment]
-    model._last_original_obs = env.get_original_obs()  # type: ignore[assignment]
+    model._last_obs = obs
+    model._last_original_obs = env.get_original_obs()
     model._last_episode_starts = np.ones(env.num_envs, dtype=bool)
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from pliant.plants.parameters import require_choice, require_finite
 
 if TYPE_CHECKING:
-    from pliant.envs import Scene
+    from .playable import Playable
 
 FORMAT = 1
 ACTIVATIONS = ("tanh", "relu")
@@ -164,7 +164,7 @@ class Policy:
     def from_sb3_zip(
         cls,
         path: str | Path,
-        scene: Scene,
+        scene: Playable,
         *,
         algorithm: str = "ppo",
         statistics: str | Path | None = None,

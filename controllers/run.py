@@ -18,7 +18,7 @@ from .policy import Policy
 from .rl import CURVE, POLICY, Evaluation, Progress, evaluate
 
 if TYPE_CHECKING:
-    from pliant.envs import Scene
+    from .playable import Playable
 
 EVALUATIONS = 60  # of a run
 
@@ -28,7 +28,7 @@ class Run(BaseCallback):
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Playable,
         env: VecNormalize,
         folder: Path | None,
         budget: tuple[float | None, int | None],

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from . import period as periods
 from .linear import LinearModel
 from .ltv import LTVModel
 from .path import Path, kept, scaling
-from .signals import names
+
 
 FLOOR = 1e-9  # a multiplier this near the unit circle is on it
 MOST_STEPS = 2**20
@@ -38,12 +37,12 @@ class Floquet:
     exponents: np.ndarray = field(repr=False)
     modes: np.ndarray = field(repr=False)  # (nx, nx): column k belongs to multiplier k, at the start of the period
     monodromy: np.ndarray = field(repr=False)  # (nx, nx)
-    error: np.ndarray = field(repr=False)  # (nx,) of the multipliers, an estimate
+    error: np.ndarray = field(repr=False)  # (nx,) of the sizes of the multipliers, an estimate
     undamped: bool  # whether the structure-preserving route was taken
     steps: int  # in a period
     states: tuple[str, ...]
     source: str  # where the period comes from
-    _path: Any = field(default=None, repr=False)
+    path: Path = field(repr=False)  # A(t) over the period
 
     @property
     def growth(self) -> float:
@@ -71,12 +70,12 @@ class Floquet:
 
     def mode(self, k: int) -> np.ndarray:
         """The periodic shape p(t) (m + 1, nx), complex, of mode k over the period, at m + 1 equidistant times."""
-        edges = np.linspace(self._path.t[0], self._path.t[0] + self.period, self.steps + 1)
-        found = [self.modes[:, k] / self._path.scale]
-        for Phi in self._path.transitions(edges):
+        edges = np.linspace(self.path.t[0], self.path.t[0] + self.period, self.steps + 1)
+        found = [self.modes[:, k] / self.path.scale]
+        for Phi in self.path.transitions(edges):
             found.append(Phi @ found[-1])
         decay = np.exp(-self.exponents[k] * (edges - edges[0]))
-        return np.array(found) * self._path.scale * decay[:, None]
+        return np.array(found) * self.path.scale * decay[:, None]
 
 
 def floquet(
@@ -246,6 +245,3 @@ def _matched(plain: np.ndarray, lam: np.ndarray, rounding: np.ndarray) -> tuple[
     return lam[order], rounding[order]
 
 
-def states_text(model: Any) -> str:
-    """The model's states in words: the coordinates in which frozen-time roots are taken."""
-    return ", ".join(names(model.states))

@@ -1,12 +1,14 @@
 """A beam that bends as far as it likes: clamped, hinged or driven at its root, a payload and a force at its tip.
 
-States   q = [hub_angle or root_angle where the root turns, bend1 .. bendn], x = [q; dq/dt]; angles in rad
-Inputs   tip_force_x, tip_force_y [N], inertial axes; with a driven root hub_acceleration [rad/s^2], and the tip
-         force is a disturbance
+States   q = [hub_angle or root_angle where the root turns, bend1 .. bendn], x = [q; dq/dt]; angles in rad. In space
+         (planar=False) flaps (about y) and twists follow the bends, which are about z, as is the root's turn
+Inputs   tip_force_x, tip_force_y (tip_force_z) [N], inertial axes; with a driven root hub_acceleration [rad/s^2], and
+         the tip force is a disturbance
 Outputs  tip position, displacement from the straight beam along x and its rate [m, m/s]; rotation of the tip's
-         section [rad]; tip deflection across the root's direction and its rate; the root's angle where it turns
-Valid    inextensible and unshearable; sections keep their rotary inertia. "strain": any rotation. "substructured":
-         rotations within a sub-beam small, see substructure.py
+         section [rad]; tip deflection across the root's direction and its rate; the root's angle where it turns. In
+         space tip_z, its rate, and the tip's twist: past what bending brings ("strain"), or the sub-beams' sum
+Valid    inextensible and unshearable; sections keep their rotary inertia. "strain": any rotation in the plane, below
+         one turn against the root in space. "substructured": rotations within a sub-beam small, see substructure.py
 Source   "Substructuring Technique for Dynamics Analysis of Flexible Beams with Large Deformation", Eqs (1)-(39)
 """
 

@@ -28,9 +28,12 @@ def why_not(model: LTVModel, period: float) -> str:
     flat, spread = varying(model)
     if not flat.shape[1]:
         return ""
-    late = t + period <= t[-1] + 1e-9 * span
-    later = _spline(t, flat)(np.minimum(t[late] + period, t[-1]))
-    miss = float(np.abs(later - flat[late]).max()) / spread
+    if abs(period - span) <= 1e-9 * span:
+        miss = float(np.abs(flat[-1] - flat[0]).max()) / spread
+    else:
+        late = t + period <= t[-1] + 1e-9 * span
+        later = _spline(t, flat)(np.minimum(t[late] + period, t[-1]))
+        miss = float(np.abs(later - flat[late]).max()) / spread
     if miss > CLOSES:
         return f"A(t + T) differs from A(t) by {miss:.2g} of its range for T = {period:.6g} s"
     return ""
@@ -62,8 +65,10 @@ def _spline(t: np.ndarray, values: np.ndarray) -> Any:
 
 
 def _why_not_smooth(model: LTVModel, flat: np.ndarray) -> str:
-    rate = _spline(model.t, flat)(model.t, 1)
-    miss = float(np.abs(rate[-1] - rate[0]).max() / np.abs(rate).max())
+    t, few = model.t, min(12, len(model.t))
+    begin, end = _spline(t[:few], flat[:few])(t[0], 1), _spline(t[-few:], flat[-few:])(t[-1], 1)
+    largest = np.abs(np.diff(flat, axis=0) / np.diff(t)[:, None]).max()
+    miss = float(np.abs(end - begin).max() / largest)
     return f"dA/dt at the end differs from that at the start by {miss:.2g} of its largest" if miss > TURNS else ""
 
 

@@ -55,7 +55,7 @@ class SpatialChain:
         return points(self.m, self.chain.segments)
 
     def _twist(self, xi: Array, derivative: int = 0) -> Array:
-        """Torsion shapes of a sub-beam at xi (k,), (k, twists): unit twist over it, then sines; none turns the frame."""
+        """Torsion shapes of a sub-beam at xi (k,), (k, twists): unit twist, then sines; none turns the frame."""
         k = np.pi * np.arange(1, self.twists)
         turned = np.multiply.outer(xi, k)
         if derivative:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
-MODULES = ("sampling", "chain", "physics", "environments", "peers", "startup", "soak", "asked", "table")
+MODULES = ("sampling", "chain", "physics", "environments", "peers", "startup", "soak", "learning", "asked", "table")
 
 
 @pytest.fixture

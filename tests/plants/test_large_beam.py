@@ -38,6 +38,8 @@ def test_signals():
     assert names(driven.coordinates)[0] == "hub_angle" and driven.outputs[0].name == "hub_angle"
     assert names(large(root="hinged").coordinates)[0] == "root_angle"
     assert names(large(**CHAIN).coordinates) == ["bend1_1", "bend1_2", "bend2_1", "bend2_2"]
+    links = large(planar=False, **(CHAIN | {"modes": 1}))
+    assert names(links.coordinates) == ["bend1_1", "bend2_1", "flap1_1", "flap2_1", "twist1_1", "twist2_1"]
     space = large(planar=False, modes=1)
     assert names(space.coordinates) == ["bend1", "flap1", "twist1"]
     assert names(space.inputs)[-1] == "tip_force_z"
@@ -51,7 +53,7 @@ def test_a_coordinate_is_the_rotation_of_the_tip_it_brings():
 
 
 def test_default_state_is_straight_along_x_at_rest():
-    for plant in (BEAM, large(**CHAIN), large(planar=False, modes=2)):
+    for plant in (BEAM, large(**CHAIN), large(planar=False, modes=2), large(planar=False, **CHAIN)):
         y = dict(zip(names(plant.outputs), plant.measure(np.zeros(plant.nx))))
         assert y.pop("tip_x") == pytest.approx(10.0, rel=1e-14)
         np.testing.assert_allclose(list(y.values()), 0, atol=1e-13)
@@ -169,7 +171,6 @@ def test_step_past_the_limit_is_refused():
         ({"gravity": (0.0, float("nan"), 0.0)}, r"gravity\[1\] = nan"),
         ({"points": 1}, r"points = 1 must be an integer from 2 to 64"),
         ({"twists": -1}, r"twists = -1 must be an integer from 0 to 12"),
-        ({"planar": False, "kinematics": "substructured"}, r"planar = False needs kinematics \"strain\""),
         ({"planar": "no"}, r"planar = 'no' must be one of True, False"),
     ],
 )

@@ -1,0 +1,172 @@
+"""Growth of deviations along any nominal, periodic or not, with jumps or without: what the transition matrix says.
+
+Growth curve   largest singular value of Phi(t, t0): the most that a deviation can have grown by t
+Windows        the same of Phi(t + window, t)
+Exponents      finite-time Lyapunov exponents ln|R_ii|/(t - t0), Phi factored by QR along the way (Benettin 1980)
+
+Sizes are those of z = x / scale, with powers of two from the mean of |A| unless given: in a norm that mixes metres and
+rad/s everything seems to grow. Exponents over a long time do not depend on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import magnus
+from .linear import LinearModel
+from .ltv import LTVModel
+from .parameters import require_count, require_finite
+from .path import Model, Path, as_pieces, kept, scaling
+
+ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """Rows belong to the times t (nt,) [s]."""
+
+    t: np.ndarray = field(repr=False)
+    curve: np.ndarray = field(repr=False)  # (nt,) largest growth since t[0], 1 at the start
+    window: float  # [s]
+    window_start: np.ndarray = field(repr=False)  # (nw,) [s]
+    windows: np.ndarray = field(repr=False)  # (nw,) largest growth within each window
+    exponents: np.ndarray  # (nx,) [1/s] finite-time Lyapunov exponents, largest first
+    history: np.ndarray = field(repr=False)  # (nt, nx) [1/s] the same up to each time, in the order of the columns
+    direction: np.ndarray = field(repr=False)  # (nx,) the deviation at t[0] that grows most until t[-1]
+    scale: np.ndarray = field(repr=False)  # (nx,) sizes are those of x / scale
+    critical_times: tuple[float, ...]  # [s] starts of windows between which deviations begin or cease to grow
+
+    @property
+    def total(self) -> float:
+        """Largest growth over the whole nominal."""
+        return float(self.curve[-1])
+
+    @property
+    def rate(self) -> float:
+        """ln(total) / duration [1/s]."""
+        return float(np.log(max(self.total, 1e-300)) / (self.t[-1] - self.t[0]))
+
+
+def growth(
+    model: Model | LinearModel,
+    window: float | None = None,
+    *,
+    states: Sequence[str] | None = None,
+    scale: Any = None,
+    points: int | None = None,
+    duration: float | None = None,
+) -> Growth:
+    """Growth over the nominal and over windows of `window` [s] (None: a tenth of it) beginning at each time.
+
+    `points` limits the times at which it is found (None: every node); the steps are the nodes all the same. `scale`
+    (nx,): sizes that count alike. `duration` [s]: of a LinearModel, which has no nominal of its own.
+    """
+    t, Phi, size = chain(_timed(model, duration), states, scale)
+    if points is not None:
+        require_count("growth", "points", points, 2, 1_000_000)
+        every = -(-(len(t) - 1) // points)
+        edges = np.unique(np.r_[np.arange(0, len(t) - 1, every), len(t) - 1])
+        t, Phi = t[edges], magnus.grouped(Phi, edges)
+    return grown(t, Phi, size, window)
+
+
+def grown(t: np.ndarray, Phi: np.ndarray, size: np.ndarray, window: float | None) -> Growth:
+    """The same from transitions Phi (nt-1, n, n) between the times t (nt,), in z = x / size (n,)."""
+    n = Phi.shape[-1]
+    total, Q = np.eye(n), np.eye(n)
+    so_far, logs = np.empty((len(t), n, n)), np.zeros((len(t), n))
+    so_far[0] = total
+    for k, step in enumerate(Phi):
+        total = step @ total
+        so_far[k + 1] = total
+        Q, R = np.linalg.qr(step @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k + 1] = logs[k] + np.log(np.abs(np.diagonal(R)))
+    if not np.isfinite(so_far).all():
+        late = int(np.argmin(np.isfinite(so_far).all(axis=(1, 2))))
+        raise ValueError(f"growth: deviations overflow at {t[late]:.6g} s, must stay finite: shorten the nominal")
+    history = np.zeros_like(logs)
+    history[1:] = logs[1:] / (t[1:] - t[0])[:, None]
+    start, within, length = _windows(t, Phi, window)
+    _, _, right = np.linalg.svd(so_far[-1])
+    return Growth(
+        t,
+        np.linalg.norm(so_far, 2, axis=(1, 2)),
+        length,
+        start,
+        within,
+        np.sort(history[-1])[::-1],
+        history,
+        right[0] * size,
+        size,
+        _crossings(start, within),
+    )
+
+
+def _timed(model: Any, duration: float | None) -> Any:
+    if not isinstance(model, LinearModel):
+        return model
+    if model.dt is not None or duration is None or not 0 < duration < np.inf:
+        raise ValueError(f"growth.duration = {duration!r} must be > 0 [s] for a LinearModel, and its dt None")
+    t = np.linspace(0.0, float(duration), 201)
+    empty = {k: np.zeros((201, len(getattr(model, s)))) for k, s in zip("xuy", ("states", "inputs", "outputs"))}
+    still = {k: np.broadcast_to(getattr(model, k), (201, *getattr(model, k).shape)) for k in "ABECDF"}
+    signals = {k: getattr(model, k) for k in ("states", "inputs", "disturbances", "outputs")}
+    return LTVModel(t, **still, c=empty["x"], **empty, **signals)
+
+
+def chain(
+    model: Model, states: Sequence[str] | None = None, scale: Any = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Node times (nt,), transitions between them (nt-1, n, n) in z = x / scale, scale (n,).
+
+    A jump belongs to the interval after it.
+    """
+    pieces, keep = as_pieces(model), kept(model, states)
+    matrices = [m.A[:, keep][:, :, keep] for m in pieces.models]
+    size = scaling(np.concatenate(matrices)) if scale is None else require_finite("growth.scale", scale, (len(keep),))
+    if not (size > 0).all():
+        raise ValueError(f"growth.scale = {size} must be > 0")
+    times, found = [pieces.models[0].t[:1]], []
+    for k, (piece, A) in enumerate(zip(pieces.models, matrices)):
+        path = Path(piece.t, A, size)
+        parts = max(1, int(np.ceil(path.fastest() * np.diff(piece.t).max() / ACROSS)))
+        edges = piece.t
+        if parts > 1:
+            inner = piece.t[:-1, None] + np.diff(piece.t)[:, None] * np.arange(parts) / parts
+            edges = np.append(inner.ravel(), piece.t[-1])
+        Phi = path.transitions(edges)
+        if parts > 1:
+            Phi = magnus.product(Phi.reshape(-1, parts, *Phi.shape[1:]))
+        if k:
+            assert pieces.jumps is not None
+            J = pieces.jumps[k - 1][np.ix_(keep, keep)] * size / size[:, None]
+            Phi = np.concatenate([Phi[:1] @ J, Phi[1:]])
+        times.append(piece.t[1:])
+        found.append(Phi)
+    return np.concatenate(times), np.concatenate(found), size
+
+
+def _windows(t: np.ndarray, Phi: np.ndarray, window: float | None) -> tuple[np.ndarray, np.ndarray, float]:
+    """Starts (nw,), growth within each window (nw,), and its length [s]: whole intervals, equal in number."""
+    span = float(t[-1] - t[0])
+    length = span / 10 if window is None else float(window)
+    if not 0 < length <= span * (1 + 1e-9):
+        raise ValueError(f"growth.window = {length:.6g} must be > 0 and at most {span:.6g} s")
+    count = min(len(Phi), max(1, round(length / span * len(Phi))))
+    found = Phi[: len(Phi) - count + 1]
+    for k in range(1, count):
+        found = Phi[k : len(Phi) - count + 1 + k] @ found
+    return t[: len(found)], np.linalg.norm(found, 2, axis=(1, 2)), count * span / len(Phi)
+
+
+def _crossings(t: np.ndarray, size: np.ndarray) -> tuple[float, ...]:
+    """Times [s] at which ln(size) changes sign, interpolated; rounding about 1 is no crossing."""
+    logs = np.log(np.maximum(size, 1e-300))
+    above = logs > 1e-9
+    at = np.flatnonzero(above[1:] != above[:-1])
+    return tuple(float(t[k] - logs[k] * (t[k + 1] - t[k]) / (logs[k + 1] - logs[k])) for k in at)

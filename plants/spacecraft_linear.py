@@ -1,0 +1,161 @@
+"""Linear models of a spacecraft in the deviations of the paper, from the plant's exact Jacobians.
+
+Deviations   y = [p, q, hinge angles, eta] and dy/dt, then wheel momenta: p is the change of position in reference axes, q the small
+             turn of the hub from its nominal attitude, in nominal hub axes. Three numbers describe the attitude, so that no root
+             belongs to the quaternion's norm, and the rates are dy/dt themselves: d omega = dq/dt + omega x q to first order.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import parameters
+from .linear import LinearModel
+from .ltv import LTVModel
+from .rotations import rates, skew
+
+if TYPE_CHECKING:
+    from .spacecraft import FlexibleSpacecraft
+    from .trajectory import Trajectory
+
+Array = np.ndarray
+
+
+class _Map(NamedTuple):
+    """dx = T xi and xi = L dx to first order, L T = 1: ones but for the quaternion and the body rates."""
+
+    quaternion: slice
+    kept: Array  # states other than the quaternion; in xi three attitude deviations stand in its place
+    own: Array  # where the kept ones stand in xi
+    Xi: Array  # (..., 4, 3): d quaternion = Xi q
+    back: Array  # (..., 3, 4)
+    turning: Array  # (..., 3, 3): d omega = dq/dt + turning q
+    omega: slice  # of the body rates in x
+
+    @classmethod
+    def at(cls, craft: FlexibleSpacecraft, x: Array) -> _Map:
+        """At states x (..., nx)."""
+        s, q = craft.layout.quaternion, x[..., craft.layout.quaternion]
+        kept = np.delete(np.arange(craft.nx), np.arange(s.start, s.stop))
+        Xi = rates(q) / 2
+        back = 4 * np.swapaxes(Xi, -1, -2) / (q**2).sum(-1)[..., None, None]
+        omega = craft.layout.omega
+        return cls(s, kept, np.where(kept < s.start, kept, kept - 1), Xi, back, skew(x[..., omega]), omega)
+
+    @property
+    def _attitude(self) -> slice:
+        return slice(self.quaternion.start, self.quaternion.stop - 1)
+
+    def columns(self, M: Array) -> Array:
+        """M T (..., m, nx - 1)."""
+        out = np.empty((*M.shape[:-1], M.shape[-1] - 1))
+        out[..., self.own] = M[..., self.kept]
+        out[..., self._attitude] = M[..., self.quaternion] @ self.Xi + M[..., self.omega] @ self.turning
+        return out
+
+    def rows(self, M: Array) -> Array:
+        """L M (..., nx - 1, m)."""
+        out = np.empty((*M.shape[:-2], M.shape[-2] - 1, M.shape[-1]))
+        out[..., self.own, :] = M[..., self.kept, :]
+        turned = self.back @ M[..., self.quaternion, :]
+        out[..., self._attitude, :] = turned
+        out[..., self.omega.start - 1 : self.omega.stop - 1, :] -= self.turning @ turned
+        return out
+
+
+def in_deviations(craft: FlexibleSpacecraft, x: Array, dx: Array, jacobians: list[Array]) -> list[Array]:
+    """[A, B, E, C, D, F] of the deviations from a nominal x (..., nx) that moves at dx (..., nx)."""
+    A, B, E, C, D, F = jacobians
+    change, at = _Map.at(craft, x), craft.layout
+    moved = change.columns(A)
+    q = slice(at.quaternion.start, at.quaternion.stop - 1)
+    moved[..., at.quaternion, q] -= rates(dx[..., at.quaternion]) / 2
+    moved[..., at.omega, q] -= skew(dx[..., at.omega])
+    return [change.rows(moved), change.rows(B), change.rows(E), change.columns(C), D, F]
+
+
+def _cut(craft: FlexibleSpacecraft, x: Array) -> Array:
+    """x (..., nx) in the places of the deviations, the attitude as zero: it is what q is measured from."""
+    out = np.delete(x, craft.layout.quaternion.start, axis=-1)
+    out[..., craft.layout.quaternion.start : craft.layout.quaternion.stop - 1] = 0.0
+    return out
+
+
+def linearize(craft: FlexibleSpacecraft, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
+    """About (x0, u0) frozen; where the attitude turns there, q is measured from the turning attitude."""
+    (_, x, u, w, p), batch = craft._arguments(x0, u0, w, p, t)
+    if batch is not None:
+        raise ValueError(f"FlexibleSpacecraft.x has shape {x.shape}, must be ({craft.nx},) to linearise")
+    dx = craft.dynamics(x, u, w=w, p=p, t=t)
+    matrices = in_deviations(craft, x, dx, craft.jacobians(x, u, w=w, p=p, t=t))
+    f0 = _Map.at(craft, x).rows(dx[:, None])[:, 0]
+    f0[craft.layout.quaternion.start : craft.layout.quaternion.stop - 1] = 0.0
+    return LinearModel(
+        *matrices,
+        states=craft.deviations,
+        inputs=craft.inputs,
+        disturbances=craft.disturbances,
+        outputs=craft.outputs,
+        x0=_cut(craft, x),
+        u0=u,
+        w0=w,
+        y0=craft.measure(x, u, w=w, p=p, t=t),
+        f0=f0,
+    )
+
+
+def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> LTVModel:
+    """About a nominal motion; its residual is the affine term c."""
+    from .plant import Plant
+
+    plain = Plant.linearize_along(craft, nominal, p=p)
+    dx = nominal.derivative()
+    A, B, E, C, D, F = in_deviations(craft, plain.x, dx, [plain.A, plain.B, plain.E, plain.C, plain.D, plain.F])
+    c = _Map.at(craft, plain.x).rows(plain.c[..., None])[..., 0]
+    return LTVModel(
+        plain.t,
+        A,
+        B,
+        E,
+        C,
+        D,
+        F,
+        c=c,
+        x=_cut(craft, plain.x),
+        u=plain.u,
+        w=plain.w,
+        y=plain.y,
+        states=craft.deviations,
+        inputs=plain.inputs,
+        disturbances=plain.disturbances,
+        outputs=plain.outputs,
+    )
+
+
+def natural_frequencies(craft: FlexibleSpacecraft, x0: Any, p: Any) -> Array:
+    """Undamped, from the stiffness and mass of the free spacecraft at rest at x0 (nx,)."""
+    import scipy.linalg
+
+    x = np.array(x0, dtype=float)
+    x[craft.layout.velocity] = 0.0
+    x[craft.layout.omega.start :] = 0.0
+    values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)
+    bodies = dataclasses.replace(craft, varied=())
+    for path, value in zip(craft.varied, values):
+        bodies = parameters.put(bodies, path, float(value))
+    at = craft.layout
+    n, first = 6 + len(craft.coordinates), at.quaternion.stop - 6
+    K, free = np.zeros((n, n)), np.ones(n, dtype=bool)
+    for body, hinge, modes in zip(bodies.appendages, at.hinges, at.modes):
+        turns = np.arange(hinge.start, hinge.stop) - first
+        K[turns, turns] = body.hinge.stiffness
+        free[turns] = body.hinge.drive != "motion"
+        count, bent = modes.stop - modes.start, slice(modes.start - first, modes.stop - first)
+        K[bent, bent] = body.stiffness_factor * body.data.stiffness[:count, :count]
+    both = np.ix_(free, free)
+    squares = scipy.linalg.eigh(K[both], craft.mass_matrix(x, p=p)[both], eigvals_only=True)
+    found = np.sqrt(np.maximum(squares, 0.0))
+    return found[found > 1e-6 * found.max(initial=0.0)]

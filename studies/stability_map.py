@@ -1,0 +1,300 @@
+"""A chart of stability over two parameters: one verdict per point of a grid, in parallel through joblib.
+
+The same call runs on this machine or on a cluster: `backend` is joblib's. "loky" and "threading" need nothing; "dask"
+uses the dask.distributed client that is open; "ray" the ray cluster that is initialised, or a local one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants.parameters import require_choice, require_finite
+from pliant.plants.stability import assess
+
+from .motions import Progress, silent
+
+KINDS = ("stable", "marginal", "undecided", "unstable", "failed")
+BACKENDS = ("loky", "threading", "multiprocessing", "sequential", "dask", "ray")
+TASKS = 64  # portions that the grid is cut into, where it has that many points
+
+Builder = Callable[..., Any]  # build(first, second) -> LinearModel, LTVModel, Pieces or a list of LTVModel
+
+
+@dataclass(frozen=True, eq=False)
+class StabilityMap:
+    """Row i belongs to values[0][i] of the first parameter, column j to values[1][j] of the second."""
+
+    names: tuple[str, str]
+    values: tuple[np.ndarray, np.ndarray]
+    verdicts: np.ndarray = field(repr=False)  # (n0, n1) words of KINDS
+    margins: np.ndarray = field(repr=False)  # (n0, n1) decay rate [1/s] of the slowest deviation; NaN where it failed
+    methods: np.ndarray = field(repr=False)  # (n0, n1) the deciding method
+    failures: Mapping[tuple[int, int], str]  # why a point has no verdict
+    seconds: float  # wall time
+    backend: str
+
+    def share(self, verdict: str) -> float:
+        """The share of the points with this verdict."""
+        require_choice("StabilityMap.share", "verdict", verdict, KINDS)
+        return float(np.mean(self.verdicts == verdict))
+
+    def to_json(self) -> dict[str, Any]:
+        margins = [[m if np.isfinite(m) else None for m in row] for row in self.margins.tolist()]
+        return {
+            "names": list(self.names),
+            "values": [v.tolist() for v in self.values],
+            "verdicts": self.verdicts.tolist(),
+            "margins": margins,
+            "methods": self.methods.tolist(),
+            "failures": [{"at": list(at), "why": why} for at, why in self.failures.items()],
+            "seconds": self.seconds,
+            "backend": self.backend,
+        }
+
+    def save(self, table: str | Path | None = None, picture: str | Path | None = None, **options: Any) -> None:
+        """Write the table as json and the picture as its ending says; options as in `stability_figures.chart`."""
+        if table is not None:
+            Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+        if picture is not None:
+            from . import stability_figures, style
+
+            style.save(stability_figures.chart(self, **options), picture)
+
+
+def map_stability(
+    plant: Plant | Builder,
+    grid: Mapping[str, Any],
+    *,
+    nominal: Trajectory | None = None,
+    period: float | None = None,
+    jobs: int = -1,
+    backend: str = "loky",
+    progress: Progress | None = None,
+    **options: Any,
+) -> StabilityMap:
+    """The verdict at each point of `grid`, {first name: values, second name: values}.
+
+    `plant`: a function build(first, second) of two numbers that returns a model; or a Plant, whose parameters the grid
+    names ("payload.mass"): it is linearised along `nominal`, the same at all points, or, where that is None, in the
+    equilibrium of each point. A point that cannot be built is "failed" with its reason. `period` and `options` as in
+    `assess`. `jobs` and `backend` are joblib's; a function that a cluster runs must be one that it can be sent.
+    """
+    names, axes = _checked(grid)
+    require_choice("map_stability", "backend", backend, BACKENDS)
+    tell = silent if progress is None else progress
+    build = _Point(plant, names, nominal) if isinstance(plant, Plant) else plant
+    if not callable(build):
+        raise ValueError(f"map_stability.plant is a {type(plant).__name__}, must be a Plant or a function of two numbers")
+    options = {"thorough": False, "period": period, **options}
+    points = [(i, j) for i in range(len(axes[0])) for j in range(len(axes[1]))]
+    portions = [points[k::TASKS] for k in range(min(TASKS, len(points)))]
+    verdicts = np.full((len(axes[0]), len(axes[1])), "failed", dtype="<U9")
+    methods, margins = np.full(verdicts.shape, "", dtype="<U16"), np.full(verdicts.shape, np.nan)
+    failures: dict[tuple[int, int], str] = {}
+    began, done = clock.perf_counter(), 0
+    tell(0.0, f"{len(points)} points")
+    for results in _run(build, axes, portions, options, jobs, backend):
+        for at, verdict, margin, method, why in results:
+            verdicts[at], margins[at], methods[at] = verdict, margin, method
+            if why:
+                failures[at] = why
+        done += len(results)
+        tell(done / len(points), f"{done} of {len(points)} points")
+    took = clock.perf_counter() - began
+    return StabilityMap(names, axes, verdicts, margins, methods, dict(sorted(failures.items())), took, backend)
+
+
+def _checked(grid: Mapping[str, Any]) -> tuple[tuple[str, str], tuple[np.ndarray, np.ndarray]]:
+    if len(grid) != 2:
+        raise ValueError(f"map_stability.grid = {sorted(grid)} must name two parameters")
+    first, second = grid
+    axes = tuple(require_finite(f"map_stability.grid[{name!r}]", grid[name], (-1,)) for name in (first, second))
+    for name, axis in zip((first, second), axes):
+        if len(axis) < 1 or (np.diff(axis) <= 0).any():
+            raise ValueError(f"map_stability.grid[{name!r}] must be one or more ascending values")
+    return (first, second), (axes[0], axes[1])
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A plant's model with two parameters as given: no rebuild per value."""
+
+    plant: Plant
+    names: tuple[str, str]
+    nominal: Trajectory | None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "plant", self.plant.vary(*self.names))
+
+    def __call__(self, first: float, second: float) -> Any:
+        p = np.array([first, second])
+        if self.nominal is not None:
+            return self.plant.linearize_along(self.nominal, p=p)
+        x0, u0 = self.plant.equilibrium(p=p)
+        return self.plant.linearize(x0, u0, p=p)
+
+
+def _portion(
+    build: Builder, axes: tuple[np.ndarray, np.ndarray], points: Sequence[tuple[int, int]], options: dict[str, Any]
+) -> list[tuple[tuple[int, int], str, float, str, str]]:
+    found = []
+    for i, j in points:
+        try:
+            verdict = assess(build(float(axes[0][i]), float(axes[1][j])), **options)
+            found.append(((i, j), verdict.verdict, verdict.margin, verdict.method, ""))
+        except (ValueError, PliantError, np.linalg.LinAlgError) as failure:
+            found.append(((i, j), "failed", np.nan, "", f"{type(failure).__name__}: {failure}"))
+    return found
+
+
+def _run(
+    build: Builder,
+    axes: tuple[np.ndarray, np.ndarray],
+    portions: Sequence[Sequence[tuple[int, int]]],
+    options: dict[str, Any],
+    jobs: int,
+    backend: str,
+) -> Any:
+    """Results as they come, where the backend can hand them over one by one."""
+    import joblib
+
+    if backend == "ray":
+        from ray.util.joblib import register_ray
+
+        register_ray()
+    settings: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
+    with joblib.parallel_config(backend=backend, n_jobs=jobs, **settings):
+        tasks = [joblib.delayed(_portion)(build, axes, points, options) for points in portions]
+        running, _ = joblib.parallel.get_active_backend()
+        by_one = getattr(running, "supports_return_generator", False)
+        pool = joblib.Parallel(return_as="generator_unordered" if by_one else "list")
+        yield from pool(tasks)
+
+
+@dataclass(frozen=True)
+class ModeCount:
+    """The stability answer with one number of flexible modes."""
+
+    modes: int
+    states: int
+    verdict: str
+    margin: float  # [1/s]
+    change: float | None  # of the margin when one more mode is taken [1/s]
+
+
+@dataclass(frozen=True)
+class ModesNeeded:
+    """How many modes the stability answer needs, and how the nonlinear simulation agrees; `modes` None: more than tried."""
+
+    modes: int | None
+    tolerance: float  # [1/s]
+    rows: tuple[ModeCount, ...]
+    linear_growth: float  # factor by which the worst deviation changes over the nominal, by the linear model ..
+    nonlinear_growth: float  # .. and by simulating the plant with and without it
+    why: str
+
+    @property
+    def difference(self) -> float:
+        """Relative difference of the two growths."""
+        return abs(self.linear_growth - self.nonlinear_growth) / max(self.nonlinear_growth, 1e-300)
+
+
+def modes_needed(
+    plant: Plant,
+    nominal: Trajectory | Callable[[Plant], Trajectory],
+    tolerance: float,
+    *,
+    most: int = 6,
+    with_modes: Callable[[Plant, int], Plant] | None = None,
+    size: float = 1e-6,
+    **options: Any,
+) -> ModesNeeded:
+    """The fewest flexible modes from which on more change neither the verdict nor the margin by `tolerance` [1/s].
+
+    `nominal`: a motion, of which each variant takes the states that it has, its own further states zero; or a function
+    that gives the motion of a variant. Variants have 1 .. `most` modes: `plant.modes`, or `with_modes(plant, n)`. Only
+    linear models decide; then the chosen variant is simulated once with a deviation of `size` (of each state's scale)
+    in the direction that grows most, and once without. `options` as in `assess`.
+    """
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise ValueError(f"modes_needed.tolerance = {tolerance!r} must be > 0 [1/s]")
+    vary = with_modes or _with_modes
+    found, variants = [], [vary(plant, n) for n in range(1, most + 1)]
+    for variant in variants:
+        motion = _nominal_of(variant, nominal)
+        verdict = assess(variant.linearize_along(motion), thorough=False, **options)
+        found.append((variant, motion, verdict))
+    rows = []
+    for n, (variant, _, verdict) in enumerate(found, start=1):
+        change = abs(found[n][2].margin - verdict.margin) if n < len(found) else None
+        rows.append(ModeCount(n, variant.nx, verdict.verdict, verdict.margin, change))
+    chosen = _settled(rows, tolerance)
+    variant, motion, verdict = found[(chosen or most) - 1]
+    linear, nonlinear = _growths(variant, motion, size)
+    last = rows[-1]
+    if chosen is None:
+        why = f"with {most} modes the margin still changes by {rows[-2].change:.2g} 1/s" if most > 1 else "one tried"
+    else:
+        why = f"with {chosen} of up to {most} modes: {last.verdict}, margin within {tolerance:.2g} of {last.margin:.4g} 1/s"
+    return ModesNeeded(chosen, float(tolerance), tuple(rows), linear, nonlinear, why)
+
+
+def _settled(rows: Sequence[ModeCount], tolerance: float) -> int | None:
+    """The fewest modes whose answer all larger numbers share; the last itself is shown by none."""
+    chosen = None
+    for row in reversed(rows[:-1]):
+        same = row.verdict == rows[-1].verdict and abs(row.margin - rows[-1].margin) <= tolerance
+        if not same:
+            break
+        chosen = row.modes
+    return chosen
+
+
+def _with_modes(plant: Any, n: int) -> Any:
+    """The plant with n modes in each flexible body."""
+    if hasattr(plant, "modes"):
+        before = plant.modes
+        return dataclasses.replace(plant, modes=(n,) * len(before) if isinstance(before, tuple) else n)
+    if hasattr(plant, "appendages"):
+        return dataclasses.replace(plant, appendages=tuple(_with_modes(a, n) for a in plant.appendages))
+    raise ValueError(f"modes_needed: {type(plant).__name__} has no field modes: give with_modes(plant, n)")
+
+
+def _nominal_of(plant: Plant, nominal: Any) -> Trajectory:
+    if callable(nominal):
+        return nominal(plant)
+    x = np.zeros((len(nominal.t), plant.nx))
+    rate = np.zeros_like(x)
+    have = {s.name: k for k, s in enumerate(nominal.states)}
+    slope = nominal.derivative()
+    for k, signal in enumerate(plant.states):
+        if signal.name in have:
+            x[:, k], rate[:, k] = nominal.x[:, have[signal.name]], slope[:, have[signal.name]]
+    if not set(have) & {s.name for s in plant.states}:
+        raise ValueError(f"modes_needed.nominal has states {tuple(have)}, must share some with {plant.label}")
+    return Trajectory.from_arrays(nominal.t, x, nominal.u, plant=plant, dx=rate, w=nominal.w, hold=nominal.hold)
+
+
+def _growths(plant: Plant, motion: Trajectory, size: float) -> tuple[float, float]:
+    """Growth of the worst deviation over the nominal: by the linear model, and by two simulations."""
+    from scipy.interpolate import CubicSpline
+
+    from pliant.plants.stability import growth
+
+    model = plant.linearize_along(motion)
+    linear = growth(model)
+    u = CubicSpline(motion.t, motion.u) if motion.u.shape[1] else None
+    if motion.hold == "zero-order":
+        u = motion.u
+    start = motion.x[0] + size * linear.direction
+    ends = [plant.simulate(x0, u, motion.t, rtol=1e-11, atol=1e-14).x[-1] for x0 in (motion.x[0], start)]
+    return linear.total, float(np.linalg.norm((ends[1] - ends[0]) / linear.scale) / size)
