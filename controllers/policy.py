@@ -42,7 +42,7 @@ class Policy:
     reads: tuple[str, ...]  # (ny,) names
     goal: np.ndarray  # (ny,) values of what it reads at the goal
     inputs: tuple[str, ...]  # (nu,) names
-    limits: np.ndarray  # (nu,) largest |u| [N m]
+    limits: np.ndarray  # (nu,) largest |u|, in the inputs' units
     dt: float  # [s]
     clip: float = np.inf  # largest |normalised observation|
     activation: str = "tanh"
@@ -88,7 +88,7 @@ class Policy:
         """Nothing to forget."""
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
-        """u (nu,) [N m] within the limits, from y (len(reads),)."""
+        """u (nu,) within the limits, from y (len(reads),)."""
         z = self._z
         y = np.asarray(y, dtype=float)
         if y.shape != z.shape or not np.dot(y, y) < np.inf:

@@ -133,6 +133,8 @@ def train(
         chosen = dataclasses.replace(chosen, num_envs=num_envs)
     if not scene.observe:
         raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
+    if not scene.plant.nu:
+        raise ValueError(f"scene {scene.name!r}: its plant has no inputs, so there is nothing to learn")
     if not _installed():
         raise ImportError('training needs Stable-Baselines3 and torch: pip install "pliant[rl]"')
     from .learning import learn

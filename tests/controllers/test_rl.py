@@ -308,3 +308,18 @@ def test_busy_machine_gets_one_thread(stable_baselines, monkeypatch):
     monkeypatch.setattr(torch_threads, "available", lambda: 1)
     assert torch_threads.choose() == (1, "one processor")
     torch.set_num_threads(before)
+
+
+def test_scenes_that_cannot_be_learned_are_refused():
+    from types import SimpleNamespace
+
+    class Blind:
+        name, observe, plant = "blind", (), SCENE.plant
+
+    class Inert:
+        name, observe, plant = "inert", ("tip_x",), SimpleNamespace(nu=0)
+
+    with pytest.raises(ValueError, match="'blind': observe"):
+        rl.train(Blind())
+    with pytest.raises(ValueError, match="'inert': its plant has no inputs"):
+        rl.train(Inert())
