@@ -10,6 +10,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 SAID = {  # a number that each example prints, and its range
+    "cantilever.py": (r"lowest at [\d.]+ s: ([-\d.]+) m", -6.7745, -6.771),  # large_beam.json: -6.77426 m at 1.5427 s
+    "slider_crank.py": (r"to ([\d.]+) um over", 14.2, 14.4),  # slider_crank.json: 14.275 um
     "design.py": (r"tip within ([\d.]+) mm", 0.0, 5.0),
     "environment.py": (r"payload ([\d.]+) kg", 0.35, 0.65),
     "monte_carlo.py": (r"theta1 after 1 s from ([-\d.]+)", -1.57, -1.56),
