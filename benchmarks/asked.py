@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import cantilever
 import environments as env
 import learning
 import peers
@@ -44,7 +45,8 @@ def _median(row: Row | None) -> float | None:
 
 def checks(rows: Sequence[Row], soak: Soak | None, steps: int = STEPS) -> list[Check]:
     """Everything asked, in order; `steps` of the soak."""
-    return [*_physics(rows), *_environments(rows), *_times(rows), *_soak(soak, steps), *_learning(rows)]
+    found = [_physics(rows), _environments(rows), _times(rows), _soak(soak, steps), _learning(rows), _cantilever(rows)]
+    return [check for part in found for check in part]
 
 
 def _physics(rows: Sequence[Row]) -> Iterator[Check]:
@@ -107,3 +109,9 @@ def _learning(rows: Sequence[Row]) -> Iterator[Check]:
     found = [r for r in rows if (r.group, r.name) == (learning.GROUP, learning.PLIANT) and r.samples]
     rate = max((r.median or 0.0 for r in found), default=None)
     yield Check(8, "PPO end to end, 1,024 environments", rate, learning.ASKED_RATE, "steps/s")
+
+
+def _cantilever(rows: Sequence[Row]) -> Iterator[Check]:
+    for error, times in ((cantilever.COARSE, 100), (cantilever.FINE, 50)):
+        found = cantilever.times_faster(rows, error)
+        yield Check(9, f"cantilever-drop to {error:g} m, against Exudyn's fastest settings", found, times, "times")

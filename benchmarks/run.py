@@ -19,6 +19,7 @@ from pathlib import Path
 from statistics import mean
 
 import asked
+import cantilever
 import environments
 import learning
 import peers
@@ -36,6 +37,7 @@ PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
     "physics": lambda: [*physics.cases(), *peers.physics_cases()],
     "jacobians": lambda: list(physics.jacobian_cases()),
     "environments": lambda: [*environments.cases(), *peers.environment_cases()],
+    "cantilever": lambda: list(cantilever.cases()),
 }
 PACKAGES = ("pliant", "numpy", "casadi", "gymnasium", "mujoco", "exudyn", "stable-baselines3", "torch")
 
@@ -56,7 +58,7 @@ def about(rows: Sequence[sampling.Row]) -> dict[str, str]:
     return described | {name: machine.version(name) for name in PACKAGES}
 
 
-def notes(part: str | None, rows: Sequence[sampling.Row]) -> list[str]:
+def notes(part: str | None, rows: Sequence[sampling.Row], soak: soaking.Soak | None) -> list[str]:
     """What must be known to read the table."""
     said = []
     others = [value for row in rows for value in row.others]
@@ -102,7 +104,12 @@ def notes(part: str | None, rows: Sequence[sampling.Row]) -> list[str]:
         apart = peers.difference()
         if apart is not None:
             said.append(f"MuJoCo's and Exudyn's chains agree to {apart:.1g} rad after 0.5 s: they are the same chain.")
-    return said
+    if soak is not None:
+        said.append(
+            f"Soak: {soak.steps:,} environment steps with random actions in {soak.seconds:.0f} s, {soak.episodes:,} "
+            f"episodes, {soak.diverged:,} diverged; {soak.memory[-1]:.0f} MB resident at the end."
+        )
+    return said + cantilever.notes(rows)
 
 
 def main() -> int:
@@ -133,19 +140,19 @@ def main() -> int:
     if wanted("start"):
         with console.bar("start") as progress:
             rows += startup.measure(min(rounds, 5), progress)
+
+    def report() -> str:
+        checks = asked.checks(rows, soak, steps)
+        if not whole:
+            checks = [c for c in checks if c.measured is not None]
+        said, described = notes(given.only, rows, soak), about(rows)
+        table.write(folder, rows, checks, described, said, {"soak": asdict(soak) if soak else None})
+        return table.markdown(rows, checks, described, said)
+
     if wanted("learning"):
+        report()  # the longest part comes last: what is measured is kept if it is broken off
         rows += [sampling.Row(**row) for row in learning.rows(given.quick)]
-    checks = asked.checks(rows, soak, steps)
-    if not whole:
-        checks = [c for c in checks if c.measured is not None]
-    said, described = notes(given.only, rows), about(rows)
-    if soak is not None:
-        said.append(
-            f"Soak: {soak.steps:,} environment steps with random actions in {soak.seconds:.0f} s, {soak.episodes:,} "
-            f"episodes, {soak.diverged:,} diverged; {soak.memory[-1]:.0f} MB resident at the end."
-        )
-    table.write(folder, rows, checks, described, said, {"soak": asdict(soak) if soak else None})
-    print(table.markdown(rows, checks, described, said))
+    print(report())
     return 0 if soak is None or soak.passed else 1
 
 
