@@ -39,7 +39,7 @@ class Elements:
 
 
 SEARCHED = {
-    COARSE: [(n, k) for n in (3, 4, 5, 6, 7, 8) for k in (200, 250, 300, 350, 400, 500)],
+    COARSE: [(n, k) for n in (3, 4, 5, 6, 7, 8) for k in (200, 220, 240, 260, 300, 350, 400, 500)],
     FINE: [(n, k) for n in (10, 11, 12, 13, 14, 16) for k in (1200, 1300, 1400, 1500, 1600, 1800, 2000, 2500, 3000)],
 }
 SETTLED = {
