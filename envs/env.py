@@ -22,7 +22,7 @@ from .step import LARGEST
 
 
 class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
-    """Drive a scene's plant from rest at its start to rest at its goal.
+    """Drive a scene's plant from its start to its goal.
 
     | what        | is                                                             | unit, range          |
     |-------------|----------------------------------------------------------------|----------------------|
@@ -68,14 +68,14 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
         self._dtype = kind.type
-        self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
         self._names = scene.varied_plant.varied
         self._nominal = scene.varied_plant.nominal_parameters
+        self._check_step()
+        self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
         self._idle = np.zeros(scene.plant.nu)
         self._steps = scene.steps
         self._over = True
         self._renderer: Any = None
-        self._check_step()
 
     def _check_step(self) -> None:
         """Raise StabilityLimitError where RK4's step is too long at the goal, for any extreme parameters."""

@@ -1,4 +1,4 @@
-"""Pictures of a scene: the bent arm, its goal, the path of its tip, the inputs.
+"""Pictures of a scene: the bent arm, its goal where that is a place, the path of its tip, the inputs.
 
 Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn.
 """
@@ -57,9 +57,10 @@ class Renderer:
         axes.plot(*circle.T, color=PALE, lw=1, zorder=0)
         for direction in np.eye(2):
             axes.plot(*np.outer(direction, (-reach, reach)), color=PALE, lw=1, zorder=0)
-        for link in goal:
-            axes.plot(*link.T, color=GOAL, lw=2, ls=(0, (3, 2)), alpha=0.7, zorder=1)
-        axes.plot(*goal[-1][-1], "o", ms=17, mfc="none", mec=GOAL, mew=2, alpha=0.7, zorder=1)
+        if scene.goal_at_rest:  # a goal that moves has no shape of its own
+            for link in goal:
+                axes.plot(*link.T, color=GOAL, lw=2, ls=(0, (3, 2)), alpha=0.7, zorder=1)
+            axes.plot(*goal[-1][-1], "o", ms=17, mfc="none", mec=GOAL, mew=2, alpha=0.7, zorder=1)
         self._trail = LineCollection([], linewidths=2.2, zorder=2, capstyle="butt")
         axes.add_collection(self._trail)
         style: dict[str, Any] = {"solid_capstyle": "round", "zorder": 4}

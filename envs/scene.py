@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from functools import cached_property, wraps
+from functools import cached_property, partial, wraps
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .vector import PlantVectorEnv
 
 Pairs = tuple[tuple[str, float], ...]
+Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
 ALLOWED: dict[str, tuple[str, Callable[[float], bool]]] = {
@@ -59,7 +60,10 @@ def once_per_scene(build: Callable[[Scene], R]) -> Callable[[Scene], R]:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """Drive `plant` from rest at `start` to rest at `goal`, at least cost, within limits.
+    """Drive `plant` from `start` to `goal`, at least cost, within limits.
+
+    Start and goal name coordinates of rest points, the rest of the state in equilibrium; or, not `at rest`, they name
+    states, the others zero: a beam that is let go, a hub that spins, a crank at its speed.
 
     Cost [-]  sum over control periods of
               dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
@@ -69,13 +73,16 @@ class Scene:
     name: str
     about: str
     plant: Plant
-    start: Pairs  # coordinates at rest [rad, m]
+    start: Pairs
     goal: Pairs
+    start_at_rest: bool = True
+    goal_at_rest: bool = True
+    drive: Drive | None = None  # (plant, t) -> nominal input (nu,); None: a minimum-jerk motion of the rigid plant
     duration: float = quantity("s", "positive")
     dt: float = quantity("s", "positive", 0.02)  # control period
     substeps: int = 10  # RK4 steps a control period
     move_time: float = quantity("s", "positive", 1.0)  # of the nominal motion from start to goal
-    limits: tuple[float, ...] = quantity("N m", "positive")  # largest |u| of each input
+    limits: tuple[float, ...] = quantity("the unit of the input", "positive")  # largest |u|
     bounds: Pairs = ()  # largest |output| [its unit]; beyond it the episode ends
     weights: Pairs = ()
     effort: Pairs = ()
@@ -91,7 +98,7 @@ class Scene:
         validate(self)
         plant, owner = self.plant, f"scene {self.name!r}"
         if len(self.limits) != plant.nu:
-            raise ValueError(f"{owner}: limits = {self.limits} must hold {plant.nu} numbers > 0 [N m]")
+            raise ValueError(f"{owner}: limits = {self.limits} must hold {plant.nu} numbers > 0")
         if not (isinstance(self.substeps, int) and self.substeps >= 1):
             raise ValueError(f"{owner}: substeps = {self.substeps!r} must be an integer >= 1")
         if self.steps < 1:
@@ -152,13 +159,19 @@ class Scene:
 
     @cached_property
     def initial(self) -> tuple[np.ndarray, np.ndarray]:
-        """(x, u) at rest at the start, deflections in equilibrium."""
-        return self.plant.equilibrium(dict(self.start))
+        """(x, u) at the start: at rest, deflections in equilibrium, or as given."""
+        return self.plant.equilibrium(dict(self.start)) if self.start_at_rest else self._given(self.start)
 
     @cached_property
     def target(self) -> tuple[np.ndarray, np.ndarray]:
-        """(x, u) at rest at the goal, deflections in equilibrium."""
-        return self.plant.equilibrium(dict(self.goal))
+        """(x, u) at the goal: at rest, deflections in equilibrium, or as given."""
+        return self.plant.equilibrium(dict(self.goal)) if self.goal_at_rest else self._given(self.goal)
+
+    def _given(self, values: Pairs) -> tuple[np.ndarray, np.ndarray]:
+        x = np.zeros(self.plant.nx)
+        for name, value in values:
+            x[index(self.plant.states, name, f"scene {self.name!r}: state")] = value
+        return x, np.zeros(self.plant.nu)
 
     def positions(self, names: Iterable[str]) -> list[int]:
         """Where the named signals stand in the vector [x; y]."""
@@ -241,10 +254,12 @@ class Scene:
 
     @cached_property
     def nominal_input(self) -> Callable[[float], np.ndarray]:
-        """Torques u(t) that take the rigid plant along a minimum-jerk motion to the goal, then hold it.
+        """Inputs u(t) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
 
-        The same torques drive every fidelity in the speed-accuracy chart.
+        The same inputs drive every fidelity in the speed-accuracy chart.
         """
+        if self.drive is not None:
+            return partial(self.drive, self.plant)
         rigid = self.plant.ladder()[0]
         n = rigid.nx // 2
         begin, end = (np.array([dict(g).get(s.name, 0.0) for s in rigid.states[:n]]) for g in (self.start, self.goal))

@@ -1,4 +1,4 @@
-"""How an episode starts: parameters and start drawn at random, the plant at rest there."""
+"""How an episode starts: parameters and start drawn at random, the plant at rest there where the scene says so."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np
 
 
 def begin(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """(x (n, nx), obs (n, no), w (n, nw), p (n, np)) of n randomised episodes, at rest where drawn."""
+    """(x (n, nx), obs (n, no), w (n, nw), p (n, np)) of n randomised episodes, from where drawn."""
     starts, w, p = draw(scene, rng, n)
     x = initial_states(scene, starts, p)
     return x, first_observations(scene, x, p), w, p
@@ -53,6 +53,7 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
     """Rest states (n, nx) with the coordinates of scene.start held at the rows of `starts`, for p (n, np).
 
     Newton's method on the statics, all lanes at once, from the scene's own start. Raises EquilibriumError.
+    Where the scene does not start at rest, its own start with the rows of `starts` written into it.
     """
     starts, p = np.asarray(starts, dtype=float), np.asarray(p, dtype=float)
     plant = scene.varied_plant
@@ -61,6 +62,10 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
             raise ValueError(f"initial_states: {name} has shape {value.shape}, must be (n, {width})")
         if not np.isfinite(value).all():
             raise ValueError(f"initial_states: {name} must be finite")
+    if not scene.start_at_rest:
+        x = np.tile(scene.initial[0], (len(starts), 1))
+        x[:, scene.positions(name for name, _ in scene.start)] = starts
+        return x
     if not (isinstance(plant, LagrangianPlant) and not plant.driven and len(scene.start) == plant.nu):
         given = ({name: v for (name, _), v in zip(scene.start, row)} for row in starts)
         return np.array([plant.equilibrium(row, p=q)[0] for row, q in zip(given, p)]).reshape(-1, plant.nx)

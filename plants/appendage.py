@@ -2,23 +2,25 @@
 
 Axes     C takes appendage axes to hub axes: the mounting times one turn about each hinge axis in order
 Motion   of the origin (acceleration a0), of the axes (omega, alpha) and of the modes; all in appendage axes
-Source   "Equations of Motion of Flexible Spacecraft", Eqs (2)-(13): the energy of (8) gives M_A(eta) below, and Lagrange's
-         equations in quasi-coordinates (Hamel) the rest, so that momentum and energy hold for every truncation.
+Source   "Equations of Motion of Flexible Spacecraft", Eqs (2)-(13): the energy of (8) gives M_A(eta) below, and
+         Lagrange's equations in quasi-coordinates (Hamel) the rest, so that momentum and energy hold for every
+         truncation.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
+from pliant.plants.parameters import quantity, require_choice, require_count, validate
+
 from .beams import Beam
 from .environment_loads import Surface
 from .modal_data import ModalData, axial
-from .parameters import quantity, require_choice, require_count, validate
 from .rotations import about, cross, matrix_of
 
 DRIVES = ("free", "torque", "angle", "motion")
@@ -34,8 +36,9 @@ def constant(value: Any) -> ca.SX:
 class Hinge:
     """Up to three turns in sequence about `axes`, unit vectors in mounting axes (the first is fixed to the hub).
 
-    drive   "free": spring and damper only; "torque": a motor torque is an input [N m]; "angle": the spring's rest angle is an
-            input (a commanded angle history) [rad]; "motion": the angular acceleration is an input [rad/s^2]
+    drive   "free": spring and damper only; "torque": a motor torque is an input [N m]; "angle": the spring's rest
+            angle is an input (a commanded angle history) [rad]; "motion": the angular acceleration is an input
+            [rad/s^2]
     """
 
     axes: tuple[tuple[float, float, float], ...] = ()
@@ -67,11 +70,12 @@ class Hinge:
 
 @dataclass(frozen=True, kw_only=True)
 class Appendage:
-    """A body hinged to the hub at `position`. `modes`: how many (the slowest), for a beam also (in x-y, in x-z); None: all given.
+    """A body hinged to the hub at `position`. `modes`: how many (the slowest), for a beam also (in x-y, in x-z);
+    None: all given.
 
-    A beam lies along x of its axes. `orientation`: a rotation matrix, or a quaternion (scalar first), from appendage axes
-    to hub axes with the hinge at zero. `damping` is a ratio added to every mode's own damping; `stiffness_factor` multiplies the
-    modal stiffness, and can be varied where the modal data cannot.
+    A beam lies along x of its axes. `orientation`: a rotation matrix, or a quaternion (scalar first), from
+    appendage axes to hub axes with the hinge at zero. `damping` is a ratio added to every mode's own damping;
+    `stiffness_factor` multiplies the modal stiffness, and can be varied where the modal data cannot.
     """
 
     position: Any = quantity("m", "finite")
@@ -102,8 +106,10 @@ class Appendage:
     def data(self) -> ModalData:
         """The modal data of all its modes."""
         if isinstance(self.body, ModalData):
-            require_count("Appendage", "modes", self.modes or 0, 0, self.body.n)
-            return self.body if self.modes is None else self.body.keep(range(self.modes))
+            if not isinstance(self.modes, int):
+                return self.body
+            require_count("Appendage", "modes", self.modes, 0, self.body.n)
+            return self.body.keep(range(self.modes))
         if isinstance(self.modes, tuple):
             return ModalData.boom(self.body, self.modes)
         count = 1 if self.modes is None else self.modes
@@ -153,9 +159,43 @@ class Appendage:
         return self.stiffness_factor * ca.dot(eta, constant(self.data.stiffness[:n, :n]) @ eta) / 2 if n else ca.SX(0)
 
 
+class _Fields(NamedTuple):
+    """The modes and, behind them, the shortening fields g_kl of the pairs k <= l that are not zero."""
+
+    R: np.ndarray
+    moments: np.ndarray
+    overlaps: np.ndarray
+    pairs: list[tuple[int, int]]
+
+    @classmethod
+    def of(cls, data: ModalData, n: int, stiffened: bool) -> _Fields:
+        found = [
+            (k, l) for k in range(n) for l in range(k, n) if stiffened and data.shortening_squares[k, l, k, l].any()
+        ]
+        k, l = [p[0] for p in found], [p[1] for p in found]
+        mixed = data.shortening_overlaps[:n, k, l]
+        squares = data.shortening_squares[k, l][:, k, l]
+        overlaps = np.block(
+            [[_flat(data.overlaps[:n, :n]), _flat(mixed)], [_flat(mixed.transpose(1, 0, 3, 2)), _flat(squares)]]
+        )
+        count = n + len(found)
+        return cls(
+            np.concatenate([data.R[:n], data.shortening[k, l]]),
+            np.concatenate([data.moments[:n], data.shortening_moments[k, l]]),
+            overlaps.reshape(count, 3, count, 3).transpose(0, 2, 1, 3),
+            found,
+        )
+
+
+def _flat(blocks: np.ndarray) -> np.ndarray:
+    """(a, b, 3, 3) as a matrix (3 a, 3 b)."""
+    a, b = blocks.shape[:2]
+    return blocks.transpose(0, 2, 1, 3).reshape(3 * a, 3 * b)
+
+
 @dataclass(frozen=True)
 class Inertia:
-    """The moments of a deformed body in its own axes, to second order in eta in its energy."""
+    """The moments of a deformed body in its own axes."""
 
     mass: float
     S: ca.SX  # int s dm (3,)
@@ -166,20 +206,29 @@ class Inertia:
 
     @classmethod
     def of(cls, data: ModalData, eta: ca.SX, stiffened: bool) -> Inertia:
+        """At eta (n,). Shortening -(1/2) g_kl eta_k eta_l is a field like a mode's, its amplitude a function of eta,
+        so that the energy is that of a motion of the points and M_A stays positive definite.
+        """
         n = eta.shape[0]
+        fields, amplitudes = _Fields.of(data, n, stiffened), [eta[k] for k in range(n)]
+        amplitudes += [-eta[k] * eta[l] / (2 if k == l else 1) for k, l in fields.pairs]
         S, P = constant(data.first), constant(data.second)
-        R, Y = constant(data.R[:n].T) if n else ca.SX(3, 0), constant(data.Y[:n].T) if n else ca.SX(3, 0)
-        for k in range(n):
-            S = S + constant(data.R[k]) * eta[k]
-            P = P + constant(data.moments[k] + data.moments[k].T) * eta[k]
-        for k in range(n):
-            for l in range(n):
-                G, H = data.shortening[k, l] * stiffened, data.shortening_moments[k, l] * stiffened
-                S = S - constant(G) * (eta[k] * eta[l] / 2)
-                P = P + constant(data.overlaps[k, l] - (H + H.T) / 2) * (eta[k] * eta[l])
-                R[:, k] -= constant(G) * eta[l]
-                Y[:, k] += constant(axial(data.overlaps[l, k]) - axial(H)) * eta[l]
-        return cls(float(data.mass), S, P, R, Y, constant(data.modal_mass[:n, :n]) if n else ca.SX(0, 0))
+        Y = ca.SX(3, len(amplitudes))
+        for a, c in enumerate(amplitudes):
+            S = S + constant(fields.R[a]) * c
+            P = P + constant(fields.moments[a] + fields.moments[a].T) * c
+            Y[:, a] = constant(axial(fields.moments[a]))
+        for a, c in enumerate(amplitudes):
+            for b, d in enumerate(amplitudes):
+                if fields.overlaps[a, b].any():
+                    P = P + constant(fields.overlaps[a, b]) * (c * d)
+                    Y[:, a] += constant(axial(fields.overlaps[b, a])) * d
+        R = constant(fields.R.T) if amplitudes else ca.SX(3, 0)
+        m = constant(np.einsum("abii->ab", fields.overlaps)) if amplitudes else ca.SX(0, 0)
+        if fields.pairs:
+            slopes = ca.vertcat(ca.SX.eye(n), ca.jacobian(ca.vertcat(*amplitudes[n:]), eta))
+            R, Y, m = R @ slopes, Y @ slopes, slopes.T @ m @ slopes
+        return cls(float(data.mass), S, P, R, Y, m)
 
     @property
     def tensor(self) -> ca.SX:

@@ -114,13 +114,26 @@ class Workspace:
 def random_points(plant: Plant, rng: np.random.Generator, batch: int = CHECKED) -> list[Array]:
     """States, inputs, disturbances and parameters (n, batch) at which a kernel is compared: moderate motions.
 
-    Coordinates that are lengths stay within centimetres, so that mass matrices stay definite.
+    Coordinates that are lengths stay within centimetres, so that mass matrices stay definite, and within less where a
+    plant is so small that its equations end there.
     """
-    size = np.array([0.02 if s.unit.startswith("m") else 1.0 for s in plant.states])[:, None]
-    x = size * rng.uniform(-1.0, 1.0, (plant.nx, batch))
+    lengths = np.array([s.unit.startswith("m") for s in plant.states])
+    x = np.where(lengths, 0.02, 1.0)[:, None] * rng.uniform(-1.0, 1.0, (plant.nx, batch))
     u, w = rng.uniform(-1.0, 1.0, (plant.nu, batch)), rng.uniform(-0.1, 0.1, (plant.nw, batch))
     p = plant.nominal_parameters[:, None] * rng.uniform(0.9, 1.1, (len(plant.varied), batch))
-    return [np.zeros((1, batch)), x, u, w, p]
+    t = np.zeros((1, batch))
+    if not _finite(plant, t, x, u, w, p):
+        for _ in range(10):
+            x[lengths] /= 2
+            if _finite(plant, t, x, u, w, p):
+                break
+        x[lengths] /= 2
+    return [t, x, u, w, p]
+
+
+def _finite(plant: Plant, *points: Array) -> bool:
+    values = (np.ascontiguousarray(a.T) for a in points)
+    return bool(np.isfinite(plant._dynamics(*values, batch=points[0].shape[1])[0]).all())
 
 
 def map_kernel(
@@ -135,9 +148,7 @@ def map_kernel(
         return [v.transpose(0, 2, 1) if v.ndim == 3 else v for v in numeric(*arrays, batch=len(arrays[0]))]
 
     rows = kernels._sizes(function)
-    return BatchKernel(
-        lambda: kernels.map_source(function, dtype, lanes), reference, rows, points, dtype, lanes=lanes
-    )
+    return BatchKernel(lambda: kernels.map_source(function, dtype, lanes), reference, rows, points, dtype, lanes=lanes)
 
 
 def rate_function(plant: Plant) -> ca.Function:
@@ -269,8 +280,7 @@ class NativeFunction(NumericFunction):
         self._lock = threading.Lock()  # the workspaces are shared
         ends = np.cumsum([r * c for r, c in self._shapes]).tolist()
         self._plan = [
-            (end - r * c, end, r, c, flatten)
-            for end, (r, c), flatten in zip(ends, self._shapes, self._squeeze)
+            (end - r * c, end, r, c, flatten) for end, (r, c), flatten in zip(ends, self._shapes, self._squeeze)
         ]
 
     @property

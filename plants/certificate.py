@@ -35,7 +35,9 @@ class Certificate:
     alpha: float  # [1/s]
     verified: bool
     overshoot: float  # |dx(t)| <= overshoot e^(-alpha (t - t0)) |dx(t0)|, sizes of x / scale
-    contraction: float  # the same over the whole time, with P at the start and the end: below 1 every deviation ends smaller
+    contraction: (
+        float  # the same over the whole time, with P at the start and the end: below 1 every deviation ends smaller
+    )
     slack: float  # smallest eigenvalue of R, of which V needs > 0; Q = 1 makes it 1 where P is exact
     scale: np.ndarray = field(repr=False)  # (nx,)
     periodic: bool
@@ -64,7 +66,7 @@ def lyapunov(
         raise ValueError(f"lyapunov.alpha = {alpha} must be finite [1/s]")
     if isinstance(model, LinearModel):
         return _constant(model, alpha, states)
-    pieces = as_pieces(model).models
+    pieces = as_pieces(model).pieces
     if len(pieces) > 1:
         return _none("V is not continued across jumps", kept(model, states))
     if periodic is not False:
@@ -118,7 +120,16 @@ def _made(
     why = said if verified else f"V is not shown to fall: slack {slack:.3g}; more steps or a smaller alpha may help"
     unscaled = P / size / size[:, None]
     return Certificate(
-        t, unscaled, float(alpha), bool(verified), float(overshoot), float(contraction), float(slack), size, periodic, why
+        t,
+        unscaled,
+        float(alpha),
+        bool(verified),
+        float(overshoot),
+        float(contraction),
+        float(slack),
+        size,
+        periodic,
+        why,
     )
 
 

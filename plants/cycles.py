@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from .errors import EquilibriumError, MassMatrixError
+from .floquet import floquet
 from .ltv import LTVModel
 from .parameters import require_count, require_finite
 from .signals import index
@@ -148,18 +149,11 @@ def _tail(e: np.ndarray) -> float:
 
 
 def floquet_multipliers(model: LTVModel, states: Sequence[str] | None = None) -> np.ndarray:
-    """Eigenvalues (n,) of the transition matrix over the model's whole time, largest first.
+    """Floquet multipliers (n,) of a model of one period, largest first; see `stability.floquet`.
 
-    The model must be of one period. `states` keeps only those (None: all): right where the others do not feel them.
+    `states` keeps only those (None: all): right where the others do not feel them.
     """
-    keep = list(range(len(model.states)))
-    if states is not None:
-        keep = [index(model.states, name, "state") for name in states]
-    total = np.eye(len(keep))
-    for Phi in model.transition()[0]:
-        total = Phi[np.ix_(keep, keep)] @ total
-    found = np.linalg.eigvals(total)
-    return found[np.argsort(-np.abs(found))]
+    return floquet(model, float(model.t[-1] - model.t[0]), states=states).multipliers
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,11 @@
 """Loads from outside: gravity in orbit, sunlight, residual magnetic and constant torques. Each is off unless given.
 
-Orbit axes   x along the velocity, y against the orbit normal, z to the centre of attraction (local vertical, local horizontal)
-Valid        circular reference orbit; gravity exact at the hub and linear across the spacecraft; no eclipse, no shadow of one
-             body on another
-Source       "Equations of Motion of Flexible Spacecraft", Eqs (19)-(24); the sign of the 3 (X.d)(X.phi) term in (23) corrected.
-             Light pressure: Wertz, "Spacecraft Attitude Determination and Control" (1978), Eq (17-18).
+Orbit axes   x along the velocity, y against the orbit normal, z to the centre of attraction (local vertical, local
+horizontal)
+Valid        circular reference orbit; gravity exact at the hub and linear across the spacecraft; no eclipse, no
+             shadow of one body on another
+Source       "Equations of Motion of Flexible Spacecraft", Eqs (19)-(24); the sign of the 3 (X.d)(X.phi) term in
+             (23) corrected. Light pressure: Wertz, "Spacecraft Attitude Determination and Control" (1978), Eq (17-18).
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from .parameters import quantity, validate
+from pliant.plants.parameters import quantity, validate
+
 from .rotations import about
 
 EARTH_RADIUS = 6.778e6  # [m], about 400 km up
@@ -49,7 +51,9 @@ class Orbit:
         return ca.vertcat(0, -self.rate, 0)
 
     def pull(self, position: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """At `position` (3,) relative to the orbit: gravity (3,) [m/s^2] less that on the orbit, and its gradient (3, 3)."""
+        """At `position` (3,) relative to the orbit: gravity (3,) [m/s^2] less that on the orbit, and its gradient
+        (3, 3).
+        """
         if not self.gravity:
             return ca.SX.zeros(3), ca.SX(3, 3)
         X = position - ca.vertcat(0, 0, self.radius)
@@ -78,7 +82,9 @@ class Sun:
 
 @dataclass(frozen=True, kw_only=True)
 class Surface:
-    """A flat surface: area, outward normal, reflected shares, centre (on the hub only). `both`: it has two bright sides."""
+    """A flat surface: area, outward normal, reflected shares, centre (on the hub only). `both`: it has two bright
+    sides.
+    """
 
     area: Any = quantity("m^2", "nonnegative")
     normal: Any = quantity("1", "finite")
@@ -100,7 +106,9 @@ class Surface:
         c = ca.dot(sun, n)
         lit = ca.fabs(c) if self.both else ca.fmax(c, 0)
         n = n * ca.sign(c) if self.both else n
-        return -pressure * self.area * lit * ((1 - self.specular) * sun + 2 * (self.specular * lit + self.diffuse / 3) * n)
+        return (
+            -pressure * self.area * lit * ((1 - self.specular) * sun + 2 * (self.specular * lit + self.diffuse / 3) * n)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

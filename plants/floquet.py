@@ -22,7 +22,6 @@ from .linear import LinearModel
 from .ltv import LTVModel
 from .path import Path, kept, scaling
 
-
 FLOOR = 1e-9  # a multiplier this near the unit circle is on it
 MOST_STEPS = 2**20
 CLEAR = 1e-4  # error of a multiplier from which on "on the unit circle" is no finding
@@ -135,7 +134,9 @@ def periodic_path(
         A = model.A[np.ix_(keep, keep)][None]
         return Path(np.array([0.0, period]), A.repeat(2, axis=0), scaling(A)), float(period), "A is constant"
     if not isinstance(model, LTVModel):
-        raise ValueError(f"floquet.model is a {type(model).__name__}, must be a LTVModel: pieces have no smooth period")
+        raise ValueError(
+            f"floquet.model is a {type(model).__name__}, must be an LTVModel: pieces have no smooth period"
+        )
     if period is None:
         found, source = periods.find(model)
         if found is None:
@@ -167,7 +168,7 @@ def _one_period(t: np.ndarray, A: np.ndarray, length: float) -> tuple[np.ndarray
 
 def monodromy(path: Path, length: float, tolerance: float) -> tuple[np.ndarray, np.ndarray, float]:
     """Edges (m+1,), transitions (m, n, n), relative error: steps are halved until the product stands still."""
-    m = 1 if path.constant else max(16, 2 * path.harmonics + 2, int(path.fastest() * length / 2))
+    m = 1 if path.constant else max(32, 2 * path.harmonics + 2, int(path.fastest() * length / 2))
     m = 1 << (m - 1).bit_length()
     before, change = None, np.inf
     while True:
@@ -216,9 +217,9 @@ def _reciprocal(M: np.ndarray, error: float) -> tuple[np.ndarray, np.ndarray] | 
         i = rest.pop(0)
         j = min(rest, key=lambda k: abs(mu[k] - mu[i]))
         rest.remove(j)
-        if abs(mu[i] - mu[j]) > 2e3 * fuzz:
+        if abs(mu[i] - mu[j]) > 50 * fuzz:
             return None
-        middle = (mu[i] + mu[j]) / 2
+        middle, apart = (mu[i] + mu[j]) / 2, abs(mu[i] - mu[j]) / 2
         if abs(middle.imag) <= fuzz:
             middle = complex(middle.real)
         uncertain = max(1e-13, error) * max(1.0, float(np.linalg.norm(N, 2)))
@@ -229,9 +230,9 @@ def _reciprocal(M: np.ndarray, error: float) -> tuple[np.ndarray, np.ndarray] | 
             root = 1j * np.sqrt(1 - (middle.real / 2) ** 2)
         big = middle / 2 + root if abs(middle / 2 + root) >= 1 else middle / 2 - root
         lam += [big, 1 / big]
-        spread = uncertain / max(2 * abs(root), np.sqrt(uncertain))
         circular = middle.imag == 0 and abs(middle.real) <= 2
-        rounding += [0.0 if circular else spread] * 2
+        spread = apart if circular else max(uncertain, apart)
+        rounding += [spread / max(2 * abs(root), np.sqrt(uncertain))] * 2
     return np.array(lam), np.array(rounding)
 
 
@@ -243,5 +244,3 @@ def _matched(plain: np.ndarray, lam: np.ndarray, rounding: np.ndarray) -> tuple[
         rest.remove(k)
         order.append(k)
     return lam[order], rounding[order]
-
-

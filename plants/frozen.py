@@ -65,8 +65,9 @@ def frozen_time(
     if isinstance(model, LinearModel):
         values = _ordered(model.A[np.ix_(keep, keep)][None])
         return FrozenTime(np.zeros(1), values, (), said)
-    times, found, crossings = [], [], []
-    for piece in as_pieces(model).models:
+    times, found = [], []
+    crossings: list[float] = []
+    for piece in as_pieces(model).pieces:
         A = piece.A[:, keep][:, :, keep]
         part = frozen_along(Path(piece.t, A, scaling(A)), _thinned(piece.t, points), said)
         crossings += part.critical_times
@@ -93,7 +94,7 @@ def said_coordinates(model: Any, states: Sequence[str] | None) -> str:
 
 def model_states(model: Any) -> tuple[str, ...]:
     """Names of the states of a model or of pieces."""
-    return model.state_names if isinstance(model, LinearModel) else as_pieces(model).state_names
+    return model.state_names if isinstance(model, LinearModel) else as_pieces(model).pieces[0].state_names
 
 
 def _ordered(A: np.ndarray) -> np.ndarray:
@@ -147,7 +148,7 @@ def slow_variation(
     if isinstance(model, LinearModel):
         worst = float(np.linalg.eigvals(model.A[np.ix_(keep, keep)]).real.max(initial=-np.inf))
         return SlowVariation(True, 0.0, max(-worst, 0.0), 0.0, np.inf, 0.0, "A is constant: its roots decide")
-    pieces = as_pieces(model).models
+    pieces = as_pieces(model).pieces
     if len(pieces) > 1:
         return _refused("the nominal has jumps: no rate bounds them")
     A = pieces[0].A[:, keep][:, :, keep]

@@ -30,7 +30,7 @@ class Growth:
     """Rows belong to the times t (nt,) [s]."""
 
     t: np.ndarray = field(repr=False)
-    curve: np.ndarray = field(repr=False)  # (nt,) largest growth since t[0], 1 at the start
+    logs: np.ndarray = field(repr=False)  # (nt,) ln of the largest growth since t[0]
     window: float  # [s]
     window_start: np.ndarray = field(repr=False)  # (nw,) [s]
     windows: np.ndarray = field(repr=False)  # (nw,) largest growth within each window
@@ -41,6 +41,12 @@ class Growth:
     critical_times: tuple[float, ...]  # [s] starts of windows between which deviations begin or cease to grow
 
     @property
+    def curve(self) -> np.ndarray:
+        """Largest growth (nt,) since t[0], 1 at the start; infinite beyond the range of numbers."""
+        with np.errstate(over="ignore"):
+            return np.exp(self.logs)
+
+    @property
     def total(self) -> float:
         """Largest growth over the whole nominal."""
         return float(self.curve[-1])
@@ -48,7 +54,7 @@ class Growth:
     @property
     def rate(self) -> float:
         """ln(total) / duration [1/s]."""
-        return float(np.log(max(self.total, 1e-300)) / (self.t[-1] - self.t[0]))
+        return float(self.logs[-1] / (self.t[-1] - self.t[0]))
 
 
 def growth(
@@ -77,25 +83,25 @@ def growth(
 def grown(t: np.ndarray, Phi: np.ndarray, size: np.ndarray, window: float | None) -> Growth:
     """The same from transitions Phi (nt-1, n, n) between the times t (nt,), in z = x / size (n,)."""
     n = Phi.shape[-1]
-    total, Q = np.eye(n), np.eye(n)
-    so_far, logs = np.empty((len(t), n, n)), np.zeros((len(t), n))
+    total, Q, power = np.eye(n), np.eye(n), 0.0
+    so_far, powers, logs = np.empty((len(t), n, n)), np.zeros(len(t)), np.zeros((len(t), n))
     so_far[0] = total
     for k, step in enumerate(Phi):
         total = step @ total
-        so_far[k + 1] = total
+        size_now = float(np.abs(total).max())
+        if size_now > 1e100 or 0 < size_now < 1e-100:  # kept within range; the power is added back below
+            total, power = total / size_now, power + np.log(size_now)
+        so_far[k + 1], powers[k + 1] = total, power
         Q, R = np.linalg.qr(step @ Q)
         with np.errstate(divide="ignore"):
             logs[k + 1] = logs[k] + np.log(np.abs(np.diagonal(R)))
-    if not np.isfinite(so_far).all():
-        late = int(np.argmin(np.isfinite(so_far).all(axis=(1, 2))))
-        raise ValueError(f"growth: deviations overflow at {t[late]:.6g} s, must stay finite: shorten the nominal")
     history = np.zeros_like(logs)
     history[1:] = logs[1:] / (t[1:] - t[0])[:, None]
     start, within, length = _windows(t, Phi, window)
     _, _, right = np.linalg.svd(so_far[-1])
     return Growth(
         t,
-        np.linalg.norm(so_far, 2, axis=(1, 2)),
+        np.log(np.maximum(np.linalg.norm(so_far, 2, axis=(1, 2)), 1e-300)) + powers,
         length,
         start,
         within,
@@ -116,7 +122,8 @@ def _timed(model: Any, duration: float | None) -> Any:
     empty = {k: np.zeros((201, len(getattr(model, s)))) for k, s in zip("xuy", ("states", "inputs", "outputs"))}
     still = {k: np.broadcast_to(getattr(model, k), (201, *getattr(model, k).shape)) for k in "ABECDF"}
     signals = {k: getattr(model, k) for k in ("states", "inputs", "disturbances", "outputs")}
-    return LTVModel(t, **still, c=empty["x"], **empty, **signals)
+    parts: dict[str, Any] = {**still, **empty, **signals}
+    return LTVModel(t, c=empty["x"], **parts)
 
 
 def chain(
@@ -126,13 +133,13 @@ def chain(
 
     A jump belongs to the interval after it.
     """
-    pieces, keep = as_pieces(model), kept(model, states)
-    matrices = [m.A[:, keep][:, :, keep] for m in pieces.models]
+    joined, keep = as_pieces(model), kept(model, states)
+    matrices = [m.A[:, keep][:, :, keep] for m in joined.pieces]
     size = scaling(np.concatenate(matrices)) if scale is None else require_finite("growth.scale", scale, (len(keep),))
     if not (size > 0).all():
         raise ValueError(f"growth.scale = {size} must be > 0")
-    times, found = [pieces.models[0].t[:1]], []
-    for k, (piece, A) in enumerate(zip(pieces.models, matrices)):
+    times, found = [joined.pieces[0].t[:1]], []
+    for k, (piece, A) in enumerate(zip(joined.pieces, matrices)):
         path = Path(piece.t, A, size)
         parts = max(1, int(np.ceil(path.fastest() * np.diff(piece.t).max() / ACROSS)))
         edges = piece.t
@@ -143,8 +150,7 @@ def chain(
         if parts > 1:
             Phi = magnus.product(Phi.reshape(-1, parts, *Phi.shape[1:]))
         if k:
-            assert pieces.jumps is not None
-            J = pieces.jumps[k - 1][np.ix_(keep, keep)] * size / size[:, None]
+            J = joined.jumps[k - 1][0][np.ix_(keep, keep)] * size / size[:, None]
             Phi = np.concatenate([Phi[:1] @ J, Phi[1:]])
         times.append(piece.t[1:])
         found.append(Phi)
@@ -152,16 +158,24 @@ def chain(
 
 
 def _windows(t: np.ndarray, Phi: np.ndarray, window: float | None) -> tuple[np.ndarray, np.ndarray, float]:
-    """Starts (nw,), growth within each window (nw,), and its length [s]: whole intervals, equal in number."""
+    """Starts (nw,), growth within each window (nw,), and its length [s]: whole intervals, equal in number.
+
+    Where the nodes are uneven the windows are too, and the length is their mean.
+    """
     span = float(t[-1] - t[0])
     length = span / 10 if window is None else float(window)
     if not 0 < length <= span * (1 + 1e-9):
         raise ValueError(f"growth.window = {length:.6g} must be > 0 and at most {span:.6g} s")
     count = min(len(Phi), max(1, round(length / span * len(Phi))))
-    found = Phi[: len(Phi) - count + 1]
+    found, powers = Phi[: len(Phi) - count + 1], np.zeros(len(Phi) - count + 1)
     for k in range(1, count):
         found = Phi[k : len(Phi) - count + 1 + k] @ found
-    return t[: len(found)], np.linalg.norm(found, 2, axis=(1, 2)), count * span / len(Phi)
+        if k % 16 == 0:  # kept within range
+            size = np.maximum(np.abs(found).max(axis=(1, 2)), 1e-300)
+            found, powers = found / size[:, None, None], powers + np.log(size)
+    with np.errstate(over="ignore"):
+        sizes = np.linalg.norm(found, 2, axis=(1, 2)) * np.exp(powers)
+    return t[: len(found)], sizes, count * span / len(Phi)
 
 
 def _crossings(t: np.ndarray, size: np.ndarray) -> tuple[float, ...]:

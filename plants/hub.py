@@ -8,8 +8,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.parameters import is_symbolic, quantity, validate
+
 from .environment_loads import Surface
-from .parameters import is_symbolic, quantity, validate
 from .rotations import cross
 
 
@@ -20,7 +21,8 @@ def _unit(owner: str, value: Any) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Wheel:
-    """A reaction wheel about `axis` (hub axes). Its input is the motor's torque on the hub; its state the axial momentum.
+    """A reaction wheel about `axis` (hub axes). Its input is the motor's torque on the hub; its state the axial
+    momentum.
 
     The hub's mass and inertia include the wheel, less `inertia` about its axis.
     """

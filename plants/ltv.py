@@ -34,6 +34,7 @@ from .signals import (
 
 if TYPE_CHECKING:
     from .linear import LinearModel
+    from .second_order import SecondOrderModel
 
 
 class DiscreteLTV(NamedTuple):
@@ -159,6 +160,12 @@ class LTVModel:
         dy = np.einsum("kij,kj->ki", self.C, dx)
         dy += np.einsum("kij,kj->ki", self.D, u) + np.einsum("kij,kj->ki", self.F, w)
         return dx, dy
+
+    def second_order(self, mass: Any = None) -> SecondOrderModel:
+        """[A] y'' + [B] y' + [C] y = Q where the states are [y; dy/dt]; `mass` (nt, n, n) multiplies all, see `second_order`."""
+        from .second_order import from_ltv
+
+        return from_ltv(self, mass)
 
     @cached_property
     def _gauss(self) -> tuple[np.ndarray, ...]:

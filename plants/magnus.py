@@ -8,6 +8,7 @@ step    Magnus expansion of order six on three Gauss points (Blanes, Casas, Oteo
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,4 +67,4 @@ def grouped(Phi: np.ndarray, edges: np.ndarray) -> np.ndarray:
     width = np.diff(edges)
     if len(width) and (width == width[0]).all():
         return product(Phi.reshape(len(width), width[0], *Phi.shape[1:]))
-    return np.array([product(Phi[a:b]) for a, b in zip(edges[:-1], edges[1:])])
+    return np.array([product(Phi[a:b]) for a, b in pairwise(edges)])

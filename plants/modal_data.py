@@ -9,9 +9,11 @@ Source   "Equations of Motion of Flexible Spacecraft", Eqs (9)-(13) and (24). Th
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +25,9 @@ from .parameters import is_symbolic, require_count
 from .signals import read_only
 
 Array = np.ndarray
-AXES = np.array([[[0, 0, 0], [0, 0, 1], [0, -1, 0]], [[0, 0, -1], [0, 0, 0], [1, 0, 0]], [[0, 1, 0], [-1, 0, 0], [0, 0, 0]]])
+AXES = np.array(
+    [[[0, 0, 0], [0, 0, 1], [0, -1, 0]], [[0, 0, -1], [0, 0, 0], [1, 0, 0]], [[0, 1, 0], [-1, 0, 0], [0, 0, 0]]]
+)
 
 
 def axial(P: Array) -> Array:
@@ -48,6 +52,8 @@ class ModalData:
     damping: Array = field(repr=False)  # (n, n) [N s/m]
     shortening: Array = field(repr=False)  # int g_kl dm (n, n, 3) [kg/m]
     shortening_moments: Array = field(repr=False)  # int r g_kl^T dm (n, n, 3, 3) [kg]
+    shortening_overlaps: Array = field(repr=False)  # int phi_j g_kl^T dm (n, n, n, 3, 3) [kg/m]
+    shortening_squares: Array = field(repr=False)  # int g_kl g_mn^T dm (n, n, n, n, 3, 3) [kg/m^2]
     tip: Array = field(repr=False)  # the point that outputs watch (3,) [m]
     tip_shapes: Array = field(repr=False)  # phi_k there (n, 3)
     outline: Array = field(repr=False)  # points for drawing (m, 3) [m]
@@ -55,11 +61,12 @@ class ModalData:
 
     def __post_init__(self) -> None:
         n = len(self.R)
-        if not (np.isscalar(self.mass) and 0 < float(self.mass) < np.inf):
+        if not (isinstance(self.mass, numbers.Real) and 0 < float(self.mass) < np.inf):
             raise ValueError(f"ModalData.mass = {self.mass!r} must be > 0 [kg]")
         shapes: dict[str, tuple[int, ...]] = {"first": (3,), "second": (3, 3), "R": (n, 3), "moments": (n, 3, 3)}
         shapes |= {"overlaps": (n, n, 3, 3), "stiffness": (n, n), "damping": (n, n), "shortening": (n, n, 3)}
         shapes |= {"shortening_moments": (n, n, 3, 3), "tip": (3,), "tip_shapes": (n, 3)}
+        shapes |= {"shortening_overlaps": (n, n, n, 3, 3), "shortening_squares": (n, n, n, n, 3, 3)}
         shapes |= {"outline": (-1, 3), "outline_shapes": (n, -1, 3)}
         for name, shape in shapes.items():
             object.__setattr__(self, name, read_only(f"ModalData.{name}", getattr(self, name), shape))
@@ -69,7 +76,7 @@ class ModalData:
                 raise ValueError(f"ModalData.{name} = {value.tolist()} must be symmetric")
         for name, value in (("int z z^T dm", self.pi), ("stiffness", self.stiffness), ("damping", self.damping)):
             least = np.linalg.eigvalsh((value + value.T) / 2)[0] if len(value) else 0.0
-            if least < -1e-9 * np.abs(value).max():
+            if least < -1e-9 * np.abs(value).max(initial=0.0):
                 raise ValueError(f"ModalData: {name} has the eigenvalue {least:.3g}, must be >= 0")
         if n and np.linalg.eigvalsh(self.modal_mass)[0] <= 1e-12 * np.abs(self.modal_mass).max():
             raise ValueError(f"ModalData.R: the {n} modes must be independent")
@@ -150,6 +157,8 @@ class ModalData:
         pairs = ("overlaps", "stiffness", "damping", "shortening", "shortening_moments")
         rows = ("R", "moments", "tip_shapes", "outline_shapes")
         values: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        values["shortening_overlaps"] = values["shortening_overlaps"][np.ix_(chosen, chosen, chosen)]
+        values["shortening_squares"] = values["shortening_squares"][np.ix_(chosen, chosen, chosen, chosen)]
         values |= {name: values[name][pair] for name in pairs} | {name: values[name][chosen] for name in rows}
         return ModalData(**values)
 
@@ -166,6 +175,8 @@ class ModalData:
             first=first,
             second=np.trace(I) / 2 * np.eye(3) - I,
             tip=tip,
+            shortening_overlaps=np.zeros((0, 0, 0, 3, 3)),
+            shortening_squares=np.zeros((0, 0, 0, 0, 3, 3)),
             outline=np.array([np.zeros(3), tip]),
             outline_shapes=np.zeros((0, 2, 3)),
             **{name: np.zeros(shape) for name, shape in empty.items()},
@@ -186,8 +197,8 @@ class ModalData:
     ) -> ModalData:
         """Sums over N nodes: positions (N, 3) [m], masses (N,) [kg], shapes (n, N, 3).
 
-        `frequencies` (n,) [rad/s] of orthogonal modes, or `stiffness` (n, n) [N/m]. `damping`: a ratio for every mode, or (n, n)
-        [N s/m]. `shortening` g_kl (n, n, N, 3) [1/m]. `tip`: the node that the outputs watch.
+        `frequencies` (n,) [rad/s] of orthogonal modes, or `stiffness` (n, n) [N/m]. `damping`: a ratio for every
+        mode, or (n, n) [N s/m]. `shortening` g_kl (n, n, N, 3) [1/m]. `tip`: the node that the outputs watch.
         """
         r = read_only("ModalData.positions", positions, (-1, 3))
         dm = read_only("ModalData.masses", masses, (len(r),))
@@ -196,7 +207,11 @@ class ModalData:
         if (dm < 0).any():
             raise ValueError(f"ModalData.masses[{int(np.argmin(dm))}] = {dm.min()} must be >= 0 [kg]")
         require_count("ModalData", "tip", tip, -len(r), len(r) - 1)
-        g = np.zeros((n, n, len(r), 3)) if shortening is None else read_only("shortening", shortening, (n, n, len(r), 3))
+        g = (
+            np.zeros((n, n, len(r), 3))
+            if shortening is None
+            else read_only("shortening", shortening, (n, n, len(r), 3))
+        )
         overlaps = np.einsum("p,kpi,lpj->klij", dm, phi, phi)
         modal_mass = np.einsum("klii->kl", overlaps)
         if (frequencies is None) == (stiffness is None):
@@ -220,6 +235,8 @@ class ModalData:
             damping=damping,
             shortening=np.einsum("p,klpi->kli", dm, g),
             shortening_moments=np.einsum("p,pi,klpj->klij", dm, r, g),
+            shortening_overlaps=np.einsum("p,jpa,klpb->jklab", dm, phi, g),
+            shortening_squares=np.einsum("klpa,mnpb->klmnab", g * dm[:, None], g, optimize=True),
             tip=r[tip],
             tip_shapes=phi[:, tip],
             outline=r,
@@ -233,7 +250,11 @@ class ModalData:
         Bending in x-z first; no torsion, no inertia about x.
         """
         in_plane, out = _counts(modes, "boom")
-        return _along_x(beam, [(0.0, 1.0)], [(2, out, beam_stiffness(beam, "I_y"), (1.0,)), (1, in_plane, beam_stiffness(beam, "I_z"), (1.0,))])
+        return _along_x(
+            beam,
+            [(0.0, 1.0)],
+            [(2, out, beam_stiffness(beam, "I_y"), (1.0,)), (1, in_plane, beam_stiffness(beam, "I_z"), (1.0,))],
+        )
 
     @classmethod
     def panel(cls, beam: Beam, width: float, modes: tuple[int, int] = (1, 1)) -> ModalData:
@@ -247,6 +268,41 @@ class ModalData:
         lines = [(width / 2, 1.0), (-width / 2, 1.0)]
         EI = beam_stiffness(beam, "I_y")
         return _along_x(beam, lines, [(2, bending, EI, (1.0, 1.0)), (2, twisting, EI, (1.0, -1.0))])
+
+    @classmethod
+    def from_matrices(
+        cls, mass: Any, stiffness: Any, positions: Any, *, root: Sequence[int], modes: int, damping: float = 0.0
+    ) -> ModalData:
+        """The slowest clamped modes of a structural model: M, K (6 N, 6 N) or (3 N, 3 N), nodes at positions (N, 3)
+        [m].
+
+        Freedoms of a node stand together: three translations, then three turns. `root`: the clamped nodes, one of
+        them at the attachment point. Masses are lumped at the nodes (rows summed over translations along each
+        axis), turns without mass condensed.
+        """
+        from .structural import clamped_modes
+
+        r = read_only("ModalData.positions", positions, (-1, 3))
+        masses, shapes, omega = clamped_modes(mass, stiffness, len(r), root, modes)
+        return cls.from_nodes(r, masses, shapes, frequencies=omega, damping=damping)
+
+    @classmethod
+    def from_nastran(
+        cls,
+        path: str | Path,
+        positions: Any,
+        *,
+        root: Sequence[int],
+        modes: int,
+        mass: str = "mgg",
+        stiffness: str = "kgg",
+        damping: float = 0.0,
+    ) -> ModalData:
+        """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti."""
+        from .structural import read_nastran
+
+        M, K = read_nastran(path, mass, stiffness)
+        return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping)
 
 
 def _counts(modes: tuple[int, int], kind: str) -> tuple[int, int]:
@@ -279,36 +335,48 @@ def _along_x(
     n, points = sum(count for _, count, _, _ in families), len(xi)
     r = np.concatenate([np.column_stack([L * xi, np.full(points, y), np.zeros(points)]) for y, _ in lines])
     dm = np.concatenate([share * beam.mass * weight for _, share in lines])
-    phi, slope = np.zeros((n, len(r), 3)), np.zeros((n, len(r), 3))
+    phi = np.zeros((n, len(r), 3))
     ends, frequencies, k = np.zeros((n, 3)), np.zeros(n), 0
     for direction, count, EI, signs in families:
         if not count:
             continue
         shape = basis("clamped-free", count).phi
-        value, rise, end = shape(xi), shape(xi, 1) / L, shape(np.array(1.0))
+        value, end = shape(xi), shape(np.array(1.0))
         for j in range(count):
             phi[k, :, direction] = np.concatenate([s * value[:, j] for s in signs])
-            slope[k, :, direction] = np.concatenate([s * rise[:, j] for s in signs])
             ends[k, direction] = signs[0] * end[j]
             frequencies[k] = shape.roots[j] ** 2 * np.sqrt(EI / (beam.linear_density * L**4))  # type: ignore[union-attr]
             k += 1
     tip = np.array([L, lines[0][0], 0.0])
-    data = ModalData.from_nodes(r, dm, phi, frequencies=frequencies)
-    # int g_kl dm = int_0^L (mass beyond x) phi_k' . phi_l' dx, and its moment, by exchanging the integrals
-    x = r[:, 0]
-    pair = np.einsum("kpi,lpi->klp", slope, slope)
-    beyond = dm * L  # rho A L dx = dm; a line's mass beyond x is rho A (L - x)
-    mean = np.einsum("klp,p->kl", pair, beyond * (1 - x / L))
-    moment_x = np.einsum("klp,p->kl", pair, beyond * (1 - (x / L) ** 2) * L / 2)
-    moment_y = np.einsum("klp,p->kl", pair, beyond * (1 - x / L) * r[:, 1])
-    first, second = np.zeros((n, n, 3)), np.zeros((n, n, 3, 3))
-    first[:, :, 0], second[:, :, 0, 0], second[:, :, 1, 0] = mean, moment_x, moment_y
+    g = np.zeros((n, n, len(r), 3))
+    g[..., 0] = _shortening(families, n, L, xi)
+    data = ModalData.from_nodes(r, dm, phi, frequencies=frequencies, shortening=g)
     values: dict[str, Any] = {name: getattr(data, name) for name in data.__dataclass_fields__}
-    values |= {"shortening": first, "shortening_moments": second, "damping": beam.damping * data.stiffness}
+    values |= {"damping": beam.damping * data.stiffness}
     shown = slice(None, points, max(points // 12, 1))
     values |= {"tip": tip, "tip_shapes": ends}
-    values |= {"outline": np.vstack([r[shown], tip]), "outline_shapes": np.concatenate([phi[:, shown], ends[:, None]], axis=1)}
+    values |= {
+        "outline": np.vstack([r[shown], tip]),
+        "outline_shapes": np.concatenate([phi[:, shown], ends[:, None]], axis=1),
+    }
     return ModalData(**{name: _tidy(value) for name, value in values.items()})
+
+
+def _shortening(families: list[tuple[int, int, float, tuple[float, ...]]], n: int, L: float, xi: Array) -> Array:
+    """g_kl (n, n, lines * points) [1/m] along x: the integral of phi_k' . phi_l' from the root to x = L xi."""
+    most = max(count for _, count, _, _ in families)
+    g = np.zeros((n, n, len(families[0][3]), len(xi)))
+    if not most:
+        return g.reshape(n, n, len(families[0][3]) * len(xi))
+    node, weight = quadrature(most)
+    slope = basis("clamped-free", most).phi(xi[:, None] * node, 1) / L
+    growth = np.einsum("pqi,pqj,q,p->ijp", slope, slope, weight, L * xi)
+    modes = [(direction, j, np.array(signs)) for direction, count, _, signs in families for j in range(count)]
+    for k, (along, i, sign) in enumerate(modes):
+        for l, (other, j, turned) in enumerate(modes):
+            if along == other:
+                g[k, l] = (sign * turned)[:, None] * growth[i, j]
+    return g.reshape(n, n, len(families[0][3]) * len(xi))
 
 
 def _tidy(value: Any) -> Any:

@@ -1,13 +1,12 @@
 """A(t) of a linear model as a function of time, in coordinates scaled once for all times.
 
 Between the nodes A is a cubic spline, as in `LTVModel`; over a period of equidistant nodes a trigonometric polynomial
-where its harmonics die out, else a periodic cubic spline. A nominal with jumps is a list of models, `Pieces`.
+where its harmonics die out, else a periodic cubic spline. A nominal with jumps is a `PiecewiseLTV`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,75 +15,53 @@ import scipy.linalg as sla
 from . import magnus
 from .linear import LinearModel
 from .ltv import LTVModel
-from .parameters import require_finite
+from .piecewise import PiecewiseLTV
 from .signals import index
 
 DROPPED = 1e-11  # of the largest |A|: harmonics that are left out, root of the sum of squares
 MOST_HARMONICS = 256
+NOISE, WIDEST = 1e-12, 2.0**30  # of entries that scaling ignores; of scales from their median
 CHUNK = 4096  # steps whose matrices are held at a time
 
 
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """Models of consecutive time spans; after piece k a deviation jumps from dx to jumps[k] dx.
+Model = LinearModel | LTVModel | PiecewiseLTV | Sequence[LTVModel]
 
-    `models` LTVModels with the same states, each beginning when the one before ends. `jumps` (np-1, nx, nx), None: the
-    state is continuous and only the matrices jump. A constant impulse moves the nominal, not the deviation.
+
+def as_pieces(model: Model) -> PiecewiseLTV:
+    """The model as pieces: one where it has no jump; a list is joined without jumps of the state.
+
+    ValueError for a LinearModel, which has no times. A constant jump j moves all deviations alike: only J matters.
     """
-
-    models: tuple[LTVModel, ...]
-    jumps: tuple[np.ndarray, ...] | None = None
-
-    def __post_init__(self) -> None:
-        models = tuple(self.models)
-        if not models or not all(isinstance(m, LTVModel) for m in models):
-            raise ValueError(f"Pieces.models = {[type(m).__name__ for m in models]} must be one or more LTVModel")
-        n = len(models[0].states)
-        for k, (a, b) in enumerate(zip(models, models[1:])):
-            if a.state_names != b.state_names:
-                raise ValueError(f"Pieces.models[{k + 1}] has states {b.state_names}, must be {a.state_names}")
-            if abs(b.t[0] - a.t[-1]) > 1e-9 * max(1.0, abs(a.t[-1]), a.t[-1] - a.t[0]):
-                raise ValueError(f"Pieces.models[{k + 1}] begins at {b.t[0]:.9g} s, must be {a.t[-1]:.9g}: the end before")
-        jumps = (np.eye(n),) * (len(models) - 1) if self.jumps is None else tuple(self.jumps)
-        if len(jumps) != len(models) - 1:
-            raise ValueError(f"Pieces.jumps has {len(jumps)} matrices, must have {len(models) - 1}: one between two pieces")
-        jumps = tuple(require_finite(f"Pieces.jumps[{k}]", J, (n, n)) for k, J in enumerate(jumps))
-        object.__setattr__(self, "models", models)
-        object.__setattr__(self, "jumps", jumps)
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        return self.models[0].state_names
-
-
-Model = LinearModel | LTVModel | Pieces | Sequence[LTVModel]
-
-
-def as_pieces(model: Model) -> Pieces:
-    """The model as pieces: one where it has no jump. ValueError for a LinearModel, which has no times."""
-    if isinstance(model, Pieces):
+    if isinstance(model, PiecewiseLTV):
         return model
-    if isinstance(model, LTVModel):
-        return Pieces((model,))
-    if isinstance(model, Sequence):
-        return Pieces(tuple(model))
-    raise ValueError(f"model is a {type(model).__name__}, must be an LTVModel, Pieces or a list of LTVModel")
+    models = (model,) if isinstance(model, LTVModel) else model
+    if not isinstance(models, Sequence) or not models or not all(isinstance(m, LTVModel) for m in models):
+        raise ValueError(f"model is a {type(model).__name__}, must be an LTVModel, PiecewiseLTV or a list of LTVModel")
+    n = len(models[0].states)
+    return PiecewiseLTV(tuple(models), ((np.eye(n), np.zeros(n)),) * (len(models) - 1))
 
 
 def kept(model: Any, states: Sequence[str] | None) -> list[int]:
     """Positions of the named states (None: all)."""
-    signals = as_pieces(model).models[0].states if not isinstance(model, LinearModel) else model.states
+    signals = as_pieces(model).pieces[0].states if not isinstance(model, LinearModel) else model.states
     if states is None:
         return list(range(len(signals)))
     return [index(signals, name, "state") for name in states]
 
 
 def scaling(A: np.ndarray) -> np.ndarray:
-    """Powers of two (n,), largest 1: in z = x / scale the rows and columns of A (nt, n, n) are of like size."""
+    """Powers of two (n,), largest 1: in z = x / scale the rows and columns of A (nt, n, n) are of like size.
+
+    Entries that are rounding beside the largest of their row or column do not count.
+    """
     mean = np.abs(A).mean(axis=0)
     if not len(mean) or not mean.any():
         return np.ones(len(mean))
-    _, (scale, _) = sla.matrix_balance(mean, permute=False, separate=True)
+    across, down = mean.max(axis=1, keepdims=True), mean.max(axis=0, keepdims=True)
+    mean[mean < NOISE * np.minimum(across, down)] = 0.0
+    with np.errstate(invalid="ignore"):  # SciPy casts the scales to integers for a permutation that is not asked for
+        _, (scale, _) = sla.matrix_balance(mean, permute=False, separate=True)
+    scale = np.clip(scale / np.median(scale), 1 / WIDEST, WIDEST)
     return scale / scale.max()
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from .ltv import LTVModel
 
 CLOSES = 1e-5  # of the range of A(t): how near A must come back
+ONE_SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # first derivative at the first of five nodes
 TURNS = 2e-2  # of the largest |dA/dt|: how near its rate must come back
 
 
@@ -45,7 +46,7 @@ def find(model: LTVModel) -> tuple[float | None, str]:
     Either A(t) repeats itself at least once within the model, or the whole model closes: A, its rate and the nominal
     state come back (angles up to whole turns, quaternions up to their sign).
     """
-    flat, spread = varying(model)
+    flat, _ = varying(model)
     span = float(model.t[-1] - model.t[0])
     if not flat.shape[1]:
         return span, "A is constant"
@@ -64,9 +65,17 @@ def _spline(t: np.ndarray, values: np.ndarray) -> Any:
     return CubicSpline(t, values)
 
 
+def _uniform(t: np.ndarray) -> bool:
+    h = np.diff(t)
+    return bool(h.max() - h.min() <= 1e-7 * h[0])
+
+
 def _why_not_smooth(model: LTVModel, flat: np.ndarray) -> str:
     t, few = model.t, min(12, len(model.t))
-    begin, end = _spline(t[:few], flat[:few])(t[0], 1), _spline(t[-few:], flat[-few:])(t[-1], 1)
+    if len(t) >= 5 and _uniform(t):
+        begin, end = ONE_SIDED @ flat[:5] / (t[1] - t[0]), -ONE_SIDED @ flat[:-6:-1] / (t[1] - t[0])
+    else:
+        begin, end = _spline(t[:few], flat[:few])(t[0], 1), _spline(t[-few:], flat[-few:])(t[-1], 1)
     largest = np.abs(np.diff(flat, axis=0) / np.diff(t)[:, None]).max()
     miss = float(np.abs(end - begin).max() / largest)
     return f"dA/dt at the end differs from that at the start by {miss:.2g} of its largest" if miss > TURNS else ""
@@ -92,8 +101,7 @@ def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
     rng = np.random.default_rng(0)
     centred = (flat - flat.mean(axis=0)) / np.ptp(flat, axis=0)
     few = centred @ rng.uniform(0.5, 1.0, (flat.shape[1], 2)) / flat.shape[1]
-    path = _spline(t, few)
-    uniform = path(np.linspace(t[0], t[-1], n))
+    uniform = few if _uniform(t) else _spline(t, few)(np.linspace(t[0], t[-1], n))
     half = n // 2 + 1
     square = np.vstack([np.zeros(1), np.cumsum((uniform**2).sum(axis=1))[:, None]])[:, 0]
     pad = np.fft.rfft(uniform, 2 * n, axis=0)
@@ -103,7 +111,9 @@ def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
     low = (distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])
     level = 2 * square[n] / n
     step = (t[-1] - t[0]) / (n - 1)
-    for k in np.flatnonzero(low & (distance[1:-1] < 0.1 * level))[:8] + 1:
+    near = np.flatnonzero(low & (distance[1:-1] < 0.1 * level))[:8] + 1
+    path = _spline(t, few) if len(near) else None
+    for k in near:
         found = _refined(path, t, float(k * step), step)
         if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9) and not why_not(model, found):
             return found

@@ -1,11 +1,13 @@
 """Flexible spacecraft: a rigid hub with any number of hinged flexible appendages.
 
-States   x = [position, quaternion, hinge angles, eta, velocity, body rates, hinge rates, eta rates, wheel momenta]; position
-         and velocity of the hub's mass centre in reference axes (inertial, or the orbit's), quaternion scalar first from body to
-         reference axes, rates of the hub relative to inertial space in its own axes
+States   x = [position, quaternion, hinge angles, eta, velocity, body rates, hinge rates, eta rates, wheel momenta];
+         position and velocity of the hub's mass centre in reference axes (inertial, or the orbit's), quaternion
+         scalar first from body to reference axes, rates of the hub relative to inertial space in its own axes
 Inputs   wheel torques on the hub [N m], thrusts [N] (three torques [N m] without either), then hinge inputs
-Outputs  attitude (twice the quaternion's vector: the rotation vector when small), body rates, each appendage's tip deflection
-Valid    nonlinear in the motion of hub and hinges, linear in the elastic coordinates ("stiffened": with the second-order shortening)
+Outputs  attitude (twice the quaternion's vector: the rotation vector when small), body rates, each appendage's tip
+         deflection
+Valid    nonlinear in the motion of hub and hinges, linear in the elastic coordinates ("stiffened": with the
+         second-order shortening)
 Source   "Equations of Motion of Flexible Spacecraft", corrected; see `perturbation` for its linear model
 """
 
@@ -21,9 +23,10 @@ import casadi as ca
 import numpy as np
 
 from . import spacecraft_equations as equations
-from .appendage import Appendage, Hinge
+from .appendage import Appendage, Hinge, constant
 from .beams import Beam
 from .environment_loads import Environment, Orbit, Sun, Surface
+from .errors import MassMatrixError
 from .functions import NumericFunction, function
 from .hub import Hub, Thruster, Wheel
 from .modal_data import ModalData
@@ -58,7 +61,9 @@ AXES = "xyz"
 
 @dataclass(frozen=True, kw_only=True)
 class FlexibleSpacecraft(Plant):
-    """M(theta, eta) (a, alpha, theta'', eta'') + bias = loads; d(quaternion)/dt = Xi omega / 2; d(position)/dt = velocity."""
+    """M(theta, eta) (a, alpha, theta'', eta'') + bias = loads; d(quaternion)/dt = Xi omega / 2; d(position)/dt =
+    velocity.
+    """
 
     hub: Hub
     appendages: tuple[Appendage, ...] = ()
@@ -75,7 +80,8 @@ class FlexibleSpacecraft(Plant):
     def textbook(cls) -> Self:
         """A 500 kg hub with two 5 m booms along +-x, each with two modes out of plane and one in plane.
 
-        Made to be checked by hand: rho A = 2 kg/m, EI = 100 N m^2 out of plane and 400 in plane, root 1 m off the centre.
+        Made to be checked by hand: rho A = 2 kg/m, EI = 100 N m^2 out of plane and 400 in plane, root 1 m off the
+        centre.
         """
         boom = Beam(length=5.0, area=1e-3, I_y=1e-7, I_z=4e-7, J=4e-7, density=2000.0, E=1e9, G=4e8)
         turned = ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
@@ -164,7 +170,9 @@ class FlexibleSpacecraft(Plant):
 
     def ladder(self) -> tuple[Self, ...]:
         """Rigid, then one mode of each appendage and all, linear and stiffened."""
-        few = tuple(dataclasses.replace(a, modes=None, body=a.data.keep(range(min(1, a.data.n)))) for a in self.appendages)
+        few = tuple(
+            dataclasses.replace(a, modes=None, body=a.data.keep(range(min(1, a.data.n)))) for a in self.appendages
+        )
         steps = [dataclasses.replace(self, kinematics="rigid")]
         for kinematics in ("linear", "stiffened"):
             if any(a.data.n > 1 for a in self.appendages):
@@ -184,23 +192,55 @@ class FlexibleSpacecraft(Plant):
 
     # --- equations -----------------------------------------------------------------------------------------------
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        return equations.rate(self, t, x, u, w)
+        return equations.rate(self, t, x, u, w)[0]
+
+    @cached_property
+    def expressions(self) -> tuple[ca.SX, ca.SX]:
+        t, x, u, w, _ = self.symbols
+        return self._motion[0], self.symbolic.output(t, x, u, w)
+
+    @cached_property
+    def _motion(self) -> tuple[ca.SX, ca.SX]:
+        """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
+        return equations.rate(self.symbolic, *self.symbols[:4])
+
+    @cached_property
+    def _dynamics(self) -> NumericFunction:
+        return function("dynamics", list(self.symbols), list(self._motion))
+
+    def dynamics(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
+        """dx/dt: (nx,) or (B, nx). Raises MassMatrixError where a hinge has nothing to turn."""
+        values, batch = self._arguments(x, u, w, p, t)
+        rate, pivot = self._dynamics(*values, batch=batch)
+        if not pivot.min() > 0:
+            k = int(np.argmin(pivot.reshape(-1) > 0))
+            state = np.atleast_2d(values[1])[k if np.ndim(values[1]) == 2 else 0]
+            raise MassMatrixError(
+                f"the mass matrix of {self.label} is not positive definite (pivot {pivot.min():.3g}): "
+                f"an appendage has no inertia about one of its hinge's axes, at x = {state}",
+                state.copy(),
+                float(pivot.min()),
+            )
+        return rate
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         at, found = self.layout, [2 * x[self.layout.quaternion][1:], x[self.layout.omega]]
         for i, a in enumerate(self.appendages):
             eta = x[at.modes[i]]
-            found.append(equations.constant(a.data.tip_shapes[: eta.shape[0]].T) @ eta if eta.shape[0] else ca.SX.zeros(3))
+            found.append(constant(a.data.tip_shapes[: eta.shape[0]].T) @ eta if eta.shape[0] else ca.SX.zeros(3))
         return ca.vertcat(*found)
 
     @cached_property
     def _jacobians(self) -> NumericFunction:
-        return equations.jacobians(self)
+        return self._linear.solved
+
+    @cached_property
+    def _linear(self) -> equations.Linear:
+        return equations.Linear(self)
 
     @cached_property
     def _conserved(self) -> NumericFunction:
-        t, x, u, w, _ = self.symbols
-        return function("conserved", list(self.symbols), list(equations.conserved(self.symbolic, x)))
+        return function("conserved", list(self.symbols), list(equations.conserved(self.symbolic, self.symbols[1])))
 
     @cached_property
     def _residual(self) -> NumericFunction:
@@ -227,10 +267,10 @@ class FlexibleSpacecraft(Plant):
         t, x, u, w, _ = self.symbols
         return function("power", list(self.symbols), [equations.power(self.symbolic, t, x, u, w)])
 
-    def residual(
-        self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0
-    ) -> np.ndarray:
-        """M a + bias - loads (6 + n,) at any accelerations a = [hub (hub axes), body rates', hinges, modes] (6 + n,)."""
+    def residual(self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
+        """M a + bias - loads (6 + n,) at any accelerations a = [hub (hub axes), body rates', hinges, modes] (6 +
+        n,).
+        """
         values, batch = self._arguments(x, u, w, p, t)
         return self._residual(*values, np.asarray(a, dtype=float), batch=batch)[0]
 
@@ -242,15 +282,24 @@ class FlexibleSpacecraft(Plant):
         return self._residual(*values, zero, batch=batch)[1]
 
     def equilibrium(
-        self, fixed: Mapping[str, float] | None = None, *, guess: Mapping[str, float] | None = None, p: Any = None, **named: float
+        self,
+        fixed: Mapping[str, float] | None = None,
+        *,
+        guess: Mapping[str, float] | None = None,
+        p: Any = None,
+        **named: float,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """A rest point as in Plant.equilibrium; attitude and position are held, at zero turn where they are not named."""
+        """A rest point as in Plant.equilibrium; attitude and position are held, at zero turn where they are not
+        named.
+        """
         held = {f"quaternion_{k}": float(k == 0) for k in range(4)}
         held |= {s.name: 0.0 for s in self.states[:3] if self.translation}
         return super().equilibrium({**held, **(fixed or {}), **named}, guess=guess, p=p)
 
     def natural_frequencies(self, x0: Any = None, *, p: Any = None) -> np.ndarray:
-        """Undamped natural frequencies [rad/s] of the free spacecraft at rest at x0, ascending, without rigid-body modes."""
+        """Undamped natural frequencies [rad/s] of the free spacecraft at rest at x0, ascending, without rigid-body
+        modes.
+        """
         from .spacecraft_linear import natural_frequencies
 
         return natural_frequencies(self, self.state() if x0 is None else x0, p)

@@ -1,21 +1,23 @@
 """The spacecraft's equations as expressions, body by body.
 
-Every appendage couples with the hub only, so that the mass matrix is a block arrow: the appendages' blocks are eliminated and
-6 equations of the hub remain. The linearisation is of the residual r(x, u, a) = M a + bias - loads at the accelerations a that
-solve r = 0: da/dx = -M^-1 dr/dx, with the same elimination.
+Every appendage couples with the hub only, so that the mass matrix is a block arrow: the appendages' blocks are
+eliminated and 6 equations of the hub remain. The linearisation is of the residual r(x, u, a) = M a + bias - loads
+at the accelerations a that solve r = 0: da/dx = -M^-1 dr/dx, with the same elimination.
 
 Unknowns   [acceleration of the hub's mass centre in hub axes, d omega/dt, hinge accelerations, modal accelerations]
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import casadi as ca
 import numpy as np
 
-from .appendage import Appendage, Inertia, constant
+from .appendage import Appendage, Inertia
 from .functions import NumericFunction, function
 from .lagrange import ldl, ldl_solve
 from .rotations import cross, matrix, rates
@@ -50,7 +52,7 @@ class Layout:
         moved = [0 if a.hinge.drive == "free" else a.hinge.n for a in craft.appendages]
         sizes = [place, 4, *angles, *modes, place, 3, *angles, *modes, len(craft.hub.wheels)]
         ends = np.cumsum([0, *sizes])
-        parts = [slice(int(a), int(b)) for a, b in zip(ends, ends[1:])]
+        parts = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         m = len(angles)
         hub = craft.hub.inputs
         starts = hub + np.cumsum([0, *moved])
@@ -65,7 +67,7 @@ class Layout:
             tuple(parts[4 + 3 * m : 4 + 4 * m]),
             parts[-1],
             slice(0, hub),
-            tuple(slice(int(a), int(b)) for a, b in zip(starts, starts[1:])),
+            tuple(slice(int(a), int(b)) for a, b in itertools.pairwise(starts)),
         )
 
     def unknowns(self, i: int) -> list[int]:
@@ -90,7 +92,7 @@ class Share(NamedTuple):
 
 def hub_share(craft: FlexibleSpacecraft, x: ca.SX, u: ca.SX, w: ca.SX) -> Share:
     """The rigid hub with wheels, thrusters and the loads on it."""
-    at, hub, outside = craft.layout, craft.hub, craft.environment
+    at, hub = craft.layout, craft.hub
     omega, wheels, R = x[at.omega], x[at.wheels], matrix(x[at.quaternion])
     load = hub.actuation(omega, wheels, u[at.hub_inputs]) + ca.vertcat(R.T @ w[:3], w[3:])
     return Share(ca.diagcat(hub.mass * ca.SX.eye(3), hub.tensor), hub.bias(omega, wheels) - load, [], None)
@@ -115,7 +117,9 @@ def hub_environment(craft: FlexibleSpacecraft, t: ca.SX, x: ca.SX) -> ca.SX:
 
 
 def _gravity(craft: FlexibleSpacecraft, x: ca.SX, R: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Gravity (3,) at the hub and its gradient (3, 3), in hub axes. A uniform part does not matter without translation."""
+    """Gravity (3,) at the hub and its gradient (3, 3), in hub axes. A uniform part does not matter without
+    translation.
+    """
     position = x[craft.layout.position] if craft.translation else ca.SX.zeros(3)
     assert craft.environment.orbit is not None
     g, gradient = craft.environment.orbit.pull(position)
@@ -231,28 +235,33 @@ class Eliminated(NamedTuple):
     inverse: list[ca.SX]
     free: list[list[int]]  # of the appendage's own unknowns, those that are solved for
     hub: ca.SX
+    pivots: list[ca.SX]  # all positive where M is definite
 
 
-def _inverse(M: ca.SX) -> ca.SX:
-    L, d = ldl(M)
+def _inverse(M: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
     n = M.shape[0]
-    return ca.horzcat(*[ldl_solve(L, d, ca.SX(ca.DM.eye(n)[:, k])) for k in range(n)]) if n else ca.SX(0, 0)
+    if not n:
+        return ca.SX(0, 0), []
+    L, d = ldl(M)
+    return ca.horzcat(*[ldl_solve(L, d, ca.SX(ca.DM.eye(n)[:, k])) for k in range(n)]), d
 
 
 def eliminate(parts: list[Share]) -> Eliminated:
     """Factor M of the shares."""
-    hub, W, inverses, frees = parts[0].M, [], [], []
+    hub, W, inverses, frees, pivots = parts[0].M, [], [], [], []
     for share in parts[1:]:
         n, driven = len(share.own), 0 if share.given is None else share.given.shape[0]
         free = [6 + k for k in range(driven, n)]
         hub = hub + share.M[:6, :6]
-        inverse = _inverse(share.M[free, free])
+        inverse, d = _inverse(share.M[free, free])
+        pivots += d
         gain = inverse @ share.M[free, :6]
         hub = hub - share.M[:6, free] @ gain
         W.append(gain)
         inverses.append(inverse)
         frees.append(free)
-    return Eliminated(W, inverses, frees, _inverse(hub))
+    inverse, d = _inverse(hub)
+    return Eliminated(W, inverses, frees, inverse, pivots + d)
 
 
 def solve(parts: list[Share], e: Eliminated, columns: list[ca.SX]) -> ca.SX:
@@ -261,7 +270,7 @@ def solve(parts: list[Share], e: Eliminated, columns: list[ca.SX]) -> ca.SX:
     Driven rows come out as zero: their accelerations are moved into the columns by the caller.
     """
     total = columns[0]
-    for share, W, inverse, free, r in zip(parts[1:], e.W, e.inverse, e.free, columns[1:]):
+    for W, free, r in zip(e.W, e.free, columns[1:]):
         total = total + r[:6, :] - W.T @ r[free, :]
     hub = -e.hub @ total
     out = ca.SX(6 + sum(len(s.own) for s in parts[1:]), total.shape[1])
@@ -273,19 +282,20 @@ def solve(parts: list[Share], e: Eliminated, columns: list[ca.SX]) -> ca.SX:
     return out
 
 
-def accelerations(parts: list[Share]) -> ca.SX:
-    """All unknowns that make the residual zero, driven ones as given."""
+def accelerations(parts: list[Share]) -> tuple[ca.SX, ca.SX]:
+    """All unknowns that make the residual zero, driven ones as given, and the smallest pivot of M."""
     columns = []
     for share in parts:
         r = share.r
         if share.given is not None:
             r = r + share.M[:, 6 : 6 + share.given.shape[0]] @ share.given
         columns.append(r)
-    a = ca.densify(solve(parts, eliminate(parts), columns))
+    e = eliminate(parts)
+    a = ca.densify(solve(parts, e, columns))
     for share in parts[1:]:
         if share.given is not None:
             a[share.own[: share.given.shape[0]]] = share.given
-    return a
+    return a, ca.mmin(ca.vertcat(*e.pivots))
 
 
 def rate_of(craft: FlexibleSpacecraft, x: ca.SX, u: ca.SX, a: ca.SX) -> ca.SX:
@@ -307,17 +317,41 @@ def rate_of(craft: FlexibleSpacecraft, x: ca.SX, u: ca.SX, a: ca.SX) -> ca.SX:
     return ca.vertcat(place[0], turn, speeds, place[1], a[3:], -wheels)
 
 
-def rate(craft: FlexibleSpacecraft, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-    """dx/dt (nx,)."""
-    return rate_of(craft, x, u, accelerations(shares(craft, t, x, u, w)))
+def rate(craft: FlexibleSpacecraft, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """dx/dt (nx,) and the smallest pivot of the mass matrix."""
+    a, pivot = accelerations(shares(craft, t, x, u, w))
+    return rate_of(craft, x, u, a), pivot
 
 
-def jacobians(craft: FlexibleSpacecraft) -> NumericFunction:
-    """[A, B, E, C, D, F] of a spacecraft, by differentiating the residual instead of the solved equations."""
+class Linear:
+    """[A, B, E, C, D, F] as functions of (t, x, u, w, p) at the accelerations that solve the equations, and of (.., a)
+    at others.
+
+    By differentiating the residual at fixed accelerations instead of the solved equations.
+    """
+
+    def __init__(self, craft: FlexibleSpacecraft) -> None:
+        self.symbols = list(craft.symbols)
+        self.blocks, self.accelerations = linear(craft)
+
+    @cached_property
+    def solved(self) -> NumericFunction:
+        """At the plant's own accelerations."""
+        return function("jacobians", self.symbols, list(self.blocks(*self.symbols, self.accelerations)), matrices=True)
+
+    @cached_property
+    def along(self) -> NumericFunction:
+        """At accelerations a (6 + n,), the last argument."""
+        a = ca.SX.sym("a", self.accelerations.shape[0])
+        return function("along", [*self.symbols, a], list(self.blocks(*self.symbols, a)), matrices=True)
+
+
+def linear(craft: FlexibleSpacecraft) -> tuple[ca.Function, ca.SX]:
+    """The six blocks as a function of (t, x, u, w, p, a), and the accelerations that solve the equations."""
     t, x, u, w, p = craft.symbols
     own = craft.symbolic
     parts = shares(own, t, x, u, w)
-    solved = accelerations(parts)
+    solved, _ = accelerations(parts)
     a = ca.SX.sym("a", solved.shape[0])
     z = ca.vertcat(x, u, w)
     columns = []
@@ -336,11 +370,9 @@ def jacobians(craft: FlexibleSpacecraft) -> NumericFunction:
     whole = rate_of(own, x, u, a)
     J = ca.jacobian(whole, z) + ca.jacobian(whole, a) @ da
     h = ca.jacobian(own.output(t, x, u, w), z)
-    f = ca.Function("linear", [t, x, u, w, p, a], [J, h])
-    J, h = f(t, x, u, w, p, solved)
     ends = [0, craft.nx, craft.nx + craft.nu, craft.nx + craft.nu + craft.nw]
-    blocks = [m[:, s:e] for m in (J, h) for s, e in zip(ends, ends[1:])]
-    return function("jacobians", list(craft.symbols), blocks, matrices=True)
+    blocks = [m[:, s:e] for m in (J, h) for s, e in itertools.pairwise(ends)]
+    return ca.Function("blocks", [t, x, u, w, p, a], blocks), solved
 
 
 def _sparse_jacobian(r: ca.SX, z: ca.SX, at: Layout, i: int, nx: int, nu: int) -> ca.SX:
@@ -406,10 +438,12 @@ def power(craft: FlexibleSpacecraft, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> 
     at, hub = craft.layout, craft.hub
     if craft.environment.orbit is not None or any(a.hinge.drive == "motion" for a in craft.appendages):
         E = conserved(craft, x)[0]
-        return ca.jtimes(E, x, rate(craft, t, x, u, w))
+        return ca.jtimes(E, x, rate(craft, t, x, u, w)[0])
     R, omega, wheels = matrix(x[at.quaternion]), x[at.omega], x[at.wheels]
     v = R.T @ x[at.velocity] if craft.translation else ca.SX.zeros(3)
-    load = hub.actuation(omega, wheels, u[at.hub_inputs]) + ca.vertcat(R.T @ w[:3], w[3:]) + hub_environment(craft, t, x)
+    load = (
+        hub.actuation(omega, wheels, u[at.hub_inputs]) + ca.vertcat(R.T @ w[:3], w[3:]) + hub_environment(craft, t, x)
+    )
     P = ca.dot(load, ca.vertcat(v, omega))
     if hub.wheels:
         torques = hub.wheel_torques(omega, wheels, u[at.hub_inputs])

@@ -1,8 +1,9 @@
 """Linear models of a spacecraft in the deviations of the paper, from the plant's exact Jacobians.
 
-Deviations   y = [p, q, hinge angles, eta] and dy/dt, then wheel momenta: p is the change of position in reference axes, q the small
-             turn of the hub from its nominal attitude, in nominal hub axes. Three numbers describe the attitude, so that no root
-             belongs to the quaternion's norm, and the rates are dy/dt themselves: d omega = dq/dt + omega x q to first order.
+Deviations   y = [p, q, hinge angles, eta] and dy/dt, then wheel momenta: p is the change of position in reference
+             axes, q the small turn of the hub from its nominal attitude, in nominal hub axes. Three numbers
+             describe the attitude, so that no root belongs to the quaternion's norm, and the rates are dy/dt
+             themselves: d omega = dq/dt + omega x q to first order.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import numpy as np
 from . import parameters
 from .linear import LinearModel
 from .ltv import LTVModel
-from .rotations import rates, skew
+from .rotations import matrix_of, rates, skew
+from .signals import names
 
 if TYPE_CHECKING:
     from .spacecraft import FlexibleSpacecraft
@@ -77,6 +79,12 @@ def in_deviations(craft: FlexibleSpacecraft, x: Array, dx: Array, jacobians: lis
     return [change.rows(moved), change.rows(B), change.rows(E), change.columns(C), D, F]
 
 
+def deviation_maps(craft: FlexibleSpacecraft, x: Array) -> tuple[Array, Array]:
+    """(T (nx, nx - 1), L (nx - 1, nx)) at a state x (nx,): dx = T xi and xi = L dx to first order."""
+    change = _Map.at(craft, np.asarray(x, dtype=float))
+    return change.columns(np.eye(craft.nx)), change.rows(np.eye(craft.nx))
+
+
 def _cut(craft: FlexibleSpacecraft, x: Array) -> Array:
     """x (..., nx) in the places of the deviations, the attitude as zero: it is what q is measured from."""
     out = np.delete(x, craft.layout.quaternion.start, axis=-1)
@@ -90,11 +98,16 @@ def linearize(craft: FlexibleSpacecraft, x0: Any, u0: Any, w: Any, p: Any, t: fl
     if batch is not None:
         raise ValueError(f"FlexibleSpacecraft.x has shape {x.shape}, must be ({craft.nx},) to linearise")
     dx = craft.dynamics(x, u, w=w, p=p, t=t)
-    matrices = in_deviations(craft, x, dx, craft.jacobians(x, u, w=w, p=p, t=t))
+    A, B, E, C, D, F = in_deviations(craft, x, dx, craft.jacobians(x, u, w=w, p=p, t=t))
     f0 = _Map.at(craft, x).rows(dx[:, None])[:, 0]
     f0[craft.layout.quaternion.start : craft.layout.quaternion.stop - 1] = 0.0
     return LinearModel(
-        *matrices,
+        A,
+        B,
+        E,
+        C,
+        D,
+        F,
         states=craft.deviations,
         inputs=craft.inputs,
         disturbances=craft.disturbances,
@@ -107,31 +120,64 @@ def linearize(craft: FlexibleSpacecraft, x0: Any, u0: Any, w: Any, p: Any, t: fl
     )
 
 
-def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> LTVModel:
-    """About a nominal motion; its residual is the affine term c."""
-    from .plant import Plant
+def nominal_accelerations(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> Array:
+    """The unknowns a (nt, 6 + n) with which a nominal moves. Without translation the hub's is what balances the
+    forces.
+    """
+    at, x, dx = craft.layout, nominal.x, nominal.derivative()
+    R, orbit = matrix_of(x[:, at.quaternion]), craft.environment.orbit
+    if craft.translation:
+        pushed = dx[:, at.velocity]
+        if orbit is not None:
+            turning = np.array([0.0, -float(orbit.rate), 0.0])
+            pushed = pushed + 2 * np.cross(turning, x[:, at.velocity])
+            pushed += np.cross(turning, np.cross(turning, x[:, at.position]))
+        hub = np.einsum("tji,tj->ti", R, pushed)
+    else:
+        hub = np.zeros((len(x), 3))
+    n = len(craft.coordinates)
+    a = np.concatenate([hub, dx[:, at.omega], dx[:, at.rates : at.rates + n]], axis=1)
+    if not craft.translation:
+        values, batch = craft._arguments(x, nominal.u, nominal.w, p, nominal.t)
+        r, M = craft._residual(*values, a, batch=batch)
+        a[:, :3] = -np.linalg.solve(M[:, :3, :3], r[:, :3, None])[..., 0]
+    return a
 
-    plain = Plant.linearize_along(craft, nominal, p=p)
+
+def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> LTVModel:
+    """About a nominal motion; its residual is the affine term c.
+
+    The equations M a + bias = loads are linearised at the nominal's own accelerations, as the paper does, and not
+    at those that the plant would have there: a rigid nominal lacks strain, so that these are large however stiff
+    the appendages, and the error would be of first order in the deviations. The two agree where the nominal is a
+    motion of the plant.
+    """
+    for name, have, want in (("states", nominal.states, craft.states), ("inputs", nominal.inputs, craft.inputs)):
+        if names(have) != names(want):
+            raise ValueError(f"nominal.{name} = {names(have)} must be {names(want)}")
+    w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), craft.nw))
+    values, batch = craft._arguments(nominal.x, nominal.u, w, p, nominal.t)
+    jacobians = craft._linear.along(*values, nominal_accelerations(craft, nominal, p), batch=batch)
     dx = nominal.derivative()
-    A, B, E, C, D, F = in_deviations(craft, plain.x, dx, [plain.A, plain.B, plain.E, plain.C, plain.D, plain.F])
-    c = _Map.at(craft, plain.x).rows(plain.c[..., None])[..., 0]
+    A, B, E, C, D, F = in_deviations(craft, nominal.x, dx, jacobians)
+    residual = craft.dynamics(nominal.x, nominal.u, w=w, p=p, t=nominal.t) - dx
     return LTVModel(
-        plain.t,
+        nominal.t,
         A,
         B,
         E,
         C,
         D,
         F,
-        c=c,
-        x=_cut(craft, plain.x),
-        u=plain.u,
-        w=plain.w,
-        y=plain.y,
+        c=_Map.at(craft, nominal.x).rows(residual[..., None])[..., 0],
+        x=_cut(craft, nominal.x),
+        u=nominal.u,
+        w=w,
+        y=craft.measure(nominal.x, nominal.u, w=w, p=p, t=nominal.t),
         states=craft.deviations,
-        inputs=plain.inputs,
-        disturbances=plain.disturbances,
-        outputs=plain.outputs,
+        inputs=craft.inputs,
+        disturbances=craft.disturbances,
+        outputs=craft.outputs,
     )
 
 

@@ -1,21 +1,21 @@
 """Stability of a linear model about a nominal motion, constant, periodic or neither.
 
-    assess(model)          the verdict, from all methods that apply
-    frozen_time(model)     eigenvalues along the nominal: `frozen`
-    slow_variation(model)  whether they may be believed: `frozen`
-    floquet(model)         multipliers and modes of a periodic model: `floquet`
-    growth(model)          the transition matrix over windows, finite-time Lyapunov exponents: `growth`
-    lyapunov(model)        a quadratic certificate that varies with time: `certificate`
+assess(model)          the verdict, from all methods that apply: `assessment`, `verdict`
+frozen_time(model)     eigenvalues along the nominal: `frozen`
+slow_variation(model)  whether they may be believed: `frozen`
+floquet(model)         multipliers and modes of a periodic model: `floquet`
+growth(model)          the transition matrix over windows, finite-time Lyapunov exponents: `growth`
+lyapunov(model)        a quadratic certificate that varies with time: `certificate`
 """
 
 from __future__ import annotations
 
+from .assessment import assess
 from .certificate import Certificate, lyapunov
 from .floquet import Floquet, floquet
 from .frozen import FrozenTime, SlowVariation, frozen_time, slow_variation
 from .growth import Growth, growth
-from .path import Pieces
-from .verdict import METHODS, Verdict, assess
+from .verdict import METHODS, Verdict
 
 __all__ = [
     "METHODS",
@@ -23,7 +23,6 @@ __all__ = [
     "Floquet",
     "FrozenTime",
     "Growth",
-    "Pieces",
     "SlowVariation",
     "Verdict",
     "assess",

@@ -31,6 +31,7 @@ METHODS = ("dop853", "rk4", "rosenbrock", "midpoint", "cvodes")
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
 FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
+RUNS_AWAY = 1e5  # times the tolerance: a variant that goes so far from the reference is not timed
 
 
 @dataclass(frozen=True)
@@ -127,6 +128,8 @@ def chart(
 ) -> Chart:
     """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones.
 
+    The reference and its confirmation take part of it.
+
     `variants` (None: the plant's ladder) are charted; errors are against the finest of the ladder.
     A setting is not run when the time is spent, when it would take too long, or when a measured row is faster
     and better than its variant can be at any step (`prune`); its row says so. A setting finer than one whose
@@ -210,6 +213,9 @@ class Runner:
 
     def _refusal(self, plant: Plant, expected: float) -> str:
         """Why a setting expected to take this long [s] is not run; empty where it is."""
+        away = self.motions.difference(plant, self.motions.reference)
+        if RUNS_AWAY * self.motions.scene.tolerance < away < math.inf:
+            return f"not run: runs away, {away:.2g} m from the reference"
         if self.prune and expected > 0:
             best = self.motions.difference(plant, self.motions.reference)
             for row in self.done:

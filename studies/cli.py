@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from .console import Commands, bar, complain, scene_with, show
+from .stability_command import stability
 
 if TYPE_CHECKING:
     from pliant.envs.scenes import Scene
@@ -79,7 +80,7 @@ def scenes(as_json: AsJson = False) -> None:
 def simulate(
     scene: SceneName,
     settings: Settings = None,
-    lqr: Annotated[bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal torques.")] = False,
+    lqr: Annotated[bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal inputs.")] = False,
     method: Annotated[
         str, typer.Option(help="dop853, radau, cvodes (with --lqr), rk4, midpoint, rosenbrock")
     ] = "dop853",
@@ -89,7 +90,7 @@ def simulate(
     plot: Picture = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play a scene: its nominal torques, or its LQR."""
+    """Play a scene: its nominal inputs, or its LQR."""
     chosen = scene_with(scene, settings or [])
     if not 0 < rtol < 1:
         raise ValueError(f"--rtol {rtol} must be within (0, 1)")
@@ -141,11 +142,13 @@ def _simulated(scene: Scene, lqr: bool, options: dict[str, Any]) -> Trajectory:
 def linearize(
     scene: SceneName,
     settings: Settings = None,
-    at: Annotated[Literal["goal", "start"], typer.Option(help="Where to linearise, at rest.")] = "goal",
+    at: Annotated[Literal["goal", "start"], typer.Option(help="Where to linearise.")] = "goal",
     plot: Picture = None,
     as_json: AsJson = False,
 ) -> None:
-    """The exact linear model of a scene's plant at rest: modes, matrices with --json."""
+    """The exact linear model of a scene's plant at its goal or start: modes, matrices with --json."""
+    from .points import words
+
     chosen = scene_with(scene, settings or [])
     model = chosen.plant.linearize(*(chosen.target if at == "goal" else chosen.initial))
     if plot is not None:
@@ -158,8 +161,7 @@ def linearize(
         _print_json({"scene": chosen.name, "plant": chosen.plant.label, "at": at, **linear_table(model)})
         return
     rows = [(m.number, m.frequency_hz, m.damping_ratio, f"{m.eigenvalue:.4g}", m.dominant_state) for m in model.modes()]
-    inputs = ", ".join(f"{s.name} = {v:.5g} {s.unit}" for s, v in zip(model.inputs, model.u0))
-    caption = f"{chosen.plant.label}, at rest with {inputs}; matrices with --json"
+    caption = f"{chosen.plant.label}, {words(model)}; matrices with --json"
     head = ("mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "mostly in")
     show(f"{chosen.name}, modes at the {at}", head, rows, caption=caption)
 
@@ -337,6 +339,9 @@ def cache(
 
     if not manage_cache(action, as_json):
         raise typer.Exit(1)
+
+
+app.command()(stability)
 
 
 def main() -> None:

@@ -17,9 +17,10 @@ from scipy.optimize import linear_sum_assignment
 
 from pliant.controllers import LQR
 from pliant.envs.scenes import Scene
-from pliant.plants import LinearModel, Plant, PliantError, Trajectory, parameters
+from pliant.plants import EquilibriumError, LinearModel, Plant, PliantError, Trajectory, parameters
 from pliant.plants.signals import names
 
+from . import points
 from .motions import Progress, silent
 
 PAYLOAD = "payload.mass"
@@ -32,7 +33,7 @@ LONG = 8_000  # steps above which the stiff method is cheaper
 
 @dataclass(frozen=True)
 class Loop:
-    """The regulator on one plant. Signals that were driven to the goal: the scene's goal names."""
+    """The regulator on one plant."""
 
     name: str
     variant: str
@@ -42,7 +43,7 @@ class Loop:
     worst_mode: str  # the least damped mode of the loop, or the unstable one
     spillover: bool
     cost: float | None
-    final_error: float | None  # largest of the goal's coordinates at the end [rad or m]
+    final_error: float | None  # largest of the signals `driven_to_goal` at the end [their unit]
     saturated: float | None  # share of control times at a limit
     failure: str | None = None
     motion: Trajectory | None = field(default=None, repr=False)
@@ -62,17 +63,36 @@ class Loop:
 
 
 def regulator(scene: Scene) -> LQR:
-    """The scene's cost as an LQR about its goal, sampled at the control period, within the limits."""
+    """The scene's cost as an LQR about its goal, sampled at the control period, within the limits.
+
+    UncontrollableError where the inputs cannot hold the goal or the cost does not see it, EquilibriumError where
+    nothing can, because the goal moves.
+    """
     limits = np.array(scene.limits)
     Q, R = scene.quadratic()
-    return LQR.for_plant(scene.plant, *scene.target, Q, R, dt=scene.dt, limits=(-limits, limits))
+    law = LQR.for_plant(scene.plant, *scene.target, Q, R, dt=scene.dt, limits=(-limits, limits))
+    model = scene.plant.linearize(*scene.target)
+    left = "" if scene.goal_at_rest else points.residual(model)
+    if left:
+        raise EquilibriumError(
+            f"the goal of scene {scene.name!r} is no equilibrium, {left} there: a regulator about it would pull back "
+            "what has to move on",
+            float(np.abs(model.f0).max()),
+        )
+    return law
+
+
+def driven_to_goal(scene: Scene) -> tuple[str, ...]:
+    """The signals whose end error is told: what the goal names, or what the scene compares where it names nothing."""
+    return tuple(name for name, _ in scene.goal) or scene.compare
 
 
 def variations(scene: Scene) -> list[tuple[str, Plant]]:
-    """The scene's plant, with other payloads (or the first randomised parameter), and with more modes."""
+    """The scene's plant, with other payloads (without one: the first randomised parameter), and with more modes."""
     plant = scene.plant
     found: list[tuple[str, Plant]] = [("the design plant", plant)]
-    path = PAYLOAD if PAYLOAD in parameters.quantities(plant) else next(iter(scene.randomise), (None,))[0]
+    loaded = PAYLOAD in parameters.quantities(plant) and parameters.get(plant, PAYLOAD)
+    path = PAYLOAD if loaded else next(iter(scene.randomise), (None,))[0]
     if path is not None and parameters.get(plant, path):
         for factor in FACTORS:
             changed = parameters.put(plant, path, factor * parameters.get(plant, path))
@@ -119,8 +139,8 @@ def _loop(scene: Scene, law: LQR, name: str, plant: Plant) -> Loop:
         motion = _run(played, law)
     except PliantError as failure:
         return dataclasses.replace(loop, failure=f"{type(failure).__name__}: {failure}")
-    goal = np.array([value for _, value in scene.goal])
-    ended = np.array([motion[name][-1] for name, _ in scene.goal])
+    told = driven_to_goal(scene)
+    goal, ended = scene.goal_values(told), np.array([motion[name][-1] for name in told])
     at_limit = np.isclose(np.abs(motion.u[:-1]), np.array(scene.limits), rtol=1e-9).any(axis=1)
     return dataclasses.replace(
         loop,

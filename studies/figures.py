@@ -15,7 +15,7 @@ from pliant.plants.signals import names
 from . import shapes
 from .figures_chart import ladder, settings, speed_accuracy
 from .figures_models import eigenvalues, frozen
-from .style import COLOURS, INK, QUIET, inline, panels, save, styled
+from .style import COLOURS, INK, QUIET, WIDTH, inline, panels, save, styled
 
 __all__ = [
     "eigenvalues",
@@ -30,7 +30,18 @@ __all__ = [
     "tip_path",
 ]
 
-GROUPS = (("rad", "angles [rad]"), ("m", "deflections [m]"), ("m/s", "rates of deflection [m/s]"))
+UNITS = {  # in the order of the panels
+    "rad": "angles",
+    "rad/s": "turning rates",
+    "m": "lengths",
+    "m/s": "speeds",
+    "m/s^2": "accelerations",
+    "N": "forces",
+    "N m": "torques",
+}
+DEFLECTED = {"m": "deflections", "m/s": "rates of deflection"}
+APART = 30.0  # ratio of the peaks of signals that are not drawn in one panel
+MANY = 6  # panels above which there are two columns
 
 
 def words(name: str) -> str:
@@ -38,23 +49,56 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _groups(scene: Scene) -> list[tuple[str, list[str]]]:
-    """Output names by unit, the compared positions left out; then the inputs."""
+def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list[str]]]:
+    """Names of the goal's states and of the outputs by unit and size, without what the tip's path shows; the inputs."""
+    outputs, goal = scene.plant.outputs, dict(scene.goal)
+    signals = [s for s in scene.plant.states if s.name in goal and s.name not in names(outputs)]
+    on_the_path = scene.compare if len(scene.compare) >= 2 else ()
+    signals += [s for s in outputs if s.name not in on_the_path]
     found = []
-    for unit, label in GROUPS:
-        chosen = [s.name for s in scene.plant.outputs if s.unit == unit and s.name not in scene.compare]
-        if chosen:
-            found.append((label, chosen))
+    for unit, label in UNITS.items():
+        own = [[s.name] for s in signals if s.unit == unit and s.name in scene.compare]  # else it may hide
+        rest = [s.name for s in signals if s.unit == unit and s.name not in scene.compare]
+        for chosen in (*own, *_alike(rest, motions)):
+            bent = all("deflection" in name for name in chosen)
+            found.append((f"{DEFLECTED.get(unit, label) if bent else label} [{unit}]", chosen))
     units = {s.unit for s in scene.plant.inputs}
     found.append((f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs))))
     return found
 
 
+def _alike(chosen: list[str], motions: Sequence[Trajectory]) -> list[list[str]]:
+    """The signals in groups whose peaks are of one size, largest first; what is always zero is in the first.
+
+    A signal that another one equals throughout is left out.
+    """
+    seen: dict[bytes, str] = {}
+    for name in chosen:
+        seen.setdefault(b"".join(m[name].tobytes() for m in motions), name)
+    chosen = list(seen.values())
+    peak = {name: max(float(np.abs(m[name]).max()) for m in motions) for name in chosen}
+    groups: list[list[str]] = []
+    for name in sorted((n for n in chosen if peak[n] > 0), key=lambda n: -peak[n]):
+        if not groups or APART * peak[name] < peak[groups[-1][0]]:
+            groups.append([])
+        groups[-1].append(name)
+    still = [name for name in chosen if peak[name] == 0]
+    if still:
+        groups = [[*(groups[0] if groups else ()), *still], *groups[1:]]
+    return [sorted(group, key=chosen.index) for group in groups]
+
+
 @styled
 def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title: str = "") -> Figure:
     """Angles, deflections, their rates and inputs against time; several motions differ by line style."""
-    groups = _groups(scene)
-    figure, axes = panels(len(groups), height=1.7, sharex=True)
+    groups = _groups(scene, [motion for _, motion in motions])
+    columns = 1 if len(groups) <= MANY else 2
+    rows = -(-len(groups) // columns)
+    figure, axes = panels(rows, columns, height=1.7, width=WIDTH * (1.0 if columns == 1 else 1.4), sharex=True)
+    for ax in axes[len(groups) :]:
+        ax.remove()
+        axes[len(groups) - 2].tick_params(labelbottom=True)
+    axes = axes[: len(groups)]
     goal, limits = dict(scene.goal), dict(zip(names(scene.plant.inputs), scene.limits))
     styles = ("-", "--", ":", "-.")
     for ax, (label, chosen) in zip(axes, groups):
@@ -73,7 +117,8 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
                     ax.axhline(sign * limits[name], color=COLOURS[i], lw=0.8, ls=(0, (5, 2)), alpha=0.7)
         ax.set_ylabel(label)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    axes[-1].set_xlabel("time [s]")
+    for ax in axes[-columns:]:
+        ax.set_xlabel("time [s]")
     axes[0].set_title(title)
     if len(motions) > 1:
         for k, (name, _) in enumerate(motions):
@@ -114,17 +159,18 @@ def stroboscopic(
     for ax, (name, plant, motion) in zip(axes, cases):
         last = len(motion.t) if until is None else int(np.searchsorted(motion.t, until * (1 + 1e-9))) + 1
         picks = np.unique(np.linspace(0, min(last, len(motion.t)) - 1, count).round().astype(int))
-        curves = shapes.lines(plant, motion.x[picks])
+        from_hub = shapes.whirls(plant, motion)
+        curves = shapes.lines(plant, motion.x[picks], from_hub=from_hub)
         faint = LineCollection(list(curves), colors=COLOURS[0], linewidths=1.3)
         faint.set_alpha(list(np.linspace(0.2, 1.0, len(picks))))
         ax.add_collection(faint)
-        everywhere = shapes.lines(plant, motion.x[:last])
+        everywhere = shapes.lines(plant, motion.x[:last], from_hub=from_hub)
         ax.plot(*everywhere[:, -1].T, color=COLOURS[1], lw=1.0, label="tip")
         ax.plot(0, 0, "o", color=INK, ms=5)
         ax.plot(*curves[:, -1].T, ".", color=COLOURS[1], ms=5)
-        ax.set_aspect("equal", adjustable="box")
+        ax.set_aspect("auto" if from_hub else "equal", adjustable="box")
         ax.autoscale_view()
-        ax.set_title(name)
+        ax.set_title(f"{name}, seen from the hub, y stretched" if from_hub else name)
         ax.set_xlabel("x [m]")
         ax.axhline(0, color=QUIET, lw=0.5, zorder=0)
     axes[0].set_ylabel("y [m]")

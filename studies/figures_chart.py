@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from .chart import RUNS_AWAY
 from .style import COLOURS, INK, MARKERS, QUIET, panels, styled
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ def speed_accuracy(chart: Chart) -> Figure:
     variants = list(dict.fromkeys(row.variant for row in chart.rows))
     methods = list(dict.fromkeys(row.method for row in chart.rows))
     lowest = 1e-7 * chart.tolerance
-    rows = [(max(r.error or 0.0, lowest), (r.seconds or 0.0) * 1e3, r) for r in chart.measured]
+    highest = RUNS_AWAY * chart.tolerance
+    rows = [(min(max(r.error or 0.0, lowest), highest), (r.seconds or 0.0) * 1e3, r) for r in chart.measured]
     for error, ms, row in rows:
         colour = COLOURS[variants.index(row.variant) % len(COLOURS)]
         marker = MARKERS[methods.index(row.method) % len(MARKERS)]
@@ -38,7 +40,8 @@ def speed_accuracy(chart: Chart) -> Figure:
     ax.text(chart.tolerance, 1.01, "tolerance", color=COLOURS[7], ha="center", transform=ax.get_xaxis_transform())
     ax.set_xscale("log")
     ax.set_yscale("log")
-    ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [m]")
+    beyond = f", from {highest:g} m at the edge" if any(error == highest for error, _, _ in rows) else ""
+    ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [m]{beyond}")
     ax.set_ylabel("wall time per simulated second [ms]")
     ax.set_title("Speed against accuracy")
     by_variant = [
@@ -58,13 +61,13 @@ def ladder(choice: Choice) -> Figure:
     """Each rung's difference from the finest and from its next finer neighbour, with the tolerance."""
     figure, (ax,) = panels(1, height=0.32 * len(choice.rungs) + 1.0)
     rungs = choice.rungs
-    lowest = 1e-4 * choice.tolerance
+    lowest, highest = 1e-4 * choice.tolerance, RUNS_AWAY * choice.tolerance
     at = np.arange(len(rungs))
     for i, rung in enumerate(rungs):
         colour = COLOURS[2] if rung.chosen else COLOURS[0]
-        ax.barh(i, max(rung.error, lowest), color=colour, height=0.55, alpha=0.85)
+        ax.barh(i, min(max(rung.error, lowest), highest), color=colour, height=0.55, alpha=0.85)
         if rung.change is not None:
-            ax.plot(max(rung.change, lowest), i, "D", color=COLOURS[1], ms=5)
+            ax.plot(min(max(rung.change, lowest), highest), i, "D", color=COLOURS[1], ms=5)
     ax.plot([], [], "s", color=COLOURS[0], label="from the finest")
     ax.plot([], [], "s", color=COLOURS[2], label="the chosen one")
     ax.plot([], [], "D", color=COLOURS[1], label="from the next rung")
@@ -74,7 +77,8 @@ def ladder(choice: Choice) -> Figure:
     ax.set_yticks(at, [r.variant for r in rungs])
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
-    ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [m]")
+    beyond = f", from {highest:g} m at the edge" if any(r.error > highest for r in rungs) else ""
+    ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [m]{beyond}")
     ax.set_title("The ladder, cheapest first")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
@@ -82,7 +86,14 @@ def ladder(choice: Choice) -> Figure:
 
 def _letter(row: Row) -> str:
     """Why a setting has no result, in one letter."""
-    known = {"Stability": "S", "MassMatrix": "M", "Integration": "D", "too slow": "T", "not run: dom": "-"}
+    known = {
+        "Stability": "S",
+        "MassMatrix": "M",
+        "Integration": "D",
+        "too slow": "T",
+        "not run: dom": "-",
+        "not run: runs": "R",
+    }
     return next((v for k, v in known.items() if (row.failure or "").startswith(k)), "B")
 
 
@@ -121,6 +132,7 @@ def settings(chart: Chart) -> Figure:
         "S": "S: past the stability limit",
         "M": "M: mass matrix not definite",
         "D": "D: diverged",
+        "R": "R: the model runs away",
         "T": "T: too slow",
         "-": "-: dominated, not run",
         "B": "B: time budget spent",

@@ -6,10 +6,20 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 
 from pliant.plants import LTVModel
 
 from .style import COLOURS, INK, MARKERS, panels, styled
+
+NOTHING = 1e-6  # real parts below this share of the largest eigenvalue are rounding
+
+
+class Plain(LogFormatter):
+    """Labels like 0.6 and 20, where LogFormatter sets one."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return f"{x:g}" if super().__call__(x, pos) else ""
 
 
 @styled
@@ -53,15 +63,22 @@ def frozen(model: LTVModel) -> Figure:
     for i in range(int(np.isfinite(frequency).sum(axis=1).max(initial=0))):
         axes[0].plot(t, frequency[:, i], ".", color=COLOURS[i % len(COLOURS)], ms=2.5)
     axes[0].set_yscale("log")
+    plain = Plain(labelOnlyBase=False, minor_thresholds=(2, 0.4))
+    axes[0].yaxis.set_major_formatter(plain)
+    axes[0].yaxis.set_minor_formatter(plain)
     axes[0].set_ylabel("damped frequency [Hz]")
     axes[0].set_title("Frozen eigenvalues along the nominal motion")
     axes[1].plot(t, found.real, ".", color=COLOURS[0], ms=2.0)
     axes[1].plot(t, found.real.max(axis=1), color=COLOURS[1], lw=1.4, label="rightmost")
     axes[1].axhline(0, color=INK, lw=0.8)
-    axes[1].set_yscale("symlog", linthresh=1.0)
-    decades = [s * 10.0**k for s in (-1, 1) for k in range(5)]
-    low, high = axes[1].get_ylim()
-    axes[1].set_yticks(sorted([0.0, *(d for d in decades if low <= d <= high)]))
+    least = NOTHING * np.abs(found).max(initial=0.0)
+    if np.abs(found.real).max(initial=0.0) < least:  # only rounding
+        axes[1].set_ylim(-least, least)
+    elif np.abs(found.real).max() > 1.0:
+        axes[1].set_yscale("symlog", linthresh=1.0)
+        decades = [s * 10.0**k for s in (-1, 1) for k in range(5)]
+        low, high = axes[1].get_ylim()
+        axes[1].set_yticks(sorted([0.0, *(d for d in decades if low <= d <= high)]))
     axes[1].set_ylabel("real part [1/s]")
     axes[1].set_xlabel("time [s]")
     axes[1].legend(loc="best")

@@ -48,9 +48,11 @@ def pictures(inlined: dict[str, str], *wanted: str) -> str:
 
 
 def millimetres(value: float) -> str:
-    """A length in m as millimetres or micrometres with two or three digits."""
+    """A length in m as millimetres or micrometres (metres from ten on) with two or three digits."""
     if not math.isfinite(value):
         return "no result"
+    if value >= 10.0:
+        return f"{value:.3g} m"
     if value >= 1e-4:
         return f"{value * 1e3:.3g} mm"
     return f"{value * 1e6:.2g} µm" if value >= 1e-8 else "< 0.01 µm"

@@ -1,6 +1,6 @@
 """A scene's open-loop motion played by any fidelity, as accurately as wanted, each only once.
 
-The scene's nominal torques are held over each control period, as a controller would hold them. Every
+The scene's nominal inputs are held over each control period, as a controller would hold them. Every
 integrator then solves the same problem, time goes into the plant and not into the input, and a fixed step of
 any method keeps its order because the jumps fall between steps. A step is at most the control period.
 """
@@ -50,7 +50,7 @@ class Motions:
         return np.array([self.scene.nominal_input(t) for t in self.scene.times])
 
     def run(self, plant: Plant, **options: Any) -> Trajectory:
-        """The motion from rest at the start, options as in Plant.simulate."""
+        """The motion from the start, options as in Plant.simulate."""
         if plant not in self._starts:
             self._starts[plant] = self.scene.with_plant(plant).initial[0]
         return plant.simulate(self._starts[plant], self.held, self.scene.times, **options)

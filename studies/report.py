@@ -12,7 +12,7 @@ import numpy as np
 from pliant.controllers import LQR
 from pliant.envs.scenes import Scene
 from pliant.plants import LinearModel, LTVModel, Plant, PliantError, Trajectory
-from pliant.plants.signals import names
+from pliant.plants.signals import Signal, names
 
 from . import files, machine, tables
 from .chart import Chart, chart
@@ -28,7 +28,8 @@ WHOLE = 45.0  # [s] that a report should take at most
 AFTER = 0.8  # what comes after the chart, as a share of what comes before it
 RTOL = 1e-9
 FINER = 10  # times a control period of the motion that is linearised along: its modes must be followed
-PERTURBATIONS = (0.03, 0.003)  # of the first coordinate [rad], to test the LTV model
+PERTURBATIONS = (0.03, 0.003)  # of a coordinate [its unit], to test the LTV model
+FELT = 1e-6  # change of a compared output per unit of a coordinate above which it feels it
 
 
 @dataclass
@@ -40,10 +41,12 @@ class Findings:
     open_loop: Trajectory  # the same at the control times
     goal: LinearModel
     along: LTVModel
-    ltv_errors: tuple[tuple[float, float], ...]  # perturbation [rad], largest error of the predicted outputs
+    perturbed: Signal  # the coordinate that is perturbed to test that model
+    ltv_errors: tuple[tuple[float, float, float], ...]  # perturbation, largest error and size of the prediction
     frequencies: tuple[tuple[str, np.ndarray], ...]  # variant, locked natural frequencies [Hz]
-    law: LQR
-    loops: tuple[Loop, ...]
+    law: LQR | None
+    no_law: str  # why there is none, in the failure's words
+    loops: tuple[Loop, ...]  # none without a law
     chart: Chart
     choice: Choice
     scene_error: float  # of the scene's own plant against the finest variant
@@ -101,10 +104,16 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     told(0.08, "linear models")
     goal = scene.plant.linearize(*scene.target)
     along = scene.plant.linearize_along(nominal)
-    ltv_errors = _ltv_errors(scene, nominal, along)
+    perturbed = _felt(scene, along)
+    ltv_errors = _ltv_errors(scene, nominal, along, perturbed)
     told(0.12, "frequencies")
     frequencies = _frequencies(scene)
-    law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.3))
+    law: LQR | None = None
+    no_law, loops = "", tuple[Loop, ...]()
+    try:
+        law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.3))
+    except PliantError as failure:
+        no_law = f"{type(failure).__name__}: {failure}"
     if budget is None:
         spent = clock.perf_counter() - began
         budget = min(CHART_BUDGET, max(0.25 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
@@ -116,9 +125,11 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         open_loop=open_loop,
         goal=goal,
         along=along,
+        perturbed=scene.plant.states[perturbed],
         ltv_errors=ltv_errors,
         frequencies=frequencies,
         law=law,
+        no_law=no_law,
         loops=loops,
         chart=measured,
         choice=choice,
@@ -140,33 +151,51 @@ def _every(motion: Trajectory, k: int, plant: Plant) -> Trajectory:
     )
 
 
-def _ltv_errors(scene: Scene, nominal: Trajectory, model: LTVModel) -> tuple[tuple[float, float], ...]:
-    """Start off the nominal by each perturbation; the largest error of the predicted compared outputs."""
+def _picks(scene: Scene) -> list[int]:
+    """Where the compared signals stand among the outputs."""
     known = names(scene.plant.outputs)
-    picks = [known.index(name) for name in scene.compare]
-    rows = []
+    return [known.index(name) for name in scene.compare]
+
+
+def _felt(scene: Scene, model: LTVModel) -> int:
+    """The first coordinate that the compared outputs feel: not the angle of a hub seen from the hub."""
+    for i in range(scene.plant.nx // 2):
+        change = model.simulate(np.eye(scene.plant.nx)[i])[1] - model.simulate(np.zeros(scene.plant.nx))[1]
+        if np.abs(change[:, _picks(scene)]).max() > FELT:
+            return i
+    return 0
+
+
+def _ltv_errors(
+    scene: Scene, nominal: Trajectory, model: LTVModel, coordinate: int
+) -> tuple[tuple[float, float, float], ...]:
+    """Start off the nominal by each perturbation; largest error and size of the predicted compared outputs."""
+    picks, rows = _picks(scene), []
     for size in PERTURBATIONS:
         dx0 = np.zeros(scene.plant.nx)
-        dx0[0] = size
+        dx0[coordinate] = size
+        _, dy = model.simulate(dx0)
+        predicted = float(np.abs(dy[:, picks]).max())
         try:
             moved = scene.plant.simulate(nominal.x[0] + dx0, scene.nominal_input, nominal.t, rtol=RTOL, atol=RTOL / 100)
         except PliantError:
-            rows.append((size, float("nan")))
+            rows.append((size, float("nan"), predicted))
             continue
-        _, dy = model.simulate(dx0)
-        rows.append((size, float(np.abs(moved.y - nominal.y - dy)[:, picks].max())))
+        rows.append((size, float(np.abs(moved.y - nominal.y - dy)[:, picks].max()), predicted))
     return tuple(rows)
 
 
 def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray], ...]:
-    """Natural frequencies [Hz] at the goal, the scene's coordinates locked, by variant."""
+    """Natural frequencies [Hz] at the goal, the coordinates that it names and driven ones locked, by variant."""
     rows: list[tuple[str, np.ndarray]] = []
     plants: list[Plant] = [*scene.plant.ladder(), scene.plant, dearer(scene.plant)]
     for plant in dict.fromkeys(plants):
-        if not hasattr(plant, "natural_frequencies") or plant.nx <= 2 * len(scene.goal):
+        known = names(plant.states[: plant.nx // 2])
+        driven = [known[i] for i in getattr(plant, "driven", {})]
+        locked = tuple(name for name, _ in scene.goal if name in known and name not in driven)
+        if not hasattr(plant, "natural_frequencies") or len(known) <= len(locked) + len(driven):
             continue
-        x = scene.with_plant(plant).target[0]
-        found = plant.natural_frequencies(x, locked=tuple(name for name, _ in scene.goal))
+        found = plant.natural_frequencies(scene.with_plant(plant).target[0], locked=locked)
         rows.append((plant.label, found / (2 * np.pi)))
     return tuple(rows)
 
@@ -175,19 +204,21 @@ def figures_of(found: Findings) -> dict[str, Figure]:
     """The pictures by file name, in the page's order."""
     from . import figures, shapes
 
-    scene, design = found.scene, found.loops[0]
-    closed = [("LQR", design.motion)] if design.motion is not None else []
+    scene = found.scene
+    closed = [("LQR", loop.motion) for loop in found.loops[:1] if loop.motion is not None]
     drawn = {"motion": figures.histories(scene, [("open loop", found.nominal)], title="Open-loop motion")}
     if shapes.has_shape(scene.plant):
         cases = [(name, scene.plant, m) for name, m in (("open loop", found.open_loop), *closed)]
-        drawn["shapes"] = figures.stroboscopic(cases, until=1.2 * scene.move_time)
+        until = 1.2 * scene.move_time if scene.drive is None else shapes.first_turn(scene.plant, found.open_loop)
+        drawn["shapes"] = figures.stroboscopic(cases, until=until)
     runs = [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
     if len(scene.compare) >= 2:
         drawn["tip_path"] = figures.tip_path(
             scene, [("open loop", found.open_loop), *((f"LQR, {name}", m) for name, m in runs)]
         )
     sets = [("open loop", found.goal.eigenvalues)]
-    sets.append(("LQR, sampled", np.log(found.law.poles.astype(complex)) / scene.dt))
+    if found.law is not None:
+        sets.append(("LQR, sampled", np.log(found.law.poles.astype(complex)) / scene.dt))
     drawn["eigenvalues"] = figures.eigenvalues(sets)
     drawn["frozen_eigenvalues"] = figures.frozen(found.along)
     if runs:

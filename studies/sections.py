@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.signals import names
-
-from . import shapes
+from . import points, shapes
 from .chart import Row
+from .closed_loop import driven_to_goal
 from .markup import details, millimetres, paragraph, pictures, table
 
 if TYPE_CHECKING:
     from .report import Findings
 
 FRAMES = 76  # of the arm that the slider moves
+LINEAR = 1e-5  # error of a prediction against its size, below which it is the integrator's
 
 
 def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
@@ -47,6 +47,8 @@ def _answer(found: Findings) -> str:
         text += paragraph(more, "warning")
     else:
         text += paragraph(f"{own}, within the tolerance of {tolerance}.")
+    if found.law is None:
+        return text + paragraph(f"There is no LQR about the goal. {found.no_law}.", "warning")
     stable = [loop for loop in found.loops if loop.stable]
     words = f"The LQR designed on it is stable on {len(stable)} of {len(found.loops)} plants"
     if found.loops[0].cost is not None:
@@ -61,20 +63,23 @@ def _answer(found: Findings) -> str:
 def _motion(found: Findings) -> str:
     """The arm that a slider moves, open loop and under LQR."""
     scene = found.scene
-    text = paragraph(
-        f"Open loop: the torques that take the rigid arm along a minimum-jerk motion of {scene.move_time:g} s, "
-        f"played on {scene.plant.label} ({scene.plant.nx} states)."
-    )
+    inputs = f"the torques that take the rigid arm along a minimum-jerk motion of {scene.move_time:g} s"
+    if scene.drive is not None:
+        inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
+    text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
+    whirls = shapes.whirls(scene.plant, found.open_loop)
+    if whirls:
+        text += paragraph("The hub turns more than once: shapes are drawn as seen from it.")
     if not shapes.has_shape(scene.plant):
         return text
     motions = [("open loop", found.open_loop)]
-    if found.loops[0].motion is not None:
-        motions.append(("LQR", found.loops[0].motion))
+    motions += [("LQR", loop.motion) for loop in found.loops[:1] if loop.motion is not None]
     picks = np.unique(np.linspace(0, len(scene.times) - 1, FRAMES).round().astype(int))
     data = {
         "t": [round(float(t), 4) for t in scene.times[picks]],
         "arms": [
-            {"name": name, "lines": shapes.lines(scene.plant, m.x[picks], 13).round(4).tolist()} for name, m in motions
+            {"name": name, "lines": shapes.lines(scene.plant, m.x[picks], 13, from_hub=whirls).round(4).tolist()}
+            for name, m in motions
         ],
     }
     packed = json.dumps(data, separators=(",", ":"))
@@ -92,10 +97,14 @@ def _modes(found: Findings) -> str:
         for m in found.goal.modes()
     ]
     head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
-    text = paragraph("Modes of the linear model at the goal, joints free.") + table(head, rows)
+    free = ", joints free" if found.scene.goal and not getattr(found.scene.plant, "driven", {}) else ""
+    text = paragraph(f"Modes of the linear model at the goal{free}.") + table(head, rows)
     count = min(6, max((len(f) for _, f in found.frequencies), default=0))
     if count:
-        text += paragraph("Undamped natural frequencies [Hz] at the goal with the joints locked, by variant.")
+        held = " with the joints locked" if found.scene.goal else ""
+        text += paragraph(f"Undamped natural frequencies [Hz] at the goal{held}, by variant.")
+        if any((f < 0).any() for _, f in found.frequencies):
+            text += paragraph("A negative one stands for negative stiffness: that variant runs away from the goal.")
         locked = [(label, *_filled(f, count)) for label, f in found.frequencies]
         marked = [i for i, (label, _) in enumerate(found.frequencies) if label == found.scene.plant.label]
         text += table(("variant", *(f"{i + 1}" for i in range(count))), locked, marked=marked)
@@ -113,10 +122,15 @@ def _goal(found: Findings) -> str:
     state = "No eigenvalue has a positive real part."
     if growing:
         state = f"{len(growing)} eigenvalues have a positive real part, the largest {max(growing):.3g} 1/s."
-    inputs = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v in zip(model.inputs, model.u0))
-    return paragraph(
-        f"Exact, by automatic differentiation, at rest with {inputs}. {state} The matrices are in linearization.json."
+    text = paragraph(
+        f"Exact, by automatic differentiation, {points.words(model)}. {state} The matrices are in linearization.json."
     )
+    if points.residual(model):
+        more = (
+            "The goal is no equilibrium: deviations from it are not those of this model alone, its residual acts too."
+        )
+        text += paragraph(more, "warning")
+    return text
 
 
 def _along(found: Findings) -> str:
@@ -126,24 +140,32 @@ def _along(found: Findings) -> str:
         f"in {', '.join(found.scene.compare)} is compared with the prediction; the error should fall with power 2 "
         "of the perturbation."
     )
-    rows = []
-    for i, (size, error) in enumerate(found.ltv_errors):
+    rows, linear = [], all(error <= LINEAR * predicted for _, error, predicted in found.ltv_errors)
+    if linear:
+        text += paragraph(
+            f"It does not here, because the motion is linear in {found.perturbed.name}: what is left is rounding and "
+            "the tolerance of the integrator."
+        )
+    for i, (size, error, predicted) in enumerate(found.ltv_errors):
         power = "–"
-        if i and error > 0:
+        if i and error > 0 and not linear:
             before = found.ltv_errors[i - 1]
             power = f"{np.log(error / before[1]) / np.log(size / before[0]):.2f}"
-        rows.append((f"{size:g} rad", millimetres(error), power))
-    head = (f"perturbation of {names(found.scene.plant.states)[0]}", "error of the prediction", "falls with power")
+        rows.append((f"{size:g} {found.perturbed.unit}", millimetres(predicted), millimetres(error), power))
+    head = (f"perturbation of {found.perturbed.name}", "predicted", "error of the prediction", "falls with power")
     return text + table(head, rows)
 
 
 def _loops(found: Findings) -> str:
     scene = found.scene
+    cost = f"The open-loop motion costs {scene.cost(found.open_loop):.4g}."
+    if found.law is None:
+        return paragraph(f"No LQR: {found.no_law}.", "warning") + paragraph(cost)
     limits = ", ".join(f"{v:g} {s.unit}" for v, s in zip(scene.limits, scene.plant.inputs))
+    start = "started at rest at the start" if scene.start_at_rest else "started at the start"
     text = paragraph(
         f"One LQR, designed from the scene's cost on {scene.plant.label} at the goal, sampled every "
-        f"{scene.dt * 1e3:g} ms, limited to {limits}, started at rest at the start. It reads the true states of its "
-        f"design model. The open-loop motion costs {scene.cost(found.open_loop):.4g}."
+        f"{scene.dt * 1e3:g} ms, limited to {limits}, {start}. It reads the true states of its design model. {cost}"
     )
     rows = [
         (
@@ -157,7 +179,9 @@ def _loops(found: Findings) -> str:
         )
         for loop in found.loops
     ]
-    head = ("run on", "states", "cost", "end error [rad]", "at a limit", "about the goal", "least damped mode")
+    told = driven_to_goal(scene)
+    units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in told))
+    head = ("run on", "states", "cost", f"end error [{units}]", "at a limit", "about the goal", "least damped mode")
     return text + table(head, rows)
 
 
@@ -166,7 +190,7 @@ def _chart(found: Findings) -> str:
     ref = chart.reference
     text = paragraph(
         "Each point is one variant by one method at one step. Error: largest difference of "
-        f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (torques held over each control "
+        f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
         f"period) from {ref.variant} at rtol {ref.rtol:g}. That reference is confirmed by {ref.nearest} to "
         f"{millimetres(ref.difference)}; what all variants leave out is not in it. Time: integration only, after "
         f"warm-up, median of up to three runs; {chart.machine['evaluation']}."

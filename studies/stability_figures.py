@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ def evidence(verdict: Verdict, *, title: str = "Stability") -> Figure:
     grown: Growth | None = verdict.evidence.get("growth")
     cycle: Floquet | None = verdict.evidence.get("floquet")
     roots = verdict.evidence.get("eigenvalues")
-    drawers = []
+    drawers: list[tuple[Any, Any]] = []
     if frozen is not None and len(frozen.t) > 1:
         drawers += [(_frequencies, frozen), (_real_parts, frozen)]
     if grown is not None:
@@ -57,14 +57,24 @@ def _frequencies(ax: Axes, frozen: FrozenTime) -> None:
     ax.plot(frozen.t, found, ".", color=COLOURS[0], ms=2.5)
     if np.isfinite(found).any():
         ax.set_yscale("log")
+        ax.set_ylim(0.7 * np.nanmin(found), 1.4 * np.nanmax(found))
+        _plain(ax)
     ax.set_ylabel("frozen frequency [Hz]")
+
+
+def _plain(ax: Axes) -> None:
+    """Numbers without powers of ten where the axis spans little."""
+    low, high = ax.get_ylim()
+    if high < 1e3 * low and low > 1e-3 and high < 1e5:
+        ax.yaxis.set_major_formatter("{x:g}")
+        ax.yaxis.set_minor_formatter("{x:g}" if high < 12 * low else "")
 
 
 def _real_parts(ax: Axes, frozen: FrozenTime) -> None:
     ax.plot(frozen.t, frozen.eigenvalues.real, ".", color=COLOURS[0], ms=2.0)
     ax.plot(frozen.t, frozen.rightmost, color=COLOURS[1], lw=1.4, label="rightmost")
     ax.axhline(0, color=INK, lw=0.8)
-    ax.set_yscale("symlog", linthresh=max(1e-3 * float(np.abs(frozen.eigenvalues).max()), 1e-9))
+    ax.set_yscale("symlog", linthresh=max(1e-2 * float(np.abs(frozen.eigenvalues).max()), 1e-9))
     ax.set_ylabel("frozen real part [1/s]")
     ax.set_xlabel("time [s]")
     ax.legend(loc="best")
@@ -75,6 +85,7 @@ def _growth(ax: Axes, grown: Growth) -> None:
     ax.plot(grown.window_start, grown.windows, color=COLOURS[2], label=f"in the next {grown.window:.3g} s")
     ax.axhline(1, color=INK, lw=0.8)
     ax.set_yscale("log")
+    _plain(ax)
     ax.set_ylabel("largest growth")
     ax.set_xlabel("time [s]")
     ax.legend(loc="best")
@@ -100,9 +111,7 @@ def _roots(ax: Axes, roots: np.ndarray) -> None:
 
 
 @styled
-def chart(
-    found: StabilityMap, *, title: str = "Stability chart", labels: tuple[str, str] | None = None
-) -> Figure:
+def chart(found: StabilityMap, *, title: str = "Stability chart", labels: tuple[str, str] | None = None) -> Figure:
     """Verdicts as colours over the two parameters, the first upwards; lines of equal growth where it is unstable."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch

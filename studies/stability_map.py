@@ -6,7 +6,6 @@ uses the dask.distributed client that is open; "ray" the ray cluster that is ini
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
@@ -20,13 +19,16 @@ from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.parameters import require_choice, require_finite
 from pliant.plants.stability import assess
 
+from .mode_count import ModeCount, ModesNeeded, modes_needed
 from .motions import Progress, silent
+
+__all__ = ["ModeCount", "ModesNeeded", "StabilityMap", "map_stability", "modes_needed"]
 
 KINDS = ("stable", "marginal", "undecided", "unstable", "failed")
 BACKENDS = ("loky", "threading", "multiprocessing", "sequential", "dask", "ray")
 TASKS = 64  # portions that the grid is cut into, where it has that many points
 
-Builder = Callable[..., Any]  # build(first, second) -> LinearModel, LTVModel, Pieces or a list of LTVModel
+Builder = Callable[..., Any]  # build(first, second) -> LinearModel, LTVModel or PiecewiseLTV
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,7 @@ def map_stability(
     grid: Mapping[str, Any],
     *,
     nominal: Trajectory | None = None,
+    at: Mapping[str, float] | None = None,
     period: float | None = None,
     jobs: int = -1,
     backend: str = "loky",
@@ -85,15 +88,18 @@ def map_stability(
 
     `plant`: a function build(first, second) of two numbers that returns a model; or a Plant, whose parameters the grid
     names ("payload.mass"): it is linearised along `nominal`, the same at all points, or, where that is None, in the
-    equilibrium of each point. A point that cannot be built is "failed" with its reason. `period` and `options` as in
-    `assess`. `jobs` and `backend` are joblib's; a function that a cluster runs must be one that it can be sent.
+    equilibrium of each point with the states `at` held. A point that cannot be built is "failed" with its reason.
+    `period` and `options` as in `assess`. `jobs` and `backend` are joblib's; a cluster must be able to import what
+    `plant` needs.
     """
     names, axes = _checked(grid)
     require_choice("map_stability", "backend", backend, BACKENDS)
     tell = silent if progress is None else progress
-    build = _Point(plant, names, nominal) if isinstance(plant, Plant) else plant
+    build = _Point(plant, names, nominal, dict(at or {})) if isinstance(plant, Plant) else plant
     if not callable(build):
-        raise ValueError(f"map_stability.plant is a {type(plant).__name__}, must be a Plant or a function of two numbers")
+        raise ValueError(
+            f"map_stability.plant is a {type(plant).__name__}, must be a Plant or a function of two numbers"
+        )
     options = {"thorough": False, "period": period, **options}
     points = [(i, j) for i in range(len(axes[0])) for j in range(len(axes[1]))]
     portions = [points[k::TASKS] for k in range(min(TASKS, len(points)))]
@@ -103,10 +109,10 @@ def map_stability(
     began, done = clock.perf_counter(), 0
     tell(0.0, f"{len(points)} points")
     for results in _run(build, axes, portions, options, jobs, backend):
-        for at, verdict, margin, method, why in results:
-            verdicts[at], margins[at], methods[at] = verdict, margin, method
+        for point, verdict, margin, method, why in results:
+            verdicts[point], margins[point], methods[point] = verdict, margin, method
             if why:
-                failures[at] = why
+                failures[point] = why
         done += len(results)
         tell(done / len(points), f"{done} of {len(points)} points")
     took = clock.perf_counter() - began
@@ -131,6 +137,7 @@ class _Point:
     plant: Plant
     names: tuple[str, str]
     nominal: Trajectory | None
+    at: dict[str, float]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "plant", self.plant.vary(*self.names))
@@ -139,7 +146,7 @@ class _Point:
         p = np.array([first, second])
         if self.nominal is not None:
             return self.plant.linearize_along(self.nominal, p=p)
-        x0, u0 = self.plant.equilibrium(p=p)
+        x0, u0 = self.plant.equilibrium(self.at, p=p)
         return self.plant.linearize(x0, u0, p=p)
 
 
@@ -168,8 +175,10 @@ def _run(
     import joblib
 
     if backend == "ray":
-        from ray.util.joblib import register_ray
-
+        try:
+            from ray.util.joblib import register_ray
+        except ImportError as error:
+            raise ImportError("map_stability.backend = 'ray' needs ray: pip install pliant[ray]") from error
         register_ray()
     settings: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
     with joblib.parallel_config(backend=backend, n_jobs=jobs, **settings):
@@ -178,123 +187,3 @@ def _run(
         by_one = getattr(running, "supports_return_generator", False)
         pool = joblib.Parallel(return_as="generator_unordered" if by_one else "list")
         yield from pool(tasks)
-
-
-@dataclass(frozen=True)
-class ModeCount:
-    """The stability answer with one number of flexible modes."""
-
-    modes: int
-    states: int
-    verdict: str
-    margin: float  # [1/s]
-    change: float | None  # of the margin when one more mode is taken [1/s]
-
-
-@dataclass(frozen=True)
-class ModesNeeded:
-    """How many modes the stability answer needs, and how the nonlinear simulation agrees; `modes` None: more than tried."""
-
-    modes: int | None
-    tolerance: float  # [1/s]
-    rows: tuple[ModeCount, ...]
-    linear_growth: float  # factor by which the worst deviation changes over the nominal, by the linear model ..
-    nonlinear_growth: float  # .. and by simulating the plant with and without it
-    why: str
-
-    @property
-    def difference(self) -> float:
-        """Relative difference of the two growths."""
-        return abs(self.linear_growth - self.nonlinear_growth) / max(self.nonlinear_growth, 1e-300)
-
-
-def modes_needed(
-    plant: Plant,
-    nominal: Trajectory | Callable[[Plant], Trajectory],
-    tolerance: float,
-    *,
-    most: int = 6,
-    with_modes: Callable[[Plant, int], Plant] | None = None,
-    size: float = 1e-6,
-    **options: Any,
-) -> ModesNeeded:
-    """The fewest flexible modes from which on more change neither the verdict nor the margin by `tolerance` [1/s].
-
-    `nominal`: a motion, of which each variant takes the states that it has, its own further states zero; or a function
-    that gives the motion of a variant. Variants have 1 .. `most` modes: `plant.modes`, or `with_modes(plant, n)`. Only
-    linear models decide; then the chosen variant is simulated once with a deviation of `size` (of each state's scale)
-    in the direction that grows most, and once without. `options` as in `assess`.
-    """
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(f"modes_needed.tolerance = {tolerance!r} must be > 0 [1/s]")
-    vary = with_modes or _with_modes
-    found, variants = [], [vary(plant, n) for n in range(1, most + 1)]
-    for variant in variants:
-        motion = _nominal_of(variant, nominal)
-        verdict = assess(variant.linearize_along(motion), thorough=False, **options)
-        found.append((variant, motion, verdict))
-    rows = []
-    for n, (variant, _, verdict) in enumerate(found, start=1):
-        change = abs(found[n][2].margin - verdict.margin) if n < len(found) else None
-        rows.append(ModeCount(n, variant.nx, verdict.verdict, verdict.margin, change))
-    chosen = _settled(rows, tolerance)
-    variant, motion, verdict = found[(chosen or most) - 1]
-    linear, nonlinear = _growths(variant, motion, size)
-    last = rows[-1]
-    if chosen is None:
-        why = f"with {most} modes the margin still changes by {rows[-2].change:.2g} 1/s" if most > 1 else "one tried"
-    else:
-        why = f"with {chosen} of up to {most} modes: {last.verdict}, margin within {tolerance:.2g} of {last.margin:.4g} 1/s"
-    return ModesNeeded(chosen, float(tolerance), tuple(rows), linear, nonlinear, why)
-
-
-def _settled(rows: Sequence[ModeCount], tolerance: float) -> int | None:
-    """The fewest modes whose answer all larger numbers share; the last itself is shown by none."""
-    chosen = None
-    for row in reversed(rows[:-1]):
-        same = row.verdict == rows[-1].verdict and abs(row.margin - rows[-1].margin) <= tolerance
-        if not same:
-            break
-        chosen = row.modes
-    return chosen
-
-
-def _with_modes(plant: Any, n: int) -> Any:
-    """The plant with n modes in each flexible body."""
-    if hasattr(plant, "modes"):
-        before = plant.modes
-        return dataclasses.replace(plant, modes=(n,) * len(before) if isinstance(before, tuple) else n)
-    if hasattr(plant, "appendages"):
-        return dataclasses.replace(plant, appendages=tuple(_with_modes(a, n) for a in plant.appendages))
-    raise ValueError(f"modes_needed: {type(plant).__name__} has no field modes: give with_modes(plant, n)")
-
-
-def _nominal_of(plant: Plant, nominal: Any) -> Trajectory:
-    if callable(nominal):
-        return nominal(plant)
-    x = np.zeros((len(nominal.t), plant.nx))
-    rate = np.zeros_like(x)
-    have = {s.name: k for k, s in enumerate(nominal.states)}
-    slope = nominal.derivative()
-    for k, signal in enumerate(plant.states):
-        if signal.name in have:
-            x[:, k], rate[:, k] = nominal.x[:, have[signal.name]], slope[:, have[signal.name]]
-    if not set(have) & {s.name for s in plant.states}:
-        raise ValueError(f"modes_needed.nominal has states {tuple(have)}, must share some with {plant.label}")
-    return Trajectory.from_arrays(nominal.t, x, nominal.u, plant=plant, dx=rate, w=nominal.w, hold=nominal.hold)
-
-
-def _growths(plant: Plant, motion: Trajectory, size: float) -> tuple[float, float]:
-    """Growth of the worst deviation over the nominal: by the linear model, and by two simulations."""
-    from scipy.interpolate import CubicSpline
-
-    from pliant.plants.stability import growth
-
-    model = plant.linearize_along(motion)
-    linear = growth(model)
-    u = CubicSpline(motion.t, motion.u) if motion.u.shape[1] else None
-    if motion.hold == "zero-order":
-        u = motion.u
-    start = motion.x[0] + size * linear.direction
-    ends = [plant.simulate(x0, u, motion.t, rtol=1e-11, atol=1e-14).x[-1] for x0 in (motion.x[0], start)]
-    return linear.total, float(np.linalg.norm((ends[1] - ends[0]) / linear.scale) / size)

@@ -112,6 +112,10 @@ def _joints(scene: Scene) -> tuple[str, ...]:
 
 def _largest_speed(scene: Scene) -> float:
     """Largest turning rate [rad/s] of any link, each joint turning on the one before, in the nominal motion."""
+    if scene.drive is not None:
+        rigid = scene.with_plant(scene.plant.ladder()[0])
+        motion = rigid.open_loop(rtol=1e-6, atol=1e-8)
+        return float(np.abs(np.cumsum(motion.x[:, rigid.plant.nx // 2 :], axis=1)).max())
     start, goal = dict(scene.start), dict(scene.goal)
     way = np.array([goal.get(name, 0.0) - start.get(name, 0.0) for name in _joints(scene)])
     peak = float(minimum_jerk(0.5)[1]) / scene.move_time

@@ -10,6 +10,8 @@ from pliant.envs.scenes import Scene
 from pliant.plants import LinearModel, Trajectory
 from pliant.plants.signals import names
 
+from .points import residual
+
 if TYPE_CHECKING:
     from .report import Findings
 
@@ -50,6 +52,7 @@ def tables_of(found: Findings) -> dict[str, Any]:
         "modes": {
             "at": "goal",
             "modes": [vars(mode) for mode in goal.modes()],
+            "residual": residual(goal) or None,
             "locked_frequencies_hz": dict(found.frequencies),
         },
         "linearization": linear_table(goal),
@@ -57,12 +60,17 @@ def tables_of(found: Findings) -> dict[str, Any]:
             "t": found.along.t[::every],
             "eigenvalues": np.linalg.eigvals(found.along.A[::every]).astype(complex),
             "largest_residual": float(np.abs(found.along.c).max()),
-            "prediction_errors": [{"perturbation": a, "error": b} for a, b in found.ltv_errors],
+            "perturbed": found.perturbed.name,
+            "prediction_errors": [
+                {"perturbation": size, "error": error, "predicted": predicted}
+                for size, error, predicted in found.ltv_errors
+            ],
         },
         "closed_loop": {
             "design_plant": scene.plant.label,
-            "gain": found.law.K,
-            "reads": found.law.reads,
+            "gain": found.law.K if found.law is not None else None,
+            "reads": found.law.reads if found.law is not None else None,
+            "failure": found.no_law or None,
             "open_loop_cost": scene.cost(found.open_loop),
             "loops": [loop.to_json() for loop in found.loops],
         },

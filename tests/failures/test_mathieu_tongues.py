@@ -12,7 +12,9 @@ def mathieu(a, q, damping=0.0, nodes=65):
     t = np.linspace(0.0, np.pi, nodes)
     A = np.zeros((nodes, 2, 2))
     A[:, 0, 1], A[:, 1, 0], A[:, 1, 1] = 1.0, -(a - 2 * q * np.cos(2 * t)), -2 * damping
-    zero = {k: np.zeros((nodes, *s)) for k, s in {"B": (2, 0), "E": (2, 0), "C": (0, 2), "D": (0, 0), "F": (0, 0)}.items()}
+    zero = {
+        k: np.zeros((nodes, *s)) for k, s in {"B": (2, 0), "E": (2, 0), "C": (0, 2), "D": (0, 0), "F": (0, 0)}.items()
+    }
     rows = {"c": np.zeros((nodes, 2)), "x": np.zeros((nodes, 2)), "u": np.zeros((nodes, 0)), "y": np.zeros((nodes, 0))}
     return LTVModel(t, A, **zero, **rows, states=("x", "v"), inputs=(), disturbances=(), outputs=())
 

@@ -17,7 +17,9 @@ def swept(start, rate, damping=0.0, duration=20.0, nodes=801, angle=None):
 
 def with_nominal(t, A, x):
     nodes = len(t)
-    zero = {k: np.zeros((nodes, *s)) for k, s in {"B": (2, 0), "E": (2, 0), "C": (0, 2), "D": (0, 0), "F": (0, 0)}.items()}
+    zero = {
+        k: np.zeros((nodes, *s)) for k, s in {"B": (2, 0), "E": (2, 0), "C": (0, 2), "D": (0, 0), "F": (0, 0)}.items()
+    }
     rows = {"c": np.zeros((nodes, 2)), "x": x, "u": np.zeros((nodes, 0)), "y": np.zeros((nodes, 0))}
     states = (Signal("angle", "rad"), Signal("rate", "rad/s"))
     return LTVModel(t, A, **zero, **rows, states=states, inputs=(), disturbances=(), outputs=())
@@ -70,3 +72,18 @@ def test_a_corner_at_the_seam_is_not_periodic():
     A[:, 0, 1], A[:, 1, 0] = 1.0, -4.0 + t * (1 - t)
     with pytest.raises(ValueError, match="dA/dt at the end differs from that at the start by"):
         floquet(with_nominal(t, A, np.zeros((101, 2))))
+
+
+def test_free_drift_is_not_taken_for_instability():
+    """v' = 0, x' = (1 + slowly varying) v: the deviation grows a hundredfold, in proportion to time."""
+    t = np.linspace(0.0, 100.0, 401)
+    A = np.zeros((401, 2, 2))
+    A[:, 0, 1] = 1.0 + 0.1 * np.tanh((t - 50.0) / 20.0)
+    verdict = assess(with_nominal(t, A, np.zeros((401, 2))), periodic=False)
+    assert verdict.verdict == "undecided" and "as free drift does" in verdict.why
+    assert verdict.evidence["growth"].total > 50
+
+
+def test_growth_past_the_range_of_numbers_is_still_unstable():
+    verdict = assess(swept(-1.0, -5.0, duration=400.0, nodes=4001))
+    assert (verdict.verdict, verdict.method) == ("unstable", "growth") and verdict.margin < -1

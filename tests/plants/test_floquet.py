@@ -66,7 +66,9 @@ def test_monodromy_is_that_of_tight_integration():
     found = floquet(model_of(t, np.array([A(s) for s in t])))
     wanted = integrated(A, period, 5)
     np.testing.assert_allclose(found.monodromy, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
-    np.testing.assert_allclose(np.sort_complex(found.multipliers), np.sort_complex(np.linalg.eigvals(wanted)), rtol=1e-8)
+    np.testing.assert_allclose(
+        np.sort_complex(found.multipliers), np.sort_complex(np.linalg.eigvals(wanted)), rtol=1e-8
+    )
     trace = np.trace(M0) * period  # Liouville: the product of the multipliers
     assert np.prod(found.multipliers).real == pytest.approx(np.exp(trace), rel=1e-8)
 

@@ -8,7 +8,7 @@ from pliant.envs import scenes
 from pliant.studies.closed_loop import closed_loop, dearer
 
 
-@pytest.fixture(scope="module", params=scenes.names())
+@pytest.fixture(scope="module", params=["single-link-slew", "two-link-reach"])
 def case(request):
     scene = linear_reach() if request.param == "two-link-reach" else scenes.get(request.param)
     return scene, *closed_loop(scene)

@@ -14,6 +14,10 @@ def finer(scene):
     plant = scene.plant
     if scene.name == "two-link-reach":
         return dataclasses.replace(plant, kinematics="stiffened", basis="payload", modes=(6, 6))
+    if scene.name == "cantilever-drop":
+        return dataclasses.replace(plant, basis="polynomial", modes=9)
+    if scene.name == "slider-crank-run":
+        return dataclasses.replace(plant, basis="frame-elements", modes=4)
     return dataclasses.replace(plant, kinematics="stiffened", basis="polynomial", modes=5)
 
 

@@ -1,0 +1,32 @@
+"""Where a linear model was made, in words: at rest, or what remains of the rates there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pliant.plants import LinearModel
+from pliant.plants.signals import Signal
+
+REST = 1e-8  # of the rates that the point's own states and inputs can cause
+
+
+def residual(model: LinearModel) -> str:
+    """The rates that remain at the model's point, largest first, like "d(crank_angle)/dt = 15.1 rad/s"; "" at rest."""
+    own = np.maximum(np.abs(np.concatenate([model.x0, model.u0])), 1e-3)
+    scale = np.maximum(np.abs(np.hstack([model.A, model.B])) @ own, 1e-3)
+    left = np.flatnonzero(np.abs(model.f0) > REST * scale)
+    order = left[np.argsort(-np.abs(model.f0[left]))]
+    return ", ".join(f"d({model.states[i].name})/dt = {model.f0[i]:.3g} {_rate(model.states[i])}" for i in order)
+
+
+def words(model: LinearModel) -> str:
+    """Like "at rest with tau1 = 3.2 N m", or that the point is no equilibrium and what remains there."""
+    inputs = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v in zip(model.inputs, model.u0))
+    left = residual(model)
+    state = f"at a point that is no equilibrium ({left} there)" if left else "at rest"
+    return f"{state} with {inputs}" if inputs else state
+
+
+def _rate(signal: Signal) -> str:
+    unit = signal.unit
+    return f"{unit[:-2]}/s^2" if unit.endswith("/s") else f"{unit}/s"
