@@ -101,7 +101,8 @@ def toolchain() -> Toolchain:
             name = f"toolchain-{_stamp(command)}.json"
             if stored := cache.read_text(name):
                 fields: dict[str, Any] = json.loads(stored)
-                return Toolchain(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
+                fields = {k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()}
+                return Toolchain(**fields)
             found = _probe(command)
             cache.write(name, json.dumps(asdict(found)).encode())
             return found

@@ -162,7 +162,7 @@ class LTVModel:
         return dx, dy
 
     def second_order(self, mass: Any = None) -> SecondOrderModel:
-        """[A] y'' + [B] y' + [C] y = Q where the states are [y; dy/dt]; `mass` (nt, n, n) multiplies all, see `second_order`."""
+        """[A] y'' + [B] y' + [C] y = Q where the states are [y; dy/dt]; `mass` (nt, n, n) multiplies all."""
         from .second_order import from_ltv
 
         return from_ltv(self, mass)

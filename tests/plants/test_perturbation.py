@@ -314,7 +314,7 @@ def test_a_jump_in_the_nominal_is_carried():
         rigid = dataclasses.replace(made, kinematics="rigid")
         impulse, t = size * np.array([0.0, 8.0, -6.0, 0.0]), np.linspace(0, 2, 81)
         at, short = made.layout, rigid.layout
-        start = rigid.state(rate_x=0.05 * size)
+        start = rigid.state(rate_x=0.3 * size, rate_y=0.2 * size, rate_z=0.25 * size)
         first = rigid.simulate(start, None, t)
         kicked = first.x[-1] + rigid.jacobians(first.x[-1])[1] @ impulse
         second = rigid.simulate(kicked, None, t)
