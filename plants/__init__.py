@@ -23,14 +23,32 @@ from .plant import Plant
 from .signals import Signal
 from .single_link import SingleLinkArm
 from .slider_crank import SliderCrank
+from .spacecraft import (
+    Appendage,
+    Environment,
+    FlexibleSpacecraft,
+    Hinge,
+    Hub,
+    ModalData,
+    Orbit,
+    Sun,
+    Surface,
+    Thruster,
+    Wheel,
+)
 from .trajectory import Trajectory
 from .transfer import TransferMatrices
 from .two_link import TwoLinkArm
 from .two_link_terms import Terms, paper_terms
 
 __all__ = [
+    "Appendage",
     "Beam",
+    "Environment",
     "EquilibriumError",
+    "FlexibleSpacecraft",
+    "Hinge",
+    "Hub",
     "InfeasibleError",
     "IntegrationError",
     "LTVModel",
@@ -39,6 +57,8 @@ __all__ = [
     "LinearModel",
     "MassMatrixError",
     "Material",
+    "ModalData",
+    "Orbit",
     "Payload",
     "Plant",
     "PliantError",
@@ -46,11 +66,15 @@ __all__ = [
     "SingleLinkArm",
     "SliderCrank",
     "StabilityLimitError",
+    "Sun",
+    "Surface",
     "Terms",
+    "Thruster",
     "Trajectory",
     "TransferMatrices",
     "TwoLinkArm",
     "UncontrollableError",
+    "Wheel",
     "beams",
     "paper_terms",
     "step_limit",

@@ -46,7 +46,5 @@ def advance(
         ) from error
     result = np.asarray(after, dtype=float).reshape(-1)
     if not np.isfinite(result).all():
-        raise IntegrationError(
-            f"cvodes gave a non-finite state after t = {began:.6g} s", began, x, ended - began
-        )
+        raise IntegrationError(f"cvodes gave a non-finite state after t = {began:.6g} s", began, x, ended - began)
     return result

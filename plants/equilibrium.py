@@ -16,9 +16,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-10  # relative to the rates that each unknown can cause
 
 
-def find(
-    plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p: Any
-) -> tuple[np.ndarray, np.ndarray]:
+def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p: Any) -> tuple[np.ndarray, np.ndarray]:
     """Solve f(x, u) = 0 with the named signals held. Unknown: every other state, and the inputs when enough is held."""
     names = tuple(s.name for s in plant.states + plant.inputs)
     signals = plant.states + plant.inputs

@@ -61,9 +61,7 @@ def _rebuilt(function: ca.Function, matrices: bool) -> NumericFunction:
     return NumericFunction(function, matrices=matrices)
 
 
-def function(
-    name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices: bool = False
-) -> NumericFunction:
+def function(name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices: bool = False) -> NumericFunction:
     """A NumericFunction from expressions, common subexpressions removed and outputs dense."""
     shared = ca.cse([ca.densify(r) for r in results])
     return NumericFunction(ca.Function(name, symbols, shared), matrices=matrices)

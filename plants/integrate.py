@@ -159,9 +159,7 @@ def _slowest_limit(plant: Plant, x: Any, method: str, u: Any, p: Any) -> tuple[f
     return min(found, key=lambda pair: pair[0])
 
 
-def check_step(
-    plant: Plant, x: Any, method: str, step: float, *, u: Any = None, p: Any = None, t: float = 0.0
-) -> None:
+def check_step(plant: Plant, x: Any, method: str, step: float, *, u: Any = None, p: Any = None, t: float = 0.0) -> None:
     """Raise StabilityLimitError when `step` [s] is past the method's limit at x."""
     limit, mode = _slowest_limit(plant, x, method, u, p)
     if step > limit * (1 + 1e-9):

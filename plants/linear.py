@@ -44,9 +44,7 @@ class LinearModel:
     u0: np.ndarray = field(repr=False)  # (nu,)
     w0: np.ndarray = field(repr=False)  # (nw,)
     y0: np.ndarray = field(repr=False)  # (ny,)
-    f0: np.ndarray = field(
-        repr=False
-    )  # (nx,) dx/dt at the point; of a sampled model its effect over one step
+    f0: np.ndarray = field(repr=False)  # (nx,) dx/dt at the point; of a sampled model its effect over one step
     dt: float | None = None  # [s] sampling time
     error_bound: float | None = None  # of a reduced model: largest error of its gain at any frequency
 
@@ -145,9 +143,7 @@ class LinearModel:
         B, E, f0 = np.split(held[0], [nu, nu + nw], axis=1)
         return replace(self, A=Phi[0], B=B, E=E, f0=f0[:, 0], dt=float(dt))
 
-    def simulate(
-        self, dx0: Any, du: InputLike, t: Any, dw: InputLike = None
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def simulate(self, dx0: Any, du: InputLike, t: Any, dw: InputLike = None) -> tuple[np.ndarray, np.ndarray]:
         """Deviations (x (nt, nx), y (nt, ny)) from dx0 (nx,) at the times t (nt,) [s].
 
         `du`, `dw`: None, a constant, (nt, n) held from each time to the next, or a function of time. Exact
@@ -165,9 +161,7 @@ class LinearModel:
         v = np.concatenate([ug, wg, np.ones((len(h), 2, 1))], axis=2)
         if self.dt is not None:
             if np.abs(h - self.dt).max() > 1e-6 * self.dt:
-                raise ValueError(
-                    f"simulate.t has steps up to {h.max():.9g}, must be {self.dt:.9g} (the model's dt)"
-                )
+                raise ValueError(f"simulate.t has steps up to {h.max():.9g}, must be {self.dt:.9g} (the model's dt)")
             Phi = np.broadcast_to(self.A, (len(h), *self.A.shape))
             push = np.concatenate([u[:-1], w[:-1], np.ones((len(h), 1))], axis=1) @ self._drives.T
         else:

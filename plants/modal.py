@@ -137,9 +137,7 @@ def _balanced(
     U, sigma, Vt = np.linalg.svd(Rt.T @ S)
     rank = int(np.sum(sigma > 1e-12 * sigma[0])) if sigma[0] > 0 else 0
     if order > rank:
-        raise ValueError(
-            f"LinearModel.reduce: order = {order} must be at most {rank}, the states reached and seen"
-        )
+        raise ValueError(f"LinearModel.reduce: order = {order} must be at most {rank}, the states reached and seen")
     scale = np.sqrt(sigma[:order])
     return (U[:, :order] / scale).T @ Rt.T, S @ Vt[:order].T / scale, float(2 * sigma[order:].sum())
 
@@ -171,9 +169,7 @@ def _modal(
 
     T, Z, count = sla.schur(A, output="real", sort=wanted)
     if count != order:
-        raise ValueError(
-            f"LinearModel.reduce: order = {order} splits a cluster of equal modes; {count} does not"
-        )
+        raise ValueError(f"LinearModel.reduce: order = {order} splits a cluster of equal modes; {count} does not")
     X = sla.solve_sylvester(T[:order, :order], -T[order:, order:], -T[:order, order:])
     L, R = Z[:, :order].T - X @ Z[:, order:].T, Z[:, :order]
     if undamped[~kept].any():

@@ -90,9 +90,7 @@ def loaded_roots(n: int, mass: float, inertia: float, coupling: float = 0.0) -> 
     require_count("modes", "n", n, 0, MOST_MODES)
     for name, value in (("mass", mass), ("inertia", inertia)):
         if not 0 <= value <= LARGEST_RATIO:
-            raise ValueError(
-                f"modes.{name} = {value!r} must be within [0, {LARGEST_RATIO:g}] of the beam's own"
-            )
+            raise ValueError(f"modes.{name} = {value!r} must be within [0, {LARGEST_RATIO:g}] of the beam's own")
     if not coupling**2 <= mass * inertia * (1 + 1e-12):
         raise ValueError(f"modes.coupling = {coupling!r} must be within +-sqrt(mass inertia)")
     k = np.arange(1, n + 1)
@@ -153,8 +151,7 @@ def _products(beta: np.ndarray) -> tuple[np.ndarray, ...]:
         return scaled
     small = np.minimum(beta, _SERIES_BELOW)
     cc = [  # derivatives 0 to 3 of cos cosh - 1
-        sum((-4.0) ** k * small ** (4 * k - d) / math.factorial(4 * k - d) for k in range(1, 6))
-        for d in range(4)
+        sum((-4.0) ** k * small ** (4 * k - d) / math.factorial(4 * k - d) for k in range(1, 6)) for d in range(4)
     ]
     series = (2 + cc[0], -cc[0], -cc[3] / 2, -cc[1], -cc[2] / 2)
     return tuple(np.where(few, s, t) for s, t in zip(series, scaled, strict=True))
@@ -176,18 +173,14 @@ def _columns(beta: np.ndarray, xi: np.ndarray, derivative: int) -> list[np.ndarr
     if np.any(small):
         few = beta[small] ** 4
         for j, column in enumerate(columns):
-            turns, order = divmod(
-                j - derivative, 4
-            )  # solution j starts as xi^j / j!; four derivatives give beta^4
+            turns, order = divmod(j - derivative, 4)  # solution j starts as xi^j / j!; four derivatives give beta^4
             column[..., small] = few**-turns * sum(
                 few**m * xi ** (4 * m + order) / math.factorial(4 * m + order) for m in range(6)
             )
     return columns
 
 
-def shapes(
-    boundary: str, n: int, *, mass: float = 0.0, inertia: float = 0.0, coupling: float = 0.0
-) -> ModeShapes:
+def shapes(boundary: str, n: int, *, mass: float = 0.0, inertia: float = 0.0, coupling: float = 0.0) -> ModeShapes:
     """The lowest n modes of a beam with these ends; "payload" is clamped-free with a loaded tip.
 
     The coefficients are the null vector of the 4 x 4 matrix of end conditions, by singular value

@@ -53,9 +53,7 @@ def validate(obj: Any) -> None:
     for field in dataclasses.fields(obj):
         if "allowed" in field.metadata:
             value = getattr(obj, field.name)
-            _check(
-                f"{type(obj).__name__}.{field.name}", value, field.metadata["unit"], field.metadata["allowed"]
-            )
+            _check(f"{type(obj).__name__}.{field.name}", value, field.metadata["unit"], field.metadata["allowed"])
 
 
 def require_choice(owner: str, name: str, value: object, choices: Collection[Any]) -> None:
@@ -117,9 +115,7 @@ def unit_of(obj: Any, path: str) -> str:
     _step(owner, keys[field_index], path)
     field = next(f for f in dataclasses.fields(owner) if f.name == keys[field_index])
     if "unit" not in field.metadata:
-        raise ValueError(
-            f"parameter {path!r} is not a physical quantity; choose from {', '.join(quantities(obj))}"
-        )
+        raise ValueError(f"parameter {path!r} is not a physical quantity; choose from {', '.join(quantities(obj))}")
     return str(field.metadata["unit"])
 
 

@@ -176,9 +176,7 @@ class Plant(ABC):
             if not np.isfinite(array).all():
                 k = int(np.argwhere(~np.isfinite(array))[0][-1])
                 bad = array[..., k][~np.isfinite(array[..., k])].flat[0]
-                raise ValueError(
-                    f"{type(self).__name__}.{name}[{k}] ({named[k].name}) = {bad} must be finite"
-                )
+                raise ValueError(f"{type(self).__name__}.{name}[{k}] ({named[k].name}) = {bad} must be finite")
             if array.ndim == 2:
                 if batch not in (None, len(array)):
                     raise ValueError(f"{type(self).__name__}.{name} has {len(array)} rows, must have {batch}")
@@ -218,17 +216,13 @@ class Plant(ABC):
 
         return find(self, {**(fixed or {}), **named}, guess or {}, p)
 
-    def linearize(
-        self, x0: Any, u0: Any = None, *, w: Any = None, p: Any = None, t: float = 0.0
-    ) -> LinearModel:
+    def linearize(self, x0: Any, u0: Any = None, *, w: Any = None, p: Any = None, t: float = 0.0) -> LinearModel:
         """The exact linear model about (x0, u0): A B E C D F by automatic differentiation, f0 the residual rate."""
         from .linear import LinearModel
 
         (_, x, u, w, p), _ = self._arguments(x0, u0, w, p, t)
         if x.ndim != 1:
-            raise ValueError(
-                f"{type(self).__name__}.x has shape {x.shape}, must be ({self.nx},) to linearise"
-            )
+            raise ValueError(f"{type(self).__name__}.x has shape {x.shape}, must be ({self.nx},) to linearise")
         A, B, E, C, D, F = self.jacobians(x, u, w=w, p=p, t=t)
         return LinearModel(
             A,

@@ -85,16 +85,12 @@ def sample(name: str, value: InputLike, t: np.ndarray, n: int) -> tuple[np.ndarr
     array = np.asarray(value, dtype=float)
     if array.ndim == 1 and array.shape != (n,):
         raise ValueError(f"{name} has shape {array.shape}, must be ({n},), ({len(t)}, {n}) or a function")
-    nodes = np.broadcast_to(
-        require_finite(name, array, (n,) if array.ndim == 1 else (len(t), n)), (len(t), n)
-    )
+    nodes = np.broadcast_to(require_finite(name, array, (n,) if array.ndim == 1 else (len(t), n)), (len(t), n))
     return nodes, np.repeat(nodes[:-1, None, :], 2, axis=1)
 
 
 def _called(name: str, function: Callable[[float], Any], n: int) -> Callable[[float], np.ndarray]:
     def at(s: float) -> np.ndarray:
-        return require_finite(
-            f"{name}({s:.6g})", np.atleast_1d(np.asarray(function(float(s)), dtype=float)), (n,)
-        )
+        return require_finite(f"{name}({s:.6g})", np.atleast_1d(np.asarray(function(float(s)), dtype=float)), (n,))
 
     return at

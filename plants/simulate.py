@@ -51,9 +51,7 @@ def simulate(
     t = read_only_times("t", t)
     require_choice("simulate", "method", method, (*ADAPTIVE, "cvodes", *METHODS))
     if (step is not None) != (method in METHODS):
-        raise ValueError(
-            f"step = {step!r} must be a number of seconds for {', '.join(METHODS)}, and None otherwise"
-        )
+        raise ValueError(f"step = {step!r} must be a number of seconds for {', '.join(METHODS)}, and None otherwise")
     if step is not None and not 0 < step < np.inf:
         raise ValueError(f"step = {step!r} must be > 0 [s]")
     for name, value in (("rtol", rtol), ("atol", atol)):
@@ -155,13 +153,9 @@ class _Drive:
         if self.period is None or now >= self.t[0] + self.period * (self.taken - SAME_TIME):
             previous = self.samples[max(k - 1, 0)]
             y = self.plant._output(now, x, previous, self.w, self.p)[0]
-            u = np.asarray(self.controller.act(float(now), np.append(x, y)[self.picks]), dtype=float).reshape(
-                -1
-            )
+            u = np.asarray(self.controller.act(float(now), np.append(x, y)[self.picks]), dtype=float).reshape(-1)
             if u.shape != (self.plant.nu,) or not np.isfinite(u).all():
-                raise ValueError(
-                    f"controller at t = {now:.6g} s gave {u}, must be {self.plant.nu} finite numbers"
-                )
+                raise ValueError(f"controller at t = {now:.6g} s gave {u}, must be {self.plant.nu} finite numbers")
             self.samples[k] = u
             self.taken += 1
         else:
@@ -314,9 +308,7 @@ class _Run:
         from .cvodes import advance
 
         if self.drive.law is not None:
-            raise ValueError(
-                'method = "cvodes" needs an input held between times: give an array, not a callable'
-            )
+            raise ValueError('method = "cvodes" needs an input held between times: give an array, not a callable')
         return advance(
             self.plant,
             self.t[k],

@@ -171,9 +171,7 @@ class Trajectory:
 
     def save(self, path: str | Path) -> None:
         """Write one .npz file: the arrays, and names, units and stats as JSON text."""
-        arrays = {
-            k: getattr(self, k) for k in ("t", "x", "u", "y", "dx", "w") if getattr(self, k) is not None
-        }
+        arrays = {k: getattr(self, k) for k in ("t", "x", "u", "y", "dx", "w") if getattr(self, k) is not None}
         about: dict[str, Any] = {kind: [[s.name, s.unit] for s in getattr(self, kind)] for kind in KINDS}
         about |= {"stats": dict(self.stats), "hold": self.hold, "format": 1}
         text = json.dumps(about, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
@@ -185,9 +183,7 @@ class Trajectory:
         """Read what `save` wrote; ValueError where the file is something else."""
         with np.load(path, allow_pickle=False) as data:
             if "about" not in data:
-                raise ValueError(
-                    f"Trajectory.load: {str(path)!r} has arrays {sorted(data)}, must have 'about'"
-                )
+                raise ValueError(f"Trajectory.load: {str(path)!r} has arrays {sorted(data)}, must have 'about'")
             about = json.loads(str(data["about"]))
             arrays = {k: data[k] for k in data if k != "about"}
         signals: dict[str, Any] = {kind: tuple(Signal(*pair) for pair in about[kind]) for kind in KINDS}

@@ -38,9 +38,7 @@ class TwoLinkArm(LagrangianPlant):
     link2: Beam
     joint_mass: float = quantity("kg", "nonnegative", 0.0)  # point mass at joint 2
     payload: Payload = field(default_factory=Payload)
-    hub_inertia: tuple[float, float] = quantity(
-        "kg m^2", "nonnegative", (0.0, 0.0)
-    )  # turns with the link's root
+    hub_inertia: tuple[float, float] = quantity("kg m^2", "nonnegative", (0.0, 0.0))  # turns with the link's root
     joint_friction: tuple[float, float] = quantity("N m s/rad", "nonnegative", (0.0, 0.0))
     gravity: float = quantity("m/s^2", "finite", 9.81)  # along -y
     tip_slope: bool = True  # the slope of link 1's tip turns link 2 (the paper leaves it out)
@@ -70,9 +68,7 @@ class TwoLinkArm(LagrangianPlant):
 
         E = 70 GPa, density 2700 kg/m^3, joint mass 1 kg, payload 0.5 kg and 0.002 kg m^2; no hub inertia, no damping.
         """
-        strip = Beam.rectangular(
-            1.0, width=0.04, depth=0.008, material=beams.Material(density=2700.0, E=70e9, G=26e9)
-        )
+        strip = Beam.rectangular(1.0, width=0.04, depth=0.008, material=beams.Material(density=2700.0, E=70e9, G=26e9))
         return cls(link1=strip, link2=strip, joint_mass=1.0, payload=Payload(mass=0.5, inertia=0.002))
 
     @property

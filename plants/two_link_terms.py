@@ -46,9 +46,7 @@ def paper_terms(arm: TwoLinkArm, x: Any, u: Any = None) -> Terms:
     """
     for name, want in (("kinematics", "linear"), ("reduction", "full")):
         if getattr(arm, name) != want:
-            raise ValueError(
-                f"TwoLinkArm.{name} = {getattr(arm, name)!r} must be {want!r} for the paper's terms"
-            )
+            raise ValueError(f"TwoLinkArm.{name} = {getattr(arm, name)!r} must be {want!r} for the paper's terms")
     if any(arm.payload.offset):
         raise ValueError(f"payload.offset = {arm.payload.offset} must be zero for the paper's terms")
     u = np.zeros(2) if u is None else np.asarray(u, dtype=float)
