@@ -82,7 +82,7 @@ class Scene:
     dt: float = quantity("s", "positive", 0.02)  # control period
     substeps: int = 10  # RK4 steps a control period
     move_time: float = quantity("s", "positive", 1.0)  # of the nominal motion from start to goal
-    limits: tuple[float, ...] = quantity("the unit of the input", "positive")  # largest |u|
+    limits: tuple[float, ...]  # largest |u|, in each input's own unit
     bounds: Pairs = ()  # largest |output| [its unit]; beyond it the episode ends
     weights: Pairs = ()
     effort: Pairs = ()
@@ -99,6 +99,9 @@ class Scene:
         plant, owner = self.plant, f"scene {self.name!r}"
         if len(self.limits) != plant.nu:
             raise ValueError(f"{owner}: limits = {self.limits} must hold {plant.nu} numbers > 0")
+        for i, (value, signal) in enumerate(zip(self.limits, plant.inputs)):
+            if not (isinstance(value, (int, float)) and 0 < value < np.inf):
+                raise ValueError(f"Scene.limits[{i}] = {value!r} must be > 0 [{signal.unit}]")
         if not (isinstance(self.substeps, int) and self.substeps >= 1):
             raise ValueError(f"{owner}: substeps = {self.substeps!r} must be an integer >= 1")
         if self.steps < 1:
