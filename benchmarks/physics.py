@@ -8,7 +8,8 @@ import numpy as np
 from sampling import TIME, Case, Sampler, rate_of, time_of
 
 from pliant.plants import TwoLinkArm
-from pliant.plants.batch import BatchKernel, random_points, step_kernel, step_reference
+from pliant.plants.batch import BatchKernel, random_points
+from pliant.plants.stepping import step_kernel, step_reference
 
 GROUP, JACOBIANS = "physics", "jacobians"
 MACHINE, SCALAR, DOUBLE, SINGLE = (

@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import kernels
-from pliant.plants.batch import FEW, BatchKernel, Workspace, map_kernel, random_points, rate_function
+from pliant.plants.batch import FEW, BatchKernel, Workspace, map_kernel, random_points
 from pliant.plants.functions import NumericFunction
+from pliant.plants.stepping import rate_function
 from pliant.plants.threads import available
 
 from .scene import Scene

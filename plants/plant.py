@@ -24,10 +24,10 @@ from .signals import Signal
 if TYPE_CHECKING:
     import control
 
-    from .batch import Stepper
     from .linear import LinearModel
     from .ltv import LTVModel
     from .simulate import Input
+    from .stepping import Stepper
     from .trajectory import Trajectory
 
 Array = np.ndarray
@@ -296,7 +296,8 @@ class Plant(ABC):
         x, u, p: (batch, n), or (n,) for all lanes; a Fortran-ordered (batch, nx) array is used without a copy.
         threads None: all processors for large batches. Runs on CasADi's virtual machine where nothing compiles.
         """
-        from .batch import Stepper, as_dtype
+        from .batch import as_dtype
+        from .stepping import Stepper
 
         return Stepper(self, dt, method, batch, as_dtype(dtype), threads, substeps)
 

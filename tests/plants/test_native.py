@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from pliant.plants import TwoLinkArm, cache, compiler, kernels, native
-from pliant.plants.batch import as_dtype, map_kernel, random_points, rate_function, step_kernel
+from pliant.plants.batch import as_dtype, map_kernel, random_points
+from pliant.plants.stepping import rate_function, step_kernel
 
 ARM = TwoLinkArm.textbook()
 needs_compiler = pytest.mark.skipif(not native.wanted(), reason="PLIANT_NATIVE=0: the virtual machine is under test")
