@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, Protocol, final, runtime_checkable
 
 import numpy as np
@@ -29,6 +30,13 @@ class Controller(Protocol):
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """The input u (nu,) at time t [s] from the signals y (len(reads),)."""
+
+
+def reading(owner: str, y: Any, size: int) -> np.ndarray:
+    """y as a finite float array (size,), at little cost where it is one; ValueError names what is wrong."""
+    if type(y) is np.ndarray and y.shape == (size,) and y.dtype == float and isfinite(y.dot(y)):
+        return y
+    return require_finite(owner, y, (size,))
 
 
 def saturation(owner: str, limits: Any, inputs: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:

@@ -11,6 +11,35 @@ from pliant.plants import Plant
 Pairs = tuple[tuple[str, float], ...]
 
 
+class Charged(Protocol):
+    """What planning and predictive control ask of a scene: a goal, a cost, limits. See pliant.envs.Scene."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def plant(self) -> Plant: ...
+    @property
+    def weights(self) -> Pairs: ...
+    @property
+    def effort(self) -> Pairs: ...
+    @property
+    def bounds(self) -> Pairs: ...
+    @property
+    def limits(self) -> tuple[float, ...]: ...
+    @property
+    def dt(self) -> float: ...  # [s]
+    @property
+    def substeps(self) -> int: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def move_time(self) -> float: ...  # [s]
+    @property
+    def initial(self) -> tuple[np.ndarray, np.ndarray]: ...
+    @property
+    def target(self) -> tuple[np.ndarray, np.ndarray]: ...
+
+
 class Playable(Protocol):
     """See pliant.envs.Scene, a frozen dataclass, for each of these. `start_spread` can be replaced."""
 
