@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -34,6 +35,12 @@ class Charged(Protocol):
     def steps(self) -> int: ...
     @property
     def move_time(self) -> float: ...  # [s]
+    @property
+    def times(self) -> np.ndarray: ...  # (steps + 1,) [s]
+    @property
+    def goal_at_rest(self) -> bool: ...
+    @property
+    def nominal_input(self) -> Callable[[float], np.ndarray]: ...
     @property
     def initial(self) -> tuple[np.ndarray, np.ndarray]: ...
     @property

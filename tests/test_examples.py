@@ -15,6 +15,8 @@ SAID = {  # a number that each example prints, and its range
     "design.py": (r"tip within ([\d.]+) mm", 0.0, 5.0),
     "environment.py": (r"payload ([\d.]+) kg", 0.35, 0.65),
     "monte_carlo.py": (r"theta1 after 1 s from ([-\d.]+)", -1.57, -1.56),
+    "shaping.py": (r"([\d.]+) percent", 0.0, 1.0),
+    "pd.py": (r"PD: cost ([\d.]+)", 3.5, 4.1),
     "paper_terms.py": (r"largest residual ([\d.e+-]+)", 0.0, 1e-10),
     "time_varying.py": (r"misses ([\d.]+) um", 0.0, 50.0),
 }

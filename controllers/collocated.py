@@ -1,0 +1,45 @@
+"""What a loop from the inputs to the joints that they drive sees of a plant: inertia, closed-loop modes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant.plants.errors import PliantError
+from pliant.plants.signals import index
+
+if TYPE_CHECKING:
+    from pliant.plants.linear import LinearModel
+    from pliant.plants.plant import Plant
+
+
+def rows(model: LinearModel, names: tuple[str, ...]) -> np.ndarray:
+    """(n, nx): the named states or outputs of a linear model from its state."""
+    known = np.vstack([np.eye(len(model.states)), model.C])
+    return known[[index(model.states + model.outputs, name, "state or output") for name in names]]
+
+
+def rigid_inertia(plant: Plant, x0: Any, u0: Any, rates: tuple[str, ...]) -> np.ndarray:
+    """J (nu, nu): inputs [their unit] over accelerations of the joints, of the cheapest variant at x0, symmetric.
+
+    PliantError where the inputs do not move the joints one by one.
+    """
+    rigid = plant.ladder()[0]
+    known = dict(zip((s.name for s in plant.states), np.asarray(x0, dtype=float)))
+    model = rigid.linearize(np.array([known.get(s.name, 0.0) for s in rigid.states]), u0)
+    moved = rows(model, rates) @ model.B
+    if not np.linalg.cond(moved) < 1e10:
+        raise PliantError(f"the inputs {model.input_names} do not move {rates} one by one: accelerations {moved}")
+    inertia = np.linalg.inv(moved)
+    return (inertia + inertia.T) / 2
+
+
+def loop_eigenvalues(model: LinearModel, K: np.ndarray, reads: tuple[str, ...], dt: float | None) -> np.ndarray:
+    """[1/s] of u = -K y with y = `reads`, continuous or held over each dt [s]."""
+    S = rows(model, reads)
+    if dt is None:
+        return np.linalg.eigvals(model.A - model.B @ K @ S)
+    sampled = model.discretize(dt)
+    values = np.linalg.eigvals(sampled.A - sampled.B @ K @ S).astype(complex)
+    return np.log(values[values != 0]) / dt

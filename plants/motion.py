@@ -1,0 +1,17 @@
+"""Smooth rest-to-rest motions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
+    """The quintic from 0 to 1 over s in [0, 1], end rates and accelerations zero, and its two derivatives."""
+    s = np.clip(s, 0.0, 1.0) if isinstance(s, np.ndarray) else min(max(float(s), 0.0), 1.0)
+    return (
+        10 * s**3 - 15 * s**4 + 6 * s**5,
+        30 * s**2 - 60 * s**3 + 30 * s**4,
+        60 * s - 180 * s**2 + 120 * s**3,
+    )
