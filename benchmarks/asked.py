@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import acts
 import cantilever
 import environments as env
 import learning
 import peers
 import physics
+import spacecraft
+import stability
 import startup
 from sampling import Row, ratio
 from soak import GROWTH, STEPS, Soak
@@ -46,6 +49,7 @@ def _median(row: Row | None) -> float | None:
 def checks(rows: Sequence[Row], soak: Soak | None, steps: int = STEPS) -> list[Check]:
     """Everything asked, in order; `steps` of the soak."""
     found = [_physics(rows), _environments(rows), _times(rows), _soak(soak, steps), _learning(rows), _cantilever(rows)]
+    found += [_stability(rows), _spacecraft(rows), _controllers(rows)]
     return [check for part in found for check in part]
 
 
@@ -115,3 +119,37 @@ def _cantilever(rows: Sequence[Row]) -> Iterator[Check]:
     for error, times in ((cantilever.COARSE, 100), (cantilever.FINE, 50)):
         found = cantilever.times_faster(rows, error)
         yield Check(9, f"cantilever-drop to {error:g} m, against Exudyn's fastest settings", found, times, "times")
+
+
+def _stability(rows: Sequence[Row]) -> Iterator[Check]:
+    for name, threads, asked in ((stability.VERDICT, 1, 0.3), (stability.CHART, 2, 20.0)):
+        found = _median(find(rows, stability.GROUP, name, threads=threads))
+        yield Check(10, name, found, asked, "s", least=False)
+
+
+def _spacecraft(rows: Sequence[Row]) -> Iterator[Check]:
+    build = _median(find(rows, spacecraft.GROUP, spacecraft.BUILD))
+    yield Check(11, spacecraft.BUILD, build, 20.0, "s", least=False)
+    name = spacecraft.linearise_name(spacecraft.COUNTS[-1])
+    found = _median(find(rows, spacecraft.GROUP, name))
+    yield Check(11, name, None if found is None else 1e3 * found, 5.0, "ms", least=False)
+    grows = "time of a linearisation ~ states^k, largest k between neighbouring rows"
+    yield Check(11, grows, spacecraft.exponent(rows), 3.0, "", least=False)
+
+
+def _controllers(rows: Sequence[Row]) -> Iterator[Check]:
+    """Median, and a 99th percentile within three times what was asked of it."""
+    twenty, forty = (acts.mpc_name(n) for n in acts.HORIZONS)
+    for name, asked in (
+        (acts.LQR, 5.0),
+        (acts.TVLQR, 15.0),
+        (twenty, 60.0),
+        (forty, 200.0),
+        (acts.NMPC, 2000.0),
+    ):
+        row = find(rows, acts.GROUP, name)
+        for what, found, most in (
+            (name, _median(row), asked),
+            (f"{name}, 99th percentile", row.tail if row else None, 3 * asked),
+        ):
+            yield Check(12, what, None if found is None else 1e6 * found, most, "us", least=False)

@@ -18,6 +18,7 @@ from dataclasses import asdict
 from pathlib import Path
 from statistics import mean
 
+import acts
 import asked
 import cantilever
 import environments
@@ -26,6 +27,8 @@ import peers
 import physics
 import sampling
 import soak as soaking
+import spacecraft
+import stability
 import startup
 import table
 
@@ -38,8 +41,22 @@ PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
     "jacobians": lambda: list(physics.jacobian_cases()),
     "environments": lambda: [*environments.cases(), *peers.environment_cases()],
     "cantilever": lambda: list(cantilever.cases()),
+    "stability": lambda: list(stability.cases()),
+    "spacecraft": lambda: list(spacecraft.cases()),
+    "controllers": lambda: list(acts.cases()),
 }
-PACKAGES = ("pliant", "numpy", "casadi", "gymnasium", "mujoco", "exudyn", "stable-baselines3", "torch")
+PACKAGES = (
+    "pliant",
+    "numpy",
+    "casadi",
+    "gymnasium",
+    "mujoco",
+    "exudyn",
+    "stable-baselines3",
+    "torch",
+    "daqp",
+    "do-mpc",
+)
 
 
 def about(rows: Sequence[sampling.Row]) -> dict[str, str]:
@@ -109,7 +126,7 @@ def notes(part: str | None, rows: Sequence[sampling.Row], soak: soaking.Soak | N
             f"Soak: {soak.steps:,} environment steps with random actions in {soak.seconds:.0f} s, {soak.episodes:,} "
             f"episodes, {soak.diverged:,} diverged; {soak.memory[-1]:.0f} MB resident at the end."
         )
-    return said + cantilever.notes(rows)
+    return said + cantilever.notes(rows) + acts.notes(rows)
 
 
 def main() -> int:

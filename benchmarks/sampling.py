@@ -10,8 +10,9 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
+from typing import Any
 
-Sampler = Callable[[float], float]  # seconds to spend -> one value
+Sampler = Callable[[float], Any]  # seconds to spend -> one value, or that and a 99th percentile of single calls
 Progress = Callable[[float, str], None]
 
 RATE, TIME, SHARE = "steps/s", "s", "share"  # units of a row
@@ -34,6 +35,7 @@ class Case:
     lanes: int = 1
     peer: bool = False
     note: str = ""
+    rounds: int | None = None  # sampled in so many rounds only, where a sample takes many seconds
 
 
 @dataclass
@@ -49,12 +51,18 @@ class Row:
     note: str = ""
     samples: list[float] = field(default_factory=list)
     others: list[float] = field(default_factory=list)  # processors that other processes used meanwhile
+    tails: list[float] = field(default_factory=list)  # 99th percentiles of single calls, where a sample times each
     failure: str | None = None
 
     @property
     def median(self) -> float | None:
         """Of the samples; None where there are none."""
         return median(self.samples) if self.samples else None
+
+    @property
+    def tail(self) -> float | None:
+        """Median of the 99th percentiles; None where there are none."""
+        return median(self.tails) if self.tails else None
 
 
 def rate_of(work: Callable[[], int]) -> Sampler:
@@ -96,9 +104,9 @@ def busy() -> tuple[float, float] | None:
     return (user + nice + system + irq + softirq + steal) / os.sysconf("SC_CLK_TCK"), sum(own[:4])
 
 
-def undisturbed(sampler: Sampler, seconds: float) -> tuple[float, float | None]:
+def undisturbed(sampler: Sampler, seconds: float) -> tuple[Any, float | None]:
     """A sample, and how many processors others used meanwhile; the quietest of at most 1 + RETAKES."""
-    best: tuple[float, float | None] | None = None
+    best: tuple[Any, float | None] | None = None
     for _ in range(1 + RETAKES):
         before, begin = busy(), time.perf_counter()
         value = sampler(seconds)
@@ -142,11 +150,14 @@ def measure(cases: Sequence[Case], rounds: int, seconds: float, progress: Progre
         progress(0.1 * i / len(cases), f"prepare {case.name}")
         started.append(start(case))
     for k in range(rounds):
-        for i, (row, sampler) in enumerate(started):
+        for i, (case, (row, sampler)) in enumerate(zip(cases, started)):
             progress(0.1 + 0.9 * (k + i / len(started)) / rounds, f"round {k + 1}: {row.name}")
-            if sampler is None:
+            if sampler is None or (case.rounds is not None and k >= case.rounds):
                 continue
             value, others = undisturbed(sampler, seconds)
+            if isinstance(value, tuple):
+                value, tail = value
+                row.tails.append(tail)
             row.samples.append(value)
             if others is not None:
                 row.others.append(others)

@@ -73,4 +73,4 @@ def cases() -> Iterator[Case]:
     model, small = large(), point(0.7, 2.1)
     yield Case(group=GROUP, name=VERDICT, prepare=repeated(lambda: assess(model)), unit=TIME)
     yield Case(group=GROUP, name=POINT, prepare=repeated(lambda: assess(small, thorough=False)), unit=TIME)
-    yield Case(group=GROUP, name=CHART, prepare=repeated(chart), unit=TIME, threads=2)
+    yield Case(group=GROUP, name=CHART, prepare=repeated(chart), unit=TIME, threads=2, rounds=3)

@@ -67,9 +67,14 @@ def times(rows: Sequence[Row]) -> list[str]:
         if row.failure:
             lines.append([row.name, str(row.threads), f"{row.lanes:,}", row.failure, ""])
         elif row.samples:
-            cells = show(row.median), f"{show(min(row.samples))} to {show(max(row.samples))}"  # type: ignore[no-untyped-call]
+            cells = [show(row.median), f"{show(min(row.samples))} to {show(max(row.samples))}"]  # type: ignore[no-untyped-call]
+            cells += [show(row.tail)] if row.tails else []  # type: ignore[no-untyped-call]
             lines.append([row.name, str(row.threads), f"{row.lanes:,}", *cells])
-    return _grid(["", "threads", "environments or points", "median", "range"], lines, 1)
+    head = ["", "threads", "environments or points", "median", "range"]
+    if any(row.tails for row in rows):
+        head.append("99th percentile of single calls")
+        lines = [line + [""] * (len(head) - len(line)) for line in lines]
+    return _grid(head, lines, 1)
 
 
 def verdicts(checks: Sequence[Check]) -> list[str]:

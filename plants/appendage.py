@@ -47,12 +47,17 @@ class Hinge:
     drive: str = "free"
 
     def __post_init__(self) -> None:
-        require_count("Hinge", "number of axes", len(self.axes), 0, 3)
-        for j, axis in enumerate(self.axes):
+        axes = self.axes.tolist() if isinstance(self.axes, np.ndarray) else self.axes
+        if not isinstance(axes, (tuple, list)) or not all(isinstance(a, (tuple, list)) for a in axes):
+            raise ValueError(f"Hinge.axes = {self.axes!r} must be a tuple of unit vectors")
+        require_count("Hinge", "number of axes", len(axes), 0, 3)
+        for j, axis in enumerate(axes):
             if len(axis) != 3 or not abs(np.linalg.norm(axis) - 1) < 1e-9:
                 raise ValueError(f"Hinge.axes[{j}] = {axis!r} must be a unit vector of three numbers")
+        object.__setattr__(self, "axes", tuple(tuple(float(v) for v in axis) for axis in axes))
         for name in ("stiffness", "damping"):
             value = getattr(self, name)
+            value = tuple(np.ravel(value).tolist()) if isinstance(value, (list, np.ndarray)) else value
             if not isinstance(value, tuple):
                 value = (value,) * len(self.axes)
             value = value or (0.0,) * len(self.axes)
@@ -88,35 +93,36 @@ class Appendage:
     surface: Surface | None = None  # what the sun shines on, spread over the body as its mass is
 
     def __post_init__(self) -> None:
+        if isinstance(self.position, (list, np.ndarray)):
+            object.__setattr__(self, "position", tuple(np.ravel(self.position).tolist()))
         validate(self)
-        if len(self.position) != 3:
+        if not isinstance(self.position, tuple) or len(self.position) != 3:
             raise ValueError(f"Appendage.position = {self.position!r} must be three numbers [m]")
         if not isinstance(self.body, (Beam, ModalData)):
             raise ValueError(f"Appendage.body = {self.body!r} must be a Beam or ModalData")
+        if not isinstance(self.hinge, Hinge):
+            raise ValueError(f"Appendage.hinge = {self.hinge!r} must be a Hinge")
         turn = np.asarray(self.orientation, dtype=float)
-        if turn.shape == (4,):
+        if turn.shape == (4,) and np.linalg.norm(turn) > 0:
             turn = matrix_of(turn)
         if turn.shape != (3, 3) or not np.abs(turn @ turn.T - np.eye(3)).max() < 1e-9 or np.linalg.det(turn) < 0:
             raise ValueError(f"Appendage.orientation = {self.orientation!r} must be a rotation matrix or a quaternion")
         object.__setattr__(self, "orientation", tuple(tuple(float(v) for v in row) for row in turn))
         if isinstance(self.modes, tuple) and not isinstance(self.body, Beam):
             raise ValueError(f"Appendage.modes = {self.modes!r} must be a count: the body is ModalData")
+        most = self.body.n if isinstance(self.body, ModalData) else 100
+        for count in self.modes if isinstance(self.modes, tuple) else () if self.modes is None else (self.modes,):
+            require_count("Appendage", "modes", count, 0, most)
 
     @cached_property
     def data(self) -> ModalData:
         """The modal data of all its modes."""
         if isinstance(self.body, ModalData):
-            if not isinstance(self.modes, int):
-                return self.body
-            require_count("Appendage", "modes", self.modes, 0, self.body.n)
-            return self.body.keep(range(self.modes))
+            return self.body if not isinstance(self.modes, int) else self.body.slowest(self.modes)
         if isinstance(self.modes, tuple):
             return ModalData.boom(self.body, self.modes)
         count = 1 if self.modes is None else self.modes
-        require_count("Appendage", "modes", count, 0, 100)
-        both = ModalData.boom(self.body, (count, count))
-        order = np.argsort(np.diag(both.stiffness), kind="stable")  # their modal masses are equal
-        return both.keep(sorted(int(k) for k in order[:count]))
+        return ModalData.boom(self.body, (count, count)).slowest(count)
 
     @property
     def modal_damping(self) -> np.ndarray:

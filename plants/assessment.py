@@ -6,7 +6,8 @@ Any other         over the time that the nominal covers, and no longer: slow var
                   may be believed), a Lyapunov certificate, the growth of the transition matrix, in this order
 Frozen-time eigenvalues alone never decide.
 
-stable      every deviation decays; on a nominal that is not periodic: ends smaller than it began
+stable      every deviation decays; on a nominal that is not periodic: ends smaller than it began, or falls in the
+            measure V of slow variation
 unstable    some deviation grows; on a nominal that is not periodic: by GROWN and faster than drift does
 marginal    the slowest neither decays nor grows, as far as rounding lets one tell (undamped, or free to drift)
 undecided   none of these is shown
@@ -39,7 +40,7 @@ from .verdict import METHODS, Verdict
 
 GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable ..
 LATE = 4.0  # .. if so much of it falls into the second half: drift with time, or its square, does not pass that
-POINTS = 200  # times of a period at which growth is taken beside Floquet's answer
+POINTS, MOST_POINTS = 200, 2000  # times of a period at which growth is taken beside Floquet's answer
 SOME = 64  # and times at which frozen roots are
 FEW_STEPS = 256  # a certificate beside Floquet's answer is only sought with so many steps ..
 OPEN_STEPS = 2048  # .. and with so many on a nominal that is not periodic
@@ -91,7 +92,14 @@ def assess(
             evidence["lyapunov"] = lyapunov(joined, periodic=False, states=states, most=OPEN_STEPS)
         except np.linalg.LinAlgError as failure:
             said["lyapunov"] = f"failed: {failure}"
-        evidence["growth"] = growth(joined, window, states=states)
+        except ValueError as refusal:
+            said["lyapunov"] = str(refusal)
+        try:
+            evidence["growth"] = growth(joined, window, states=states)
+        except ValueError as refusal:
+            if window is not None:
+                raise
+            said["growth"] = str(refusal).removeprefix("growth: ")
     evidence["frozen_time"] = frozen_time(
         joined, states=states, coordinates=coordinates, points=None if thorough else POINTS
     )
@@ -134,9 +142,11 @@ def _beside(
         evidence["slow_variation"] = slow_along(path, few)
     else:
         said["slow_variation"] = "frozen roots are not all in the left half-plane"
-    edges = t0 + np.linspace(0.0, cycle.period, max(cycle.steps, POINTS) + 1)
+    steps = max(cycle.steps, POINTS)
+    few = min(steps, MOST_POINTS)
+    edges = t0 + np.linspace(0.0, cycle.period, few + 1)
     try:
-        evidence["growth"] = grown(edges, path.transitions(edges), path.scale, window)
+        evidence["growth"] = grown(edges, path.between(edges, -(-steps // few)), path.scale, window)
     except ValueError as failure:
         said["growth"] = str(failure)
     if cycle.verdict != "stable":
@@ -176,7 +186,8 @@ def _open(evidence: dict[str, Any], said: dict[str, str]) -> Verdict:
         margin = -float(np.log(shown.contraction)) / duration
         why = f"{shown.why}; over {duration:.4g} s every deviation shrinks to {shown.contraction:.3g} of itself or less"
         return _made("stable", "lyapunov", margin, why, evidence, said)
-    assert grown is not None
+    if grown is None:
+        return _made("undecided", "", np.nan, f"no method could be used: {said['growth']}", evidence, said)
     duration = float(grown.t[-1] - grown.t[0])
     late = float(np.exp(min(grown.logs[-1] - grown.logs[grown.t <= (grown.t[0] + grown.t[-1]) / 2].max(), 700.0)))
     why = f"over {duration:.4g} s deviations change by a factor of {grown.total:.4g} at most"

@@ -24,6 +24,7 @@ from .path import Model, Path, as_pieces, kept, scaling
 BETWEEN = (0.25, 0.5, 0.75)
 FINE = 0.1  # |eigenvalue| times step at which the polynomial between the nodes is good enough
 MOST = 8192  # steps
+WRAPPED = 1e-3  # of the fall of ln V over a period that V may rise by where P starts anew, by rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +142,8 @@ def _grid(path: Path, length: float, most: int) -> int | None:
 def certified(path: Path, length: float, alpha: float | None = None, most: int = MOST) -> Certificate:
     """The certificate of a periodic A(t) given over one period [s]."""
     keep = list(range(path.n))
-    _, Phi, _ = monodromy(path, length, 1e-9)
-    margin = -float(np.log(np.abs(np.linalg.eigvals(magnus.product(Phi))).max()) / length)
+    _, total, _ = monodromy(path, length, 1e-9)
+    margin = -float(np.log(np.abs(np.linalg.eigvals(total)).max()) / length)
     alpha = 0.9 * margin if alpha is None else float(alpha)
     if margin <= 0 or not alpha < margin:
         return _none(f"the slowest Floquet mode decays at {margin:.4g} 1/s, alpha must be below it", keep)
@@ -243,6 +244,9 @@ def _verified(path: Path, edges: np.ndarray, P: np.ndarray, alpha: float, period
         slack = min(slack, float(np.linalg.eigvalsh(R)[:, 0].min()))
         low = min(low, float(np.linalg.eigvalsh(value)[:, 0].min()))
     shown = low > 0 and slack > 0
+    if periodic and shown:  # at the end of a period V goes on with P at its start
+        jump = float(np.log(sla.eigvalsh(P[0], P[-1])[-1]))
+        shown = jump <= WRAPPED * 2 * abs(alpha) * float(edges[-1] - edges[0]) + 1e-10
     high = sizes[:, -1]
     overshoot = np.sqrt(high.max() / low) if low > 0 else np.inf
     falls = np.exp(-alpha * (edges[-1] - edges[0]))

@@ -22,6 +22,7 @@ UNARY = {
     ca.OP_EXP: "EXP({0})",
     ca.OP_TANH: "TANH({0})",
     ca.OP_FABS: "FABS({0})",
+    ca.OP_SIGN: "({0} > 0) - ({0} < 0)",
     ca.OP_NOT: "!({0})",
 }
 LONGEST = 20_000  # operations in one function; the compiler's time grows faster than the length
@@ -36,10 +37,15 @@ def operations(function: ca.Function) -> int:
     return int(function.n_instructions())
 
 
-def block_function(name: str, function: ca.Function) -> str:
-    """A C function over W lanes: inputs and outputs as T (*)[W], in the order of the SX function's nonzeros."""
+def check_length(name: str, function: ca.Function) -> None:
+    """Raise TooLong for a function that compilers take too long for."""
     if operations(function) > LONGEST:
         raise TooLong(f"{name} has {operations(function)} operations, at most {LONGEST} are compiled")
+
+
+def block_function(name: str, function: ca.Function) -> str:
+    """A C function over W lanes: inputs and outputs as T (*)[W], in the order of the SX function's nonzeros."""
+    check_length(name, function)
     inputs = [f"const T (*restrict i{k})[W]" for k in range(function.n_in())]
     outputs = [f"T (*restrict o{k})[W]" for k in range(function.n_out())]
     lines = [f"static void {name}({', '.join(inputs + outputs)}) {{", "  LANES for (int l = 0; l < W; l++) {"]
@@ -62,7 +68,7 @@ def _statements(function: ca.Function) -> list[str]:
             value = f"i{args[0]}[{args[1]}][l]"
         elif op == ca.OP_CONST:
             number = float(function.instruction_constant(i))
-            register[out[0]] = _literal(number)
+            register[out[0]] = literal(number)
             constants[register[out[0]]] = number
             continue
         elif op == ca.OP_DIV:
@@ -72,18 +78,20 @@ def _statements(function: ca.Function) -> list[str]:
                 lines.append(f"const T r{i} = (T)1 / {bottom};")
             value = reciprocal[bottom] if constants.get(top) == 1.0 else f"{top} * {reciprocal[bottom]}"
         else:
-            value = _operation(op, [register[a] for a in args])
+            value = operation(op, [register[a] for a in args])
         lines.append(f"const T {new} = {value};")
         register[out[0]] = new
     return lines
 
 
-def _literal(number: float) -> str:
+def literal(number: float) -> str:
+    """A constant in C."""
     text = repr(number)
     return f"(T){text}" if number >= 0 else f"((T){text})"
 
 
-def _operation(op: int, args: list[str]) -> str:
+def operation(op: int, args: list[str]) -> str:
+    """An operation on values by their names in C."""
     a = args[0]
     b = args[1] if len(args) > 1 else ""
     if op in BINARY:

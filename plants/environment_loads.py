@@ -105,10 +105,9 @@ class Surface:
         n = ca.vertcat(*self.normal)
         c = ca.dot(sun, n)
         lit = ca.fabs(c) if self.both else ca.fmax(c, 0)
-        n = n * ca.sign(c) if self.both else n
-        return (
-            -pressure * self.area * lit * ((1 - self.specular) * sun + 2 * (self.specular * lit + self.diffuse / 3) * n)
-        )
+        along = c if self.both else lit  # lit, against the normal where the back is lit
+        push = (1 - self.specular) * lit * sun + 2 * (self.specular * lit + self.diffuse / 3) * along * n
+        return -pressure * self.area * push
 
 
 @dataclass(frozen=True, kw_only=True)

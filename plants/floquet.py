@@ -16,14 +16,13 @@ from functools import cached_property
 
 import numpy as np
 
-from . import magnus
 from . import period as periods
 from .linear import LinearModel
 from .ltv import LTVModel
-from .path import Path, kept, scaling
+from .path import MOST_STEPS, Path, kept, scaling
 
 FLOOR = 1e-9  # a multiplier this near the unit circle is on it
-MOST_STEPS = 2**20
+MOST_POINTS = 2**11  # of a mode's shape
 CLEAR = 1e-4  # error of a multiplier from which on "on the unit circle" is no finding
 
 
@@ -69,9 +68,10 @@ class Floquet:
 
     def mode(self, k: int) -> np.ndarray:
         """The periodic shape p(t) (m + 1, nx), complex, of mode k over the period, at m + 1 equidistant times."""
-        edges = np.linspace(self.path.t[0], self.path.t[0] + self.period, self.steps + 1)
+        few = min(self.steps, MOST_POINTS)
+        edges = np.linspace(self.path.t[0], self.path.t[0] + self.period, few + 1)
         found = [self.modes[:, k] / self.path.scale]
-        for Phi in self.path.transitions(edges):
+        for Phi in self.path.between(edges, self.steps // few):
             found.append(Phi @ found[-1])
         decay = np.exp(-self.exponents[k] * (edges - edges[0]))
         return np.array(found) * self.path.scale * decay[:, None]
@@ -92,8 +92,7 @@ def floquet(
     `tolerance` of the monodromy matrix, relative.
     """
     path, length, source = periodic_path(model, period, states)
-    edges, Phi, error = monodromy(path, length, tolerance)
-    M = magnus.product(Phi)
+    steps, M, error = monodromy(path, length, tolerance)
     scale = path.scale
     structured = None
     if undamped is not False and (undamped or _traceless(path)):
@@ -116,7 +115,7 @@ def floquet(
         M * scale[:, None] / scale,
         rounding,
         structured is not None,
-        len(edges) - 1,
+        steps,
         tuple(named[i] for i in kept(model, states)),
         source,
         path,
@@ -166,15 +165,18 @@ def _one_period(t: np.ndarray, A: np.ndarray, length: float) -> tuple[np.ndarray
     return new, CubicSpline(t, flat)(new).reshape(-1, *A.shape[1:])
 
 
-def monodromy(path: Path, length: float, tolerance: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Edges (m+1,), transitions (m, n, n), relative error: steps are halved until the product stands still."""
+def monodromy(path: Path, length: float, tolerance: float) -> tuple[int, np.ndarray, float]:
+    """How many steps, Phi (n, n) over a period, relative error: steps are halved until Phi stands still."""
     m = 1 if path.constant else max(32, 2 * path.harmonics + 2, int(path.fastest() * length / 2))
     m = 1 << (m - 1).bit_length()
+    if m > MOST_STEPS:
+        raise ValueError(
+            f"floquet: a period of {length:.6g} s and modes of up to {path.fastest():.4g} 1/s need {m:,} steps, more "
+            f"than {MOST_STEPS:,}: leave out the fastest modes"
+        )
     before, change = None, np.inf
     while True:
-        edges = path.t[0] + np.linspace(0.0, length, m + 1)
-        Phi = path.transitions(edges)
-        total = magnus.product(Phi)
+        total = path.over(length, m)
         size = np.linalg.norm(total)
         floor = 4 * np.finfo(float).eps * m**0.5
         if path.constant:
@@ -182,7 +184,7 @@ def monodromy(path: Path, length: float, tolerance: float) -> tuple[np.ndarray, 
         elif before is not None:
             change = float(np.linalg.norm(total - before) / size)
         if change <= max(tolerance * 32, floor) or m >= MOST_STEPS:
-            return edges, Phi, max(change / 63 if not path.constant else change, floor) + path.error * length
+            return m, total, max(change / 63 if not path.constant else change, floor) + path.error * length
         before, m = total, 2 * m
 
 

@@ -20,7 +20,7 @@ from . import magnus
 from .linear import LinearModel
 from .ltv import LTVModel
 from .parameters import require_count, require_finite
-from .path import Model, Path, as_pieces, kept, scaling
+from .path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
 
 ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
@@ -142,13 +142,12 @@ def chain(
     for k, (piece, A) in enumerate(zip(joined.pieces, matrices)):
         path = Path(piece.t, A, size)
         parts = max(1, int(np.ceil(path.fastest() * np.diff(piece.t).max() / ACROSS)))
-        edges = piece.t
-        if parts > 1:
-            inner = piece.t[:-1, None] + np.diff(piece.t)[:, None] * np.arange(parts) / parts
-            edges = np.append(inner.ravel(), piece.t[-1])
-        Phi = path.transitions(edges)
-        if parts > 1:
-            Phi = magnus.product(Phi.reshape(-1, parts, *Phi.shape[1:]))
+        if parts * (len(piece.t) - 1) > MOST_STEPS:
+            raise ValueError(
+                f"growth: modes of up to {path.fastest():.4g} 1/s need {parts} steps in each of {len(piece.t) - 1} "
+                f"intervals, more than {MOST_STEPS:,}: leave out the fastest modes"
+            )
+        Phi = path.between(piece.t, parts)
         if k:
             J = joined.jumps[k - 1][0][np.ix_(keep, keep)] * size / size[:, None]
             Phi = np.concatenate([Phi[:1] @ J, Phi[1:]])
@@ -166,16 +165,43 @@ def _windows(t: np.ndarray, Phi: np.ndarray, window: float | None) -> tuple[np.n
     length = span / 10 if window is None else float(window)
     if not 0 < length <= span * (1 + 1e-9):
         raise ValueError(f"growth.window = {length:.6g} must be > 0 and at most {span:.6g} s")
-    count = min(len(Phi), max(1, round(length / span * len(Phi))))
-    found, powers = Phi[: len(Phi) - count + 1], np.zeros(len(Phi) - count + 1)
-    for k in range(1, count):
-        found = Phi[k : len(Phi) - count + 1 + k] @ found
-        if k % 16 == 0:  # kept within range
-            size = np.maximum(np.abs(found).max(axis=(1, 2)), 1e-300)
-            found, powers = found / size[:, None, None], powers + np.log(size)
+    m, n = len(Phi), Phi.shape[-1]
+    count = min(m, max(1, round(length / span * m)))
+    blocks = -(-m // count)
+    padded = np.concatenate([Phi, np.broadcast_to(np.eye(n), (blocks * count - m, n, n))])
+    padded = padded.reshape(blocks, count, n, n)
+    rest, rest_power = _cumulated(padded[:, ::-1], last=False)  # from within a block to its end, and ..
+    head, head_power = _cumulated(padded, last=True)  # .. from the start of a block
+    head = np.concatenate([np.broadcast_to(np.eye(n), (blocks, 1, n, n)), head[:, :-1]], axis=1)
+    head_power = np.concatenate([np.zeros((blocks, 1)), head_power[:, :-1]], axis=1)
+    rest, rest_power = (v[:, ::-1].reshape(blocks * count, *v.shape[2:]) for v in (rest, rest_power))
+    head, head_power = (v.reshape(blocks * count, *v.shape[2:])[count:] for v in (head, head_power))
+    starts = m - count + 1
+    within = rest[:starts]  # a window that starts with a block is that block
+    power = rest_power[:starts].copy()
+    later = min(starts, len(head))
+    within = np.concatenate([head[:later] @ within[:later], within[later:]])
+    power[:later] += head_power[:later]
     with np.errstate(over="ignore"):
-        sizes = np.linalg.norm(found, 2, axis=(1, 2)) * np.exp(powers)
-    return t[: len(found)], sizes, count * span / len(Phi)
+        sizes = np.linalg.norm(within, 2, axis=(1, 2)) * np.exp(power)
+    return t[:starts], sizes, count * span / m
+
+
+def _cumulated(Phi: np.ndarray, *, last: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Products of the first 1, 2 .. of each row of Phi (k, m, n, n), later ones on the left where `last`, else on the
+    right; kept within range by factors whose logarithms are given beside (k, m).
+    """
+    found, power = np.empty(Phi.shape), np.zeros(Phi.shape[:2])
+    found[:, 0] = Phi[:, 0]
+    for k in range(1, Phi.shape[1]):
+        step = Phi[:, k] @ found[:, k - 1] if last else found[:, k - 1] @ Phi[:, k]
+        if k % 16 == 0:
+            size = np.maximum(np.abs(step).max(axis=(1, 2)), 1e-300)
+            step, power[:, k] = step / size[:, None, None], power[:, k - 1] + np.log(size)
+        else:
+            power[:, k] = power[:, k - 1]
+        found[:, k] = step
+    return found, power
 
 
 def _crossings(t: np.ndarray, size: np.ndarray) -> tuple[float, ...]:

@@ -80,6 +80,14 @@ class Hub:
         tensor = np.array(self.inertia, dtype=float)
         if np.abs(tensor - tensor.T).max() > 1e-9 * np.abs(tensor).max() or np.linalg.eigvalsh(tensor)[0] <= 0:
             raise ValueError(f"Hub.inertia = {self.inertia!r} must be symmetric and positive definite [kg m^2]")
+        if any(is_symbolic(w.inertia) for w in self.wheels):
+            return
+        moments = np.linalg.eigvalsh(sum((w.inertia * np.outer(w.axis, w.axis) for w in self.wheels), tensor))
+        if moments[2] > (1 + 1e-6) * (moments[0] + moments[1]):
+            raise ValueError(
+                f"Hub.inertia = {self.inertia!r}: the largest principal moment {moments[2]:.6g} kg m^2 must be <= "
+                f"{moments[0] + moments[1]:.6g}, the sum of the others, as of any body"
+            )
 
     @property
     def tensor(self) -> ca.SX:

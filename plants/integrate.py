@@ -1,10 +1,12 @@
 """Fixed-step maps x(t) -> x(t + h), written symbolically, and the largest step at which each stays stable.
 
 rk4          explicit, order 4; stable on the imaginary axis up to h |lambda| = 2 sqrt(2)
+rk8          explicit, order 8 in twelve stages; stable on the imaginary axis up to h |lambda| = 5.96
 midpoint     implicit midpoint, order 2, symplectic; stable for every decaying mode
 rosenbrock   RODAS3, linearly implicit, order 3, L-stable: damps what is too stiff to resolve. Coefficients:
              Sandu et al., "Benchmarking stiff ODE solvers for atmospheric chemistry problems II", 1997
-The input over a step is the parabola through its values at the step's start, middle and end.
+The input over a step is the parabola through its values at the step's start, middle and end; rk8 takes its value at
+every stage.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import casadi as ca
 import numpy as np
 
 from .errors import StabilityLimitError
+from .explicit import TABLEAUS, Tableau
 from .functions import NumericFunction
 from .parameters import require_choice
 
@@ -28,17 +31,27 @@ SOLVED = 1e-8  # largest residual of the implicit midpoint rule, relative to the
 
 @dataclass(frozen=True)
 class Method:
-    """A fixed-step method: its order, and the coefficients of its stability polynomial if it has a step limit."""
+    """A fixed-step method and its order. An explicit one has a step limit."""
 
     name: str
     order: int
-    polynomial: tuple[float, ...] | None = None  # R(z) = sum c_k z^k, lowest power first
+
+    @property
+    def tableau(self) -> Tableau | None:
+        """Of an explicit method."""
+        return TABLEAUS[self.name]() if self.name in TABLEAUS else None
+
+    @property
+    def input_times(self) -> tuple[float, ...]:
+        """Fractions of a step at which it takes the input."""
+        return tuple(TABLEAUS["rk8"]().c.tolist()) if self.name == "rk8" else (0.0, 0.5, 1.0)
 
 
 METHODS = {
     m.name: m
     for m in (
-        Method("rk4", 4, (1.0, 1.0, 1 / 2, 1 / 6, 1 / 24)),
+        Method("rk4", 4),
+        Method("rk8", 8),
         Method("midpoint", 2),
         Method("rosenbrock", 3),
     )
@@ -51,10 +64,12 @@ def _held(us: ca.SX, c: float) -> ca.SX:
 
 
 def step_map(plant: Plant, method: str) -> ca.Function:
-    """(t, x, us, w, p, h) -> x(t + h), with us (nu, 3) the input at start, middle and end of the step."""
+    """(t, x, us, w, p, h) -> x(t + h), with us (nu, k) the input at the method's k input times."""
     require_choice("integrate", "method", method, tuple(METHODS))
     t, x, u, w, p = plant.symbols
     f = ca.Function("f", [t, x, u, w, p], [plant.expressions[0]])
+    if method == "rk8":
+        return TABLEAUS[method]().step(method, f)
     us, h = ca.SX.sym("us", plant.nu, 3), ca.SX.sym("h")
     arguments = [t, x, us, w, p, h]
     build = {"rk4": _rk4, "midpoint": _midpoint, "rosenbrock": _rosenbrock}[method]
@@ -124,17 +139,18 @@ def stepper(plant: Plant, method: str) -> NumericFunction:
     return NumericFunction(step_map(plant, method))
 
 
-def _limit_of(z: complex, polynomial: tuple[float, ...]) -> float:
+def _limit_of(z: complex, polynomial: np.ndarray, order: int) -> float:
     """The largest h with |R(h z)| <= 1 for all smaller h, of a mode that does not grow by itself."""
-    along = np.array([c * z**k for k, c in enumerate(polynomial)])
+    towards = z / abs(z)
+    along = polynomial * towards ** np.arange(len(polynomial))
     squared = np.real(np.convolve(along, np.conj(along)))
     squared[0] -= 1.0
-    if abs(z.real) < 1e-9 * abs(z):  # on the imaginary axis the low powers cancel exactly
-        squared[:6] = np.where(np.abs(squared[:6]) < 1e-6 * abs(z) ** np.arange(6), 0.0, squared[:6])
+    if abs(towards.real) < 1e-9:  # on the imaginary axis powers up to the order cancel exactly, and all odd ones
+        squared[: order + 2] = squared[1::2] = 0.0
     lowest = int(np.argmax(squared != 0.0))
     roots = np.roots(squared[lowest:][::-1])
     real = roots[(np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0)].real
-    return float(real.min()) if len(real) else np.inf
+    return float(real.min()) / abs(z) if len(real) else np.inf
 
 
 def step_limit(plant: Plant, x: Any, method: str = "rk4", *, u: Any = None, p: Any = None) -> float:
@@ -144,8 +160,8 @@ def step_limit(plant: Plant, x: Any, method: str = "rk4", *, u: Any = None, p: A
 
 def _slowest_limit(plant: Plant, x: Any, method: str, u: Any, p: Any) -> tuple[float, complex]:
     require_choice("integrate", "method", method, tuple(METHODS))
-    polynomial = METHODS[method].polynomial
-    if polynomial is None:
+    tableau, order = METHODS[method].tableau, METHODS[method].order
+    if tableau is None:
         return np.inf, 0j
     poles = np.linalg.eigvals(plant.jacobians(x, u, p=p)[0])
     fastest = np.abs(poles).max(initial=0.0)
@@ -155,7 +171,7 @@ def _slowest_limit(plant: Plant, x: Any, method: str, u: Any, p: Any) -> tuple[f
             continue
         # A vibration of a moving arm may grow a little as it turns: its limit is that of the steady vibration.
         steady = pole if pole.real <= 1e-9 * abs(pole) else 1j * abs(pole.imag)
-        found.append((_limit_of(steady, polynomial), complex(pole)))
+        found.append((_limit_of(steady, tableau.polynomial, order), complex(pole)))
     return min(found, key=lambda pair: pair[0])
 
 

@@ -1,4 +1,4 @@
-"""C source of the batch kernels: a function over lanes, fixed RK4 steps, a whole control step of an environment.
+"""C source of the batch kernels: a function over lanes, fixed steps, a whole control step of an environment.
 
 All kernels share one signature, `run(first, last, ld, in, out, s, n)`: lanes first..last-1 in blocks of W, arrays of
 structure-of-arrays layout with leading dimension ld (element k of lane b at in[a][k * ld + b]), scalars s, count n.
@@ -11,7 +11,10 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
+from . import compiler
 from .codegen import block_function
+from .explicit import Tableau
+from .wide import lane_function
 
 LANES = {np.dtype(np.float64): 8, np.dtype(np.float32): 16}  # one 512-bit vector, two of 256 bit, four of 128
 
@@ -23,6 +26,8 @@ typedef {word} BITS;
 #define EXPONENT {exponent}
 #define W {lanes}
 #define LANES _Pragma("omp simd")
+#define ALIGNED __attribute__((aligned(64)))
+#define KEEP(array) __asm__("" : "+m"(array))
 #define SIN sin{f}
 #define COS cos{f}
 #define SQRT sqrt{f}
@@ -35,12 +40,12 @@ typedef const T (*restrict in_t)[W];
 #define EACH_BLOCK for (long b = first; b < last; b += W)
 #define LOAD(block, a, count) for (int k = 0; k < (count); k++) memcpy(block[k], in[a] + k * ld + b, sizeof block[k])
 #define STORE(block, a, count) for (int k = 0; k < (count); k++) memcpy(out[a] + k * ld + b, block[k], sizeof block[k])
-#define BLOCK(name, count) T name[(count) > 0 ? (count) : 1][W] __attribute__((aligned(64)))
+#define BLOCK(name, count) T name[(count) > 0 ? (count) : 1][W] ALIGNED
 """
 
 
 def head(dtype: np.dtype, lanes: int | None = None) -> str:
-    """What every kernel starts with; `lanes` = 1 gives scalar code."""
+    """What every kernel starts with; `lanes` = 1 is for one state at a time."""
     single = dtype == np.float32
     return _HEAD.format(
         real="float" if single else "double",
@@ -58,6 +63,14 @@ def _sizes(function: ca.Function) -> tuple[list[int], list[int]]:
     )
 
 
+def _function(name: str, function: ca.Function, dtype: np.dtype, lanes: int | None) -> str:
+    """The function over W lanes; over vectors within itself where there is one lane."""
+    if lanes != 1:
+        return block_function(name, function)
+    width = LANES[dtype]
+    return lane_function(name, function, width, max(1, 8 * dtype.itemsize * width // compiler.toolchain().width))
+
+
 def _call(name: str, inputs: Sequence[str], outputs: Sequence[str]) -> str:
     return f"{name}({', '.join([f'(in_t){i}' for i in inputs] + list(outputs))});"
 
@@ -72,7 +85,9 @@ def map_source(function: ca.Function, dtype: np.dtype, lanes: int | None = None)
     names = [f"i{k}" for k in range(len(inputs))], [f"o{k}" for k in range(len(outputs))]
     body += ["    " + _call("function", *names)]
     body += [f"    STORE(o{k}, {k}, {c});" for k, c in enumerate(outputs)]
-    return "\n".join([head(dtype, lanes), block_function("function", function), "RUN {", *body, "  }", "}", ""])
+    return "\n".join(
+        [head(dtype, lanes), _function("function", function, dtype, lanes), "RUN {", *body, "  }", "}", ""]
+    )
 
 
 def iteration_source(change: ca.Function, dtype: np.dtype) -> str:
@@ -117,25 +132,54 @@ static void rk4(T (*restrict x)[W], T (*restrict t)[W], in_t u, in_t w, in_t p, 
 """
 
 
-def _rate(function: ca.Function) -> str:
+def _rate(function: ca.Function, dtype: np.dtype, lanes: int | None = None) -> str:
     """The rate function (t, x, u, w, p) -> dx/dt and RK4 steps with it."""
-    return f"#define NX {function.nnz_in(1)}\n" + block_function("rate", function) + _RK4
+    return f"#define NX {function.nnz_in(1)}\n" + _function("rate", function, dtype, lanes) + _RK4
 
 
 def rk4_source(rate: ca.Function, dtype: np.dtype, lanes: int | None = None) -> str:
     """n RK4 steps of s[0] seconds with the input held: (t, x, u, w, p) -> x."""
+    return head(dtype, lanes) + _rate(rate, dtype, lanes) + _steps(rate, "rk4")
+
+
+def explicit_source(rate: ca.Function, tableau: Tableau, dtype: np.dtype, lanes: int | None = None) -> str:
+    """The same by any explicit Runge-Kutta method."""
+    marching = [
+        "static void march(T (*restrict x)[W], T (*restrict t)[W], in_t u, in_t w, in_t p, T h, long n) {",
+        f"  BLOCK(y, NX); BLOCK(now, 1); T k[{len(tableau.b)}][NX * W] ALIGNED;",
+        "  T *const start = x[0], *const at = y[0];",
+        "  for (long step = 0; step < n; step++) {",
+        "    rate((in_t)t, (in_t)x, u, w, p, (T (*)[W])k[0]);",
+    ]
+    for i in range(1, len(tableau.b) + 1):
+        last = i == len(tableau.b)
+        ahead = " + ".join(f"(T){a!r} * k[{j}][i]" for j, a in tableau.stage(i).items())
+        marching.append(
+            f"    LANES for (int i = 0; i < NX * W; i++) {'start' if last else 'at'}[i] = start[i] + h * ({ahead});"
+        )
+        if not last:
+            marching.append(
+                f"    LANES for (int l = 0; l < W; l++) now[0][l] = t[0][l] + (T){float(tableau.c[i])!r} * h;"
+            )
+            marching.append(f"    rate((in_t)now, (in_t)y, u, w, p, (T (*)[W])k[{i}]);")
+    marching += ["    LANES for (int l = 0; l < W; l++) t[0][l] += h;", "  }", "}", ""]
+    rates = _function("rate", rate, dtype, lanes)
+    return "\n".join([head(dtype, lanes) + f"#define NX {rate.nnz_in(1)}", rates, *marching]) + _steps(rate, "march")
+
+
+def _steps(rate: ca.Function, by: str) -> str:
+    """A run of n steps of s[0] seconds."""
     _, nx, nu, nw, np_ = _sizes(rate)[0]
-    body = f"""
+    return f"""
 RUN {{
   BLOCK(t, 1); BLOCK(x, {nx}); BLOCK(u, {nu}); BLOCK(w, {nw}); BLOCK(p, {np_});
   EACH_BLOCK {{
     LOAD(t, 0, 1); LOAD(x, 1, {nx}); LOAD(u, 2, {nu}); LOAD(w, 3, {nw}); LOAD(p, 4, {np_});
-    rk4(x, t, (in_t)u, (in_t)w, (in_t)p, (T)s[0], n);
+    {by}(x, t, (in_t)u, (in_t)w, (in_t)p, (T)s[0], n);
     STORE(x, 0, {nx});
   }}
 }}
 """
-    return head(dtype, lanes) + _rate(rate) + body
 
 
 def steps_source(step: ca.Function, dtype: np.dtype) -> str:
@@ -203,4 +247,4 @@ RUN {{
   }}
 }}
 """
-    return head(dtype) + _rate(rate) + "\n".join(functions) + body
+    return head(dtype) + _rate(rate, dtype) + "\n".join(functions) + body

@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -18,6 +18,9 @@ from .errors import MassMatrixError
 from .functions import NumericFunction, function
 from .plant import Array, Plant
 from .signals import Signal
+
+if TYPE_CHECKING:
+    from .trajectory import Trajectory
 
 NEARLY_SINGULAR = 1e-3  # of the smallest eigenvalue of the scaled mass matrix at the start of a motion
 HUGE = 1e6  # root of an inertia that only a diverged state has
@@ -36,9 +39,9 @@ def ldl(M: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
 
 
 def ldl_solve(L: ca.SX, d: list[ca.SX], r: ca.SX) -> ca.SX:
-    """Solve L diag(d) L^T a = r."""
+    """Solve L diag(d) L^T a = r for every column of r (n, m)."""
     n = len(d)
-    a = [r[i] for i in range(n)]
+    a = [r[i, :] for i in range(n)]
     for i in range(n):
         for k in range(i):
             a[i] = a[i] - L[i, k] * a[k]
@@ -51,7 +54,16 @@ def ldl_solve(L: ca.SX, d: list[ca.SX], r: ca.SX) -> ca.SX:
 
 @dataclass(frozen=True, kw_only=True)
 class LagrangianPlant(Plant):
-    """M(q) dv/dt = Q + dT/dq - (d^2T/dv dq) v - dV/dq - dD/dv."""
+    """M(q) dv/dt = Q + dT/dq - (d^2T/dv dq) v - dV/dq - dD/dv.
+
+    Along a nominal the equations M a = r are linearised as they stand, at the nominal's own accelerations a = dv/dt:
+
+        d(dv)/dt = M^-1 [(dr/dx - d(M a)/dx) dx + (dr/du) du + (dr/dw) dw] + M^-1 (r - M a)
+
+    A rigid nominal lacks strain: the accelerations M^-1 r that an elastic plant would have on it are large however
+    stiff it is, and the Jacobian of M^-1 r multiplies the change of M by those. Where the nominal is a motion of the
+    plant the two agree.
+    """
 
     @property
     @abstractmethod
@@ -137,6 +149,17 @@ class LagrangianPlant(Plant):
     @cached_property
     def _dynamics(self) -> NumericFunction:
         return function("dynamics", list(self.symbols), list(self._motion))
+
+    @cached_property
+    def _along(self) -> NumericFunction:
+        from .implicit import along
+
+        return along(self)
+
+    def _jacobians_along(self, nominal: Trajectory, w: Array, p: Any) -> list[Array]:
+        """At the nominal's own accelerations."""
+        values, batch = self._arguments(nominal.x, nominal.u, w, p, nominal.t)
+        return self._along(*values, nominal.derivative()[:, len(self.coordinates) :], batch=batch)
 
     @cached_property
     def _mass(self) -> NumericFunction:

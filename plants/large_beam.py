@@ -5,8 +5,9 @@ States   q = [hub_angle or root_angle where the root turns, bend1 .. bendn], x =
 Inputs   tip_force_x, tip_force_y (tip_force_z) [N], inertial axes; with a driven root hub_acceleration [rad/s^2], and
          the tip force is a disturbance
 Outputs  tip position, displacement from the straight beam along x and its rate [m, m/s]; rotation of the tip's
-         section [rad]; tip deflection across the root's direction and its rate; the root's angle where it turns. In
-         space tip_z, its rate, and the tip's twist: past what bending brings ("strain"), or the sub-beams' sum
+         section [rad] and its rate; tip deflection across the root's direction and its rate; the root's angle where it
+         turns; curvature about z at the root [1/m]. In space tip_z, its rate, and the tip's twist: past what bending
+         brings ("strain"), or the sub-beams' sum
 Valid    inextensible and unshearable; sections keep their rotary inertia. "strain": any rotation in the plane, below
          one turn against the root in space. "substructured": rotations within a sub-beam small, see substructure.py
 Source   "Substructuring Technique for Dynamics Analysis of Flexible Beams with Large Deformation", Eqs (1)-(39)
@@ -132,6 +133,8 @@ class LargeDeflectionBeam(LagrangianPlant):
             Signal("tip_angle", "rad"),
             Signal("tip_deflection", "m"),
             Signal("tip_deflection_rate", "m/s"),
+            Signal("tip_angle_rate", "rad/s"),
+            Signal("root_curvature", "1/m"),
             *((Signal("tip_z", "m"), Signal("tip_z_rate", "m/s"), Signal("tip_twist", "rad")) * (not self.planar)),
         )
 
@@ -193,6 +196,16 @@ class LargeDeflectionBeam(LagrangianPlant):
         assert isinstance(own, LargeDeflectionBeam)
         flap = strain.rotations("clamped", self.basis, self.modes, *own._load_ratios)
         return SpatialSections(self.beam, self.payload, shapes, flap, self.twists, at)
+
+    @property
+    def _root_curvature(self) -> Array:
+        """Curvature about z at the root times the length, times q (n,)."""
+        shapes, row = self.shapes, np.zeros(len(self.coordinates))
+        if isinstance(shapes, Chain):
+            row[shapes.columns(0)] = shapes.shapes(0.0, 2)[0] * self.segments
+        else:
+            row[: shapes.n] = shapes.curvature(np.zeros(1))[0]
+        return row
 
     @property
     def _strain_points(self) -> strain.Points:
@@ -279,7 +292,9 @@ class LargeDeflectionBeam(LagrangianPlant):
         across_rate = c * rate[1] - s * rate[0] - turn * (c * tip[0] + s * tip[1])
         moved = (tip[0] - self.beam.length, tip[1], rate[:2])
         sections = self.sections
-        out = [*turning, tip[:2], *moved, sections.tip_rotation(q), across, across_rate]
+        turned = sections.tip_rotation(q)
+        bent = ca.dot(ca.DM(self._root_curvature), q) / self.beam.length
+        out = [*turning, tip[:2], *moved, turned, across, across_rate, ca.jtimes(turned, q, v), bent]
         if not isinstance(sections, PlanarSections):
             out += [tip[2], rate[2], sections.tip_twist(q)]
         return ca.vertcat(*out)

@@ -81,6 +81,15 @@ class ModalData:
         if n and np.linalg.eigvalsh(self.modal_mass)[0] <= 1e-12 * np.abs(self.modal_mass).max():
             raise ValueError(f"ModalData.R: the {n} modes must be independent")
 
+    def __eq__(self, other: object) -> bool:
+        names = self.__dataclass_fields__
+        return isinstance(other, ModalData) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in names
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.mass, *(getattr(self, name).tobytes() for name in ("first", "R", "stiffness", "damping"))))
+
     @property
     def n(self) -> int:
         """How many modes."""
@@ -161,6 +170,12 @@ class ModalData:
         values["shortening_squares"] = values["shortening_squares"][np.ix_(chosen, chosen, chosen, chosen)]
         values |= {name: values[name][pair] for name in pairs} | {name: values[name][chosen] for name in rows}
         return ModalData(**values)
+
+    def slowest(self, count: int) -> ModalData:
+        """The same body with the `count` slowest of its modes, in their order here."""
+        require_count("ModalData.slowest", "count", count, 0, self.n)
+        squares = np.diag(self.stiffness) / np.diag(self.modal_mass)
+        return self.keep(sorted(int(k) for k in np.argsort(squares, kind="stable")[:count]))
 
     @classmethod
     def rigid(cls, mass: float, first: Any, inertia: Any) -> ModalData:
@@ -278,12 +293,12 @@ class ModalData:
 
         Freedoms of a node stand together: three translations, then three turns. `root`: the clamped nodes, one of
         them at the attachment point. Masses are lumped at the nodes (rows summed over translations along each
-        axis), turns without mass condensed.
+        axis), turns without mass condensed. ValueError where the lumped body has another first moment or inertia.
         """
         from .structural import clamped_modes
 
         r = read_only("ModalData.positions", positions, (-1, 3))
-        masses, shapes, omega = clamped_modes(mass, stiffness, len(r), root, modes)
+        masses, shapes, omega = clamped_modes(mass, stiffness, r, root, modes)
         return cls.from_nodes(r, masses, shapes, frequencies=omega, damping=damping)
 
     @classmethod

@@ -22,6 +22,8 @@ DROPPED = 1e-11  # of the largest |A|: harmonics that are left out, root of the 
 MOST_HARMONICS = 256
 NOISE, WIDEST = 1e-12, 2.0**30  # of entries that scaling ignores; of scales from their median
 CHUNK = 4096  # steps whose matrices are held at a time
+MOST_STEPS = 2**20
+CAUTIOUS = 3.0  # every other node left out, a cubic spline's error is 16 times its own where nodes are close, less else
 
 
 Model = LinearModel | LTVModel | PiecewiseLTV | Sequence[LTVModel]
@@ -46,7 +48,10 @@ def kept(model: Any, states: Sequence[str] | None) -> list[int]:
     signals = as_pieces(model).pieces[0].states if not isinstance(model, LinearModel) else model.states
     if states is None:
         return list(range(len(signals)))
-    return [index(signals, name, "state") for name in states]
+    found = [index(signals, name, "state") for name in states]
+    if not found or len(set(found)) < len(found):
+        raise ValueError(f"states = {tuple(states)} must name one state or more, each once")
+    return found
 
 
 def scaling(A: np.ndarray) -> np.ndarray:
@@ -117,7 +122,9 @@ class Path:
         if len(self.t) >= 9:
             half = np.unique(np.r_[np.arange(0, len(self.t), 2), len(self.t) - 1])
             coarse = CubicSpline(self.t[half], flat[half], bc_type="periodic" if periodic else "not-a-knot")
-            self.error = float(np.sqrt(np.mean((coarse(self.t) - flat) ** 2, axis=0)).max() / 15.0)
+            self.error = float(np.sqrt(np.mean((coarse(self.t) - flat) ** 2, axis=0)).max() / CAUTIOUS)
+        else:  # nothing to judge it by
+            self.error = float(np.ptp(flat, axis=0).max())
         self.harmonics = min(len(self.t) - 1, 64) if periodic else 0
 
     @property
@@ -150,6 +157,23 @@ class Path:
             part = slice(k, k + CHUNK)
             found[part] = magnus.steps(self(edges[:-1][part, None] + h[part, None] * magnus.GAUSS3), h[part])
         return found
+
+    def between(self, nodes: np.ndarray, parts: int = 1) -> np.ndarray:
+        """Phi (m, n, n) between consecutive nodes (m+1,), each interval in `parts` equal steps, few held at a time."""
+        if parts == 1:
+            return self.transitions(nodes)
+        found, at_once = np.empty((len(nodes) - 1, self.n, self.n)), max(1, CHUNK // parts)
+        for k in range(0, len(found), at_once):
+            begin, h = nodes[k : k + at_once + 1], np.diff(nodes[k : k + at_once + 1])
+            inner = begin[:-1, None] + h[:, None] * np.arange(parts) / parts
+            steps = self.transitions(np.append(inner.ravel(), begin[-1]))
+            found[k : k + at_once] = magnus.product(steps.reshape(-1, parts, self.n, self.n))
+        return found
+
+    def over(self, length: float, steps: int) -> np.ndarray:
+        """Phi (n, n) from t[0] over `length` [s] in `steps` equal steps, a multiple of the lesser of it and CHUNK."""
+        few = min(steps, CHUNK)
+        return magnus.product(self.between(self.t[0] + np.linspace(0.0, length, few + 1), steps // few))
 
     def fastest(self) -> float:
         """Largest |eigenvalue| [1/s] at a few times."""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from .ltv import LTVModel
+from .path import scaling
 
 CLOSES = 1e-5  # of the range of A(t): how near A must come back
 ONE_SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # first derivative at the first of five nodes
@@ -14,8 +15,12 @@ TURNS = 2e-2  # of the largest |dA/dt|: how near its rate must come back
 
 
 def varying(model: LTVModel) -> tuple[np.ndarray, float]:
-    """The entries of A(t) that vary, (nt, m), and their largest range."""
-    flat = model.A.reshape(len(model.t), -1)
+    """The entries of A(t) that vary, (nt, m), and their largest range.
+
+    In scaled coordinates, where a slow motion's entries are not lost beside a fast one's squared frequency.
+    """
+    scale = scaling(model.A)
+    flat = (model.A * scale / scale[:, None]).reshape(len(model.t), -1)
     spread = np.ptp(flat, axis=0)
     moving = spread > 1e-12 * np.abs(flat).max(initial=1e-300)
     return flat[:, moving], float(spread.max(initial=0.0))
@@ -23,10 +28,13 @@ def varying(model: LTVModel) -> tuple[np.ndarray, float]:
 
 def why_not(model: LTVModel, period: float) -> str:
     """Why A(t) does not have this period [s] as far as the model reaches; "" where it has."""
+    return _why_not(model, period, *varying(model))
+
+
+def _why_not(model: LTVModel, period: float, flat: np.ndarray, spread: float) -> str:
     t, span = model.t, float(model.t[-1] - model.t[0])
     if period > span * (1 + 1e-9):
         return f"the model covers {span:.6g} s, less than the period {period:.6g} s"
-    flat, spread = varying(model)
     if not flat.shape[1]:
         return ""
     if abs(period - span) <= 1e-9 * span:
@@ -46,14 +54,14 @@ def find(model: LTVModel) -> tuple[float | None, str]:
     Either A(t) repeats itself at least once within the model, or the whole model closes: A, its rate and the nominal
     state come back (angles up to whole turns, quaternions up to their sign).
     """
-    flat, _ = varying(model)
+    flat, spread = varying(model)
     span = float(model.t[-1] - model.t[0])
     if not flat.shape[1]:
         return span, "A is constant"
-    repeated = _repeats(model, flat)
+    repeated = _repeats(model, flat, spread)
     if repeated is not None:
         return repeated, f"A(t) repeats every {repeated:.6g} s"
-    reason = why_not(model, span) or _why_not_smooth(model, flat) or _why_not_closed(model)
+    reason = _why_not(model, span, flat, spread) or _why_not_smooth(model, flat) or _why_not_closed(model)
     if reason:
         return None, reason
     return span, f"the nominal closes after {span:.6g} s and is taken as one period"
@@ -93,7 +101,7 @@ def _why_not_closed(model: LTVModel) -> str:
     return ""
 
 
-def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
+def _repeats(model: LTVModel, flat: np.ndarray, spread: float) -> float | None:
     """The shortest shift [s], at most half the span, after which A(t) is the same."""
     t, n = model.t, len(model.t)
     if n < 17:
@@ -115,7 +123,7 @@ def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
     path = _spline(t, few) if len(near) else None
     for k in near:
         found = _refined(path, t, float(k * step), step)
-        if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9) and not why_not(model, found):
+        if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9) and not _why_not(model, found, flat, spread):
             return found
     return None
 

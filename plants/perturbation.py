@@ -43,6 +43,8 @@ def perturbation(craft: FlexibleSpacecraft, nominal: RigidNominal | Any) -> Seco
     """
     if craft.varied or craft.hub.wheels or craft.environment.orbit is not None:
         raise ValueError("perturbation: the paper's model has no varied parameters, wheels or orbit axes")
+    if any(a.hinge.drive == "motion" for a in craft.appendages):
+        raise ValueError('perturbation: hinges with drive = "motion" are prescribed, the paper\'s are unknowns')
     if not isinstance(nominal, RigidNominal):
         nominal = RigidNominal.of(craft, nominal)
     _check(craft, nominal)

@@ -82,7 +82,13 @@ class RigidNominal:
         for s in (*at.modes, *at.mode_rates):
             if np.abs(x[:, s]).max(initial=0.0) > 0:
                 raise ValueError(f"nominal {names(craft.states[s])} must be zero: the nominal is a rigid motion")
-        moving = dx[:, at.velocity] if craft.translation else np.zeros((len(x), 3))
+        if craft.translation:
+            moving = dx[:, at.velocity]
+        else:  # the hub moves as the forces on the whole ask
+            from .spacecraft_linear import nominal_accelerations
+
+            own = nominal_accelerations(craft, trajectory, None)[:, :3]
+            moving = np.einsum("tij,tj->ti", matrix_of(x[:, at.quaternion]), own)
         hinges = [(x[:, s], x[:, r], dx[:, r]) for s, r in zip(at.hinges, at.hinge_rates)]
         angles, rates, accelerations = zip(*hinges) if hinges else ((), (), ())
         return cls(

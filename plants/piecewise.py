@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .trajectory import Trajectory
 
 Array = np.ndarray
+TURN = 1e-3  # [rad] that two pieces' attitudes may be apart at a jump, of which the map is of first order
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +87,8 @@ def linearize_pieces(
     from .spacecraft import FlexibleSpacecraft
     from .spacecraft_linear import deviation_maps
 
+    if not nominals:
+        raise ValueError("linearize_pieces: nominals = () must be one or more pieces")
     given = [np.zeros(plant.nu)] * (len(nominals) - 1) if impulses is None else list(impulses)
     if len(given) != len(nominals) - 1:
         raise ValueError(f"linearize_pieces: {len(given)} impulses, must be {len(nominals) - 1} (one for each jump)")
@@ -99,6 +102,11 @@ def linearize_pieces(
         J = np.eye(plant.nx) + plant.jacobians(x, P, p=p, t=t)[0] - plant.jacobians(x, still, p=p, t=t)[0]
         j = moved - (new - x)
         if isinstance(plant, FlexibleSpacecraft):
+            turn = 2 * np.arccos(min(1.0, abs(float(x[plant.layout.quaternion] @ new[plant.layout.quaternion]))))
+            if turn > TURN:
+                raise ValueError(
+                    f"linearize_pieces: the attitude jumps by {turn:.3g} rad at t = {t:.6g} s, must not jump"
+                )
             T, L = deviation_maps(plant, x)[0], deviation_maps(plant, new)[1]
             J, j = L @ J @ T, L @ j
         jumps.append((J, j))

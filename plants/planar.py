@@ -42,6 +42,12 @@ class ElasticLink:
         """Turn of the tip's section [rad], u'(L) without shear; linear, so it serves rates too."""
         return _dot(self.basis.tip_slope, q) / self.beam.length
 
+    def root_curvature(self, q: ca.SX) -> ca.SX:
+        """Curvature at the root [1/m], u''(0), or psi'(0) with shear: strain over distance from the neutral axis."""
+        phi = self.basis.phi
+        bent = phi.rotation(0.0, 1) if isinstance(phi, StrainShapes) else phi(0.0, 2)
+        return _dot(np.asarray(bent).reshape(-1), q) / self.beam.length**2
+
     def shortening(self, q: ca.SX) -> ca.SX:
         """Tip shortening s(L) [m]."""
         return _quadratic(q, self.basis.shortening, q) / (2 * self.beam.length) if self.stiffened else ca.SX(0)
@@ -120,6 +126,11 @@ class ElasticLink:
     def dissipation(self, v: ca.SX) -> ca.SX:
         """Rayleigh function [W] of the Kelvin-Voigt damping."""
         return self.beam.damping * self.strain_energy(v)
+
+
+def second_derivative(e: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
+    """d2e/dt2 of an expression of q alone, at rates v and accelerations a (n,)."""
+    return ca.jtimes(ca.jtimes(e, q, v), q, v) + ca.jtimes(e, q, a)
 
 
 def payload_energy(payload: Payload, tip: tuple[ca.SX, ca.SX], rate: ca.SX, slope: ca.SX, carried: bool) -> ca.SX:

@@ -242,6 +242,17 @@ class Plant(ABC):
             f0=self.dynamics(x, u, w=w, p=p, t=t),
         )
 
+    def feedback_model(self, x0: Any, u0: Any = None, *, p: Any = None) -> LinearModel:
+        """The linear model about (x0, u0) in states that are the plant's signals by name, for designing feedback."""
+        return self.linearize(x0, u0, p=p)
+
+    def check_state(self, x: Array) -> None:  # noqa: B027  any finite numbers are a state of most plants
+        """Raise ValueError where x (..., nx) is no state of the plant, at the start of a motion or on a nominal."""
+
+    def consistent(self, x: Array) -> Array:
+        """x (..., nx) with what its states must satisfy restored; free coordinates satisfy nothing."""
+        return x
+
     def simulate(
         self,
         x0: Any,
@@ -260,8 +271,8 @@ class Plant(ABC):
         """The motion from x0 at the times t (nt,) [s].
 
         u: None (zero), (nu,) constant, (nt, nu) held over each interval, a callable u(t), or a controller with
-        act(t, y). method: "dop853", "radau", "cvodes" (adaptive, to rtol and atol) or "rk4", "midpoint", "rosenbrock"
-        (fixed `step` [s]). audit=True integrates the work done too and puts the energy balance into stats.
+        act(t, y). method: "dop853", "radau", "cvodes" (adaptive, to rtol and atol) or "rk4", "rk8", "midpoint",
+        "rosenbrock" (fixed `step` [s]). audit=True integrates the work done too and puts the energy balance into stats.
         Raises StabilityLimitError when a fixed step is past the method's limit, IntegrationError where it must stop.
         """
         from .simulate import simulate
@@ -319,6 +330,8 @@ class Plant(ABC):
         """The linear time-varying model about any nominal motion given in this plant's states and inputs.
 
         The nominal need not satisfy the equations: its residual f(x, u) - dx/dt is kept as the affine term c(t).
+        Mechanical plants are then linearised at the nominal's accelerations, not at those they would have there; see
+        `LagrangianPlant`. Outputs are linearised at (x, u). `p`: (np,), or (nt, np) where parameters vary on the way.
         """
         from .ltv import LTVModel
 
@@ -331,7 +344,7 @@ class Plant(ABC):
                     f"nominal.{name} = {tuple(s.name for s in have)} must be {tuple(s.name for s in want)}"
                 )
         w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), self.nw))
-        A, B, E, C, D, F = self.jacobians(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
+        A, B, E, C, D, F = self._jacobians_along(nominal, w, p)
         rate = self.dynamics(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
         return LTVModel(
             nominal.t,
@@ -351,6 +364,10 @@ class Plant(ABC):
             disturbances=self.disturbances,
             outputs=self.outputs,
         )
+
+    def _jacobians_along(self, nominal: Trajectory, w: Array, p: Any) -> list[Array]:
+        """[A, B, E, C, D, F] (nt, ..) at the nodes of a nominal that need not satisfy the equations."""
+        return self.jacobians(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
 
     def to_control(self) -> control.NonlinearIOSystem:
         """A python-control NonlinearIOSystem whose `linearize` is this plant's exact one."""

@@ -57,11 +57,12 @@ def simulate(
     for name, value in (("rtol", rtol), ("atol", atol)):
         if not 0 < value < 1:
             raise ValueError(f"{name} = {value!r} must be > 0 and < 1")
-    if audit and not (isinstance(plant, LagrangianPlant) and method == "dop853"):
+    if audit and not (hasattr(plant, "net_power") and method == "dop853"):
         raise ValueError(f'audit = True needs a plant with energies and method "dop853", not {method!r}')
     (_, x, _, w, p), batch = plant._arguments(x0, None, w, p)
     if batch is not None:
         raise ValueError(f"simulate takes one state ({plant.nx},), not a batch of {batch}")
+    plant.check_state(x)
 
     began = clock.perf_counter()
     grid, rows = _sampled(t, u)
@@ -223,12 +224,13 @@ class _Run:
         if k % max(1, (len(self.t) - 1) // CHECKS) == 0:
             check_step(self.plant, z, self.method, h, u=self.drive.samples[k], p=self.p, t=began)
         step, law = stepper(self.plant, self.method), self.drive.law
-        held = np.tile(self.drive.samples[k], (3, 1)).reshape(-1)
+        at_times = METHODS[self.method].input_times
+        held = np.tile(self.drive.samples[k], len(at_times))
         with np.errstate(all="ignore"):
             for i in range(count):
                 at = began + i * h
                 if law is not None:
-                    held = np.concatenate([self.drive(at), self.drive(at + h / 2), self.drive(at + h)])
+                    held = np.concatenate([self.drive(at + c * h) for c in at_times])
                 after = step(at, z, held, self.w, self.p, h)[0]
                 if not np.isfinite(after).all():
                     raise IntegrationError(

@@ -2,7 +2,8 @@
 
 States   q = [hub_angle, eta1 .. etan], x = [q; dq/dt]; in another frame than the clamped one, q = [frame_angle, ..]
 Input    hub torque [N m], or hub acceleration [rad/s^2] where the hub's motion is prescribed (drive="motion")
-Outputs  hub angle [rad], tip deflection [m] and its rate [m/s], tip position [m]; disturbance: force on the tip [N]
+Outputs  hub angle [rad], tip deflection [m] and its rate [m/s], tip position [m], curvature at the root [1/m] and what
+         an accelerometer at the tip reads across its section [m/s^2]; disturbance: force on the tip [N]
 Valid    planar; deflection small against length; "linear" only below the first bending frequency of spin
 Source   "On the dynamic modelling of flexible manipulators", Eqs (13)-(16), corrected: (13) lacks the centripetal
          term, the geometric stiffness is -thetadot^2 Xi22 with tip mass and beam, Xi33 is zero. With theory
@@ -24,7 +25,7 @@ from .beams import Beam, Payload
 from .frames import FRAMES, to_clamped
 from .lagrange import LagrangianPlant
 from .parameters import is_symbolic, quantity, require_choice, require_count, validate
-from .planar import ElasticLink, payload_energy, payload_position
+from .planar import ElasticLink, payload_energy, payload_position, second_derivative
 from .rotating import THEORIES
 from .signals import Signal
 
@@ -106,6 +107,8 @@ class SingleLinkArm(LagrangianPlant):
             Signal("tip_deflection_rate", "m/s"),
             Signal("tip_x", "m"),
             Signal("tip_y", "m"),
+            Signal("root_curvature", "1/m"),
+            Signal("tip_acceleration", "m/s^2"),
         )
 
     @property
@@ -219,7 +222,16 @@ class SingleLinkArm(LagrangianPlant):
         n = x.shape[0] // 2
         tip, link = self._tip(x[:n]), self.elastic
         q, v = self._clamped(x[:n]), self._clamped(x[n:])
-        return ca.vertcat(q[0], link.deflection(q[1:]), link.deflection(v[1:]), tip)
+        bent = [q[0], link.deflection(q[1:]), link.deflection(v[1:])]
+        felt = self._felt(t, x, u, w, q[0] + link.slope(q[1:]))
+        return ca.vertcat(*bent, tip, link.root_curvature(q[1:]), felt)
+
+    def _felt(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, angle: ca.SX) -> ca.SX:
+        """The tip's acceleration less gravity, across a section that stands at `angle` to the x axis."""
+        n = x.shape[0] // 2
+        M, r, _, _ = self.equations(t, x, u, w)
+        a = second_derivative(self._tip(x[:n]), x[:n], x[n:], self.acceleration(M, r, u)[0])
+        return ca.cos(angle) * (a[1] + self.gravity) - ca.sin(angle) * a[0]
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""

@@ -56,6 +56,7 @@ __all__ = [
 KINEMATICS = ("rigid", "linear", "stiffened")
 Attitude = Literal["rotation", "quaternion"]
 ATTITUDES = ("rotation", "quaternion")
+UNIT = 1e-3  # how far from 1 the norm of a quaternion that is given may be
 AXES = "xyz"
 
 
@@ -74,6 +75,13 @@ class FlexibleSpacecraft(Plant):
     def __post_init__(self) -> None:
         validate(self)
         require_choice("FlexibleSpacecraft", "kinematics", self.kinematics, KINEMATICS)
+        if not isinstance(self.hub, Hub):
+            raise ValueError(f"FlexibleSpacecraft.hub = {self.hub!r} must be a Hub")
+        if not isinstance(self.appendages, (tuple, list)) or not all(isinstance(a, Appendage) for a in self.appendages):
+            raise ValueError(f"FlexibleSpacecraft.appendages = {self.appendages!r} must be a tuple of Appendage")
+        if not isinstance(self.environment, Environment):
+            raise ValueError(f"FlexibleSpacecraft.environment = {self.environment!r} must be an Environment")
+        require_choice("FlexibleSpacecraft", "translation", self.translation, (True, False))
         object.__setattr__(self, "appendages", tuple(self.appendages))
 
     @classmethod
@@ -169,15 +177,18 @@ class FlexibleSpacecraft(Plant):
         return f"{self.kinematics}, {bodies}, {sum(self.mode_counts)} modes{place}"
 
     def ladder(self) -> tuple[Self, ...]:
-        """Rigid, then one mode of each appendage and all, linear and stiffened."""
-        few = tuple(
-            dataclasses.replace(a, modes=None, body=a.data.keep(range(min(1, a.data.n)))) for a in self.appendages
+        """Rigid, then one mode of each appendage, its own, and all that its modal data hold; linear and stiffened."""
+        few = tuple(dataclasses.replace(a, modes=None, body=a.data.slowest(min(1, a.data.n))) for a in self.appendages)
+        all_modes = tuple(
+            dataclasses.replace(a, modes=None) if isinstance(a.body, ModalData) else a for a in self.appendages
         )
+        sets = [few] if any(a.data.n > 1 for a in self.appendages) else []
+        sets.append(self.appendages)
+        if any(a.data.n > b.data.n for a, b in zip(all_modes, self.appendages)):
+            sets.append(all_modes)
         steps = [dataclasses.replace(self, kinematics="rigid")]
         for kinematics in ("linear", "stiffened"):
-            if any(a.data.n > 1 for a in self.appendages):
-                steps.append(dataclasses.replace(self, kinematics=kinematics, appendages=few))
-            steps.append(dataclasses.replace(self, kinematics=kinematics))
+            steps += [dataclasses.replace(self, kinematics=kinematics, appendages=bodies) for bodies in sets]
         return tuple(steps)
 
     def state(self, values: Mapping[str, float] | None = None, **named: float) -> np.ndarray:
@@ -217,7 +228,8 @@ class FlexibleSpacecraft(Plant):
             state = np.atleast_2d(values[1])[k if np.ndim(values[1]) == 2 else 0]
             raise MassMatrixError(
                 f"the mass matrix of {self.label} is not positive definite (pivot {pivot.min():.3g}): "
-                f"an appendage has no inertia about one of its hinge's axes, at x = {state}",
+                "an appendage has no inertia about one of its hinge's axes, or two of these are parallel there, "
+                f"at x = {state}",
                 state.copy(),
                 float(pivot.min()),
             )
@@ -247,25 +259,41 @@ class FlexibleSpacecraft(Plant):
         return equations.residual_function(self)
 
     def energy(self, x: Any, *, p: Any = None) -> Any:
-        """Kinetic and strain energy [J], a scalar or (B,); of the motion relative to the reference axes' origin."""
+        """Kinetic and strain energy [J], a scalar or (B,): of the motion in the reference axes, or without
+        translation of that about the whole's mass centre.
+        """
         values, batch = self._arguments(x, p=p)
         return self._conserved(*values, batch=batch)[0][..., 0]
 
     def momentum(self, x: Any, *, p: Any = None) -> tuple[Any, Any]:
-        """Linear [N s] and angular momentum about the reference origin [N m s], (3,) or (B, 3), in reference axes."""
+        """Linear [N s] and angular momentum about the reference origin [N m s], (3,) or (B, 3), in reference axes.
+
+        Without translation: zero, and the angular momentum about the whole's mass centre.
+        """
         values, batch = self._arguments(x, p=p)
         _, linear, angular = self._conserved(*values, batch=batch)
         return linear, angular
 
-    def power(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Any:
-        """dE/dt [W] of `energy` along the motion: what inputs and loads put in less what dampers take."""
+    def power(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> tuple[Any, Any]:
+        """(power put in by inputs, disturbances and environment, power lost in dampers and bearings) [W]: the rate of
+        `energy` is their difference.
+        """
         values, batch = self._arguments(x, u, w, p, t)
-        return self._power(*values, batch=batch)[0][..., 0]
+        put_in, lost = self._power(*values, batch=batch)
+        return put_in[..., 0], lost[..., 0]
+
+    @cached_property
+    def _powers(self) -> tuple[ca.SX, ca.SX]:
+        return equations.power(self.symbolic, *self.symbols[:4])
 
     @cached_property
     def _power(self) -> NumericFunction:
-        t, x, u, w, _ = self.symbols
-        return function("power", list(self.symbols), [equations.power(self.symbolic, t, x, u, w)])
+        return function("power", list(self.symbols), list(self._powers))
+
+    def net_power(self) -> ca.SX:
+        """dE/dt [W] as an expression: power put in less power lost."""
+        put_in, lost = self._powers
+        return put_in - lost
 
     def residual(self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
         """M a + bias - loads (6 + n,) at any accelerations a = [hub (hub axes), body rates', hinges, modes] (6 +
@@ -313,6 +341,7 @@ class FlexibleSpacecraft(Plant):
         """
         require_choice("linearize", "attitude", attitude, ATTITUDES)
         if attitude == "quaternion":
+            self.check_state(np.asarray(x0, dtype=float))
             return super().linearize(x0, u0, w=w, p=p, t=t)
         from .spacecraft_linear import linearize
 
@@ -326,6 +355,36 @@ class FlexibleSpacecraft(Plant):
         from .spacecraft_linear import linearize_along
 
         return linearize_along(self, nominal, p)
+
+    def _jacobians_along(self, nominal: Trajectory, w: np.ndarray, p: Any) -> list[np.ndarray]:
+        """At the nominal's own accelerations."""
+        from .spacecraft_linear import nominal_accelerations
+
+        values, batch = self._arguments(nominal.x, nominal.u, w, p, nominal.t)
+        return self._linear.along(*values, nominal_accelerations(self, nominal, p), batch=batch)
+
+    def feedback_model(self, x0: Any, u0: Any = None, *, p: Any = None) -> LinearModel:
+        """The linear model in signals: attitude outputs for the quaternion, rates relative to inertial space.
+
+        Where the attitude turns at (x0, u0) it is left out; ValueError where the rest feels it.
+        """
+        from .spacecraft_feedback import feedback_model
+
+        return feedback_model(self, x0, u0, p)
+
+    def check_state(self, x: np.ndarray) -> None:
+        """Raise ValueError where the quaternion of x (..., nx) is not of unit length."""
+        norm = np.atleast_1d(np.linalg.norm(x[..., self.layout.quaternion], axis=-1))
+        worst = float(norm[np.argmax(np.abs(norm - 1))])
+        if not abs(worst - 1) <= UNIT:
+            raise ValueError(f"FlexibleSpacecraft.x: the quaternion has norm {worst:.6g}, must be 1; see `state`")
+
+    def consistent(self, x: np.ndarray) -> np.ndarray:
+        """x (..., nx) with a unit quaternion: no turn where it is zero."""
+        x, s = np.array(x, dtype=float), self.layout.quaternion
+        x[..., s.start] += (x[..., s] == 0).all(axis=-1)
+        x[..., s] /= np.linalg.norm(x[..., s], axis=-1, keepdims=True)
+        return x
 
     def turn(self, x: Any) -> np.ndarray:
         """R (3, 3), hub axes to reference axes, at a state x (nx,)."""

@@ -97,6 +97,7 @@ def linearize(craft: FlexibleSpacecraft, x0: Any, u0: Any, w: Any, p: Any, t: fl
     (_, x, u, w, p), batch = craft._arguments(x0, u0, w, p, t)
     if batch is not None:
         raise ValueError(f"FlexibleSpacecraft.x has shape {x.shape}, must be ({craft.nx},) to linearise")
+    craft.check_state(x)
     dx = craft.dynamics(x, u, w=w, p=p, t=t)
     A, B, E, C, D, F = in_deviations(craft, x, dx, craft.jacobians(x, u, w=w, p=p, t=t))
     f0 = _Map.at(craft, x).rows(dx[:, None])[:, 0]
@@ -120,6 +121,15 @@ def linearize(craft: FlexibleSpacecraft, x0: Any, u0: Any, w: Any, p: Any, t: fl
     )
 
 
+def _orbit_rate(craft: FlexibleSpacecraft, p: Any) -> Array:
+    """[rad/s], (nt,) where it is a parameter that varies."""
+    path = "environment.orbit.rate"
+    if path not in craft.varied:
+        return np.asarray(parameters.get(craft, path), dtype=float)
+    values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)
+    return values[..., craft.varied.index(path)]
+
+
 def nominal_accelerations(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> Array:
     """The unknowns a (nt, 6 + n) with which a nominal moves. Without translation the hub's is what balances the
     forces.
@@ -129,7 +139,7 @@ def nominal_accelerations(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any
     if craft.translation:
         pushed = dx[:, at.velocity]
         if orbit is not None:
-            turning = np.array([0.0, -float(orbit.rate), 0.0])
+            turning = _orbit_rate(craft, p)[..., None] * [0.0, -1.0, 0.0]
             pushed = pushed + 2 * np.cross(turning, x[:, at.velocity])
             pushed += np.cross(turning, np.cross(turning, x[:, at.position]))
         hub = np.einsum("tji,tj->ti", R, pushed)
@@ -144,6 +154,18 @@ def nominal_accelerations(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any
     return a
 
 
+def check_nominal(craft: FlexibleSpacecraft, nominal: Trajectory) -> None:
+    """ValueError where a nominal's quaternion is not of unit length, or changes its sign and so has no rate."""
+    craft.check_state(nominal.x)
+    q = nominal.x[:, craft.layout.quaternion]
+    flips = np.flatnonzero((q[1:] * q[:-1]).sum(axis=1) < 0)
+    if nominal.dx is None and len(flips):
+        raise ValueError(
+            f"nominal: the quaternion changes its sign at t = {nominal.t[flips[0] + 1]:.6g} s; keep neighbours on one "
+            "side (q and -q are the same attitude), or give dx"
+        )
+
+
 def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> LTVModel:
     """About a nominal motion; its residual is the affine term c.
 
@@ -155,11 +177,10 @@ def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> L
     for name, have, want in (("states", nominal.states, craft.states), ("inputs", nominal.inputs, craft.inputs)):
         if names(have) != names(want):
             raise ValueError(f"nominal.{name} = {names(have)} must be {names(want)}")
+    check_nominal(craft, nominal)
     w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), craft.nw))
-    values, batch = craft._arguments(nominal.x, nominal.u, w, p, nominal.t)
-    jacobians = craft._linear.along(*values, nominal_accelerations(craft, nominal, p), batch=batch)
     dx = nominal.derivative()
-    A, B, E, C, D, F = in_deviations(craft, nominal.x, dx, jacobians)
+    A, B, E, C, D, F = in_deviations(craft, nominal.x, dx, craft._jacobians_along(nominal, w, p))
     residual = craft.dynamics(nominal.x, nominal.u, w=w, p=p, t=nominal.t) - dx
     return LTVModel(
         nominal.t,
@@ -202,6 +223,11 @@ def natural_frequencies(craft: FlexibleSpacecraft, x0: Any, p: Any) -> Array:
         count, bent = modes.stop - modes.start, slice(modes.start - first, modes.stop - first)
         K[bent, bent] = body.stiffness_factor * body.data.stiffness[:count, :count]
     both = np.ix_(free, free)
-    squares = scipy.linalg.eigh(K[both], craft.mass_matrix(x, p=p)[both], eigvals_only=True)
+    M = craft.mass_matrix(x, p=p)[both]
+    try:
+        squares = scipy.linalg.eigh(K[both], M, eigvals_only=True)
+    except np.linalg.LinAlgError:
+        craft.dynamics(x, p=p)  # says which motion has no inertia
+        raise
     found = np.sqrt(np.maximum(squares, 0.0))
     return found[found > 1e-6 * found.max(initial=0.0)]

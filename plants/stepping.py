@@ -11,6 +11,7 @@ import numpy as np
 
 from . import kernels, native
 from .batch import FEW, Array, BatchKernel, random_points
+from .explicit import TABLEAUS
 from .native import Bound
 from .parameters import require_choice, require_count
 from .threads import available
@@ -26,12 +27,12 @@ def rate_function(plant: Plant) -> ca.Function:
 
 def step_reference(plant: Plant, method: str = "rk4") -> native.Reference:
     """count steps of scalars[0] seconds on the virtual machine."""
-    from .integrate import stepper
+    from .integrate import METHODS, stepper
 
-    step = stepper(plant, method)
+    step, taken = stepper(plant, method), len(METHODS[method].input_times)
 
     def reference(t: Array, x: Array, u: Array, w: Array, p: Array, scalars: Any, count: int) -> Sequence[Array]:
-        us, h = np.tile(u, (1, 3)), scalars[0]
+        us, h = np.tile(u, (1, taken)), scalars[0]
         for _ in range(count):
             x = step(t, x, us, w, p, np.full((len(x), 1), h), batch=len(x))[0]
             t = t + h
@@ -49,6 +50,7 @@ def step_kernel(plant: Plant, method: str, dtype: np.dtype, lanes: int | None = 
     rate = rate_function(plant)
     sources: dict[str, Callable[[], str]] = {
         "rk4": lambda: kernels.rk4_source(rate, dtype, lanes),
+        "rk8": lambda: kernels.explicit_source(rate, TABLEAUS["rk8"](), dtype, lanes),
         "rosenbrock": lambda: kernels.steps_source(step_map(plant, method), dtype),
     }
     return BatchKernel(

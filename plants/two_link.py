@@ -2,7 +2,8 @@
 
 States   q = [theta1, theta2, q11 .. q1n, q21 .. q2m], x = [q; dq/dt]; theta2 relative to link 1's tip
 Inputs   joint torques tau1, tau2 [N m]; disturbances: force on the tip, inertial axes [N]
-Outputs  joint angles [rad], tip deflections of both links [m] and their rates [m/s], tip position [m]
+Outputs  joint angles [rad], tip deflections of both links [m] and their rates [m/s], tip position [m], curvature at
+         each link's root [1/m], what an accelerometer at the tip reads across its section [m/s^2]
 Valid    planar; deflections small against the lengths; fast rotation needs kinematics="stiffened"
 Source   "Coupled-Nonlinear Elastic Structure", Eqs (5)-(27). Departures: the strain energy of (23) has the sign +,
          gravity acts on the deflections too, the payload turns with (21)'s slope plus the joint angles.
@@ -22,7 +23,7 @@ from . import beams
 from .beams import Beam, Payload
 from .lagrange import LagrangianPlant
 from .parameters import is_symbolic, quantity, require_choice, require_count, validate
-from .planar import ElasticLink, payload_energy, payload_position
+from .planar import ElasticLink, payload_energy, payload_position, second_derivative
 from .signals import Signal
 
 REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
@@ -105,6 +106,9 @@ class TwoLinkArm(LagrangianPlant):
             Signal("tip2_deflection_rate", "m/s"),
             Signal("tip_x", "m"),
             Signal("tip_y", "m"),
+            Signal("root1_curvature", "1/m"),
+            Signal("root2_curvature", "1/m"),
+            Signal("tip_acceleration", "m/s^2"),
         )
 
     @property
@@ -242,7 +246,13 @@ class TwoLinkArm(LagrangianPlant):
         (theta1, theta2, q1, q2), (_, _, v1, v2) = self._split(q), self._split(v)
         link1, link2 = self.links
         bent = [link1.deflection(q1), link2.deflection(q2), link1.deflection(v1), link2.deflection(v2)]
-        return ca.vertcat(theta1, theta2, *bent, self._tip(q))
+        bent += [self._tip(q), link1.root_curvature(q1), link2.root_curvature(q2)]
+        M, r, _, _ = self.equations(t, x, u, w)
+        a = second_derivative(self._tip(q), q, v, self.acceleration(M, r, u)[0])
+        _, _, c12, s12 = self._heights(q)
+        c, s = ca.cos(link2.slope(q2)), ca.sin(link2.slope(q2))
+        felt = (c * c12 - s * s12) * (a[1] + self.gravity) - (s * c12 + c * s12) * a[0]
+        return ca.vertcat(theta1, theta2, *bent, felt)
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""

@@ -1,4 +1,8 @@
-"""The plants that every shared test must pass: a new plant joins by adding its variants to PLANTS."""
+"""The plants that every shared test must pass: a new plant joins by adding its variants to PLANTS.
+
+`plant` is any of them, `lagrangian` one with coordinates and their rates alone as states, `arm` one with payload,
+gravity and a tip in the plane, `undamped` an arm without damping.
+"""
 
 import dataclasses
 import json
@@ -7,10 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pliant.plants import Payload, SingleLinkArm, TwoLinkArm
+from pliant.plants import LargeDeflectionBeam, Payload, SingleLinkArm, SliderCrank, TwoLinkArm
+from pliant.plants.spacecraft import Environment, FlexibleSpacecraft, Hinge, Hub, Orbit, Thruster, Wheel
 
 ARM = TwoLinkArm.textbook()
 LINK = SingleLinkArm.textbook()
+BEAM = LargeDeflectionBeam.textbook()
+CRANK = SliderCrank.textbook()
+CRAFT = FlexibleSpacecraft.textbook()
 
 
 def two(**changes):
@@ -25,10 +33,32 @@ def damped(beam):
     return dataclasses.replace(beam, damping=3e-4)
 
 
+def large(**changes):
+    return dataclasses.replace(BEAM, **changes)
+
+
+def crank(**changes):
+    return dataclasses.replace(CRANK, **changes)
+
+
+def craft(drive="torque", outside=None, **changes):
+    """The textbook spacecraft with two-axis hinges, wheels and a thruster."""
+    hinge = Hinge(axes=((0.0, 1.0, 0.0), (0.6, 0.0, 0.8)), stiffness=(100.0, 50.0), damping=2.0, drive=drive)
+    parts = tuple(dataclasses.replace(a, hinge=hinge, damping=0.01, modes=1) for a in CRAFT.appendages)
+    hub = Hub(
+        mass=500.0,
+        inertia=((200.0, 5.0, -3.0), (5.0, 150.0, 2.0), (-3.0, 2.0, 180.0)),
+        wheels=(Wheel(axis=(1.0, 0.0, 0.0), inertia=0.1, friction=1e-3), Wheel(axis=(0.0, 0.6, 0.8), inertia=0.2)),
+        thrusters=(Thruster(position=(0.5, 0.2, 0.0), direction=(0.0, 0.0, 1.0)),),
+    )
+    outside = Environment(torque=(0.1, 0.0, 0.2)) if outside is None else outside
+    return FlexibleSpacecraft(hub=hub, appendages=parts, environment=outside, **changes)
+
+
 HUBS = {"hub_inertia": (0.1, 0.02)}
 OFFSET = Payload(mass=0.5, inertia=0.002, offset=(0.03, 0.04, 0.0))
 
-PLANTS = {
+ARMS = {
     "two": ARM,
     "two no slope": two(tip_slope=False),
     "two hubs": two(**HUBS),
@@ -53,8 +83,30 @@ PLANTS = {
     "one pinned": one(frame="pinned", payload=OFFSET, hub_radius=0.1),
     "one damped": one(link=damped(LINK.link), hub_friction=0.1),
 }
+OTHERS = {
+    "large": BEAM,
+    "large hinged": large(root="hinged", modes=2, payload=Payload(mass=0.3)),
+    "large driven": large(root="driven", modes=2),
+    "large chain": large(kinematics="substructured", segments=2, modes=2),
+    "large space": large(planar=False, modes=1),
+    "crank": CRANK,
+    "crank free": crank(crank_speed=None, modes=1),
+    "crank rigid": crank(kinematics="rigid", crank_speed=None),
+    "crank frame": crank(basis="frame-elements", modes=2),
+}
+CRAFTS = {
+    "craft": CRAFT,
+    "craft rigid": craft(kinematics="rigid"),
+    "craft linear": craft("motion", kinematics="linear"),
+    "craft hinged": craft(),
+    "craft turning": craft("angle", translation=False),
+    "craft orbit": craft(outside=Environment(orbit=Orbit(rate=1.1e-3), dipole=(9.0, 0.0, 0.0))),
+    "craft bare": dataclasses.replace(CRAFT, appendages=()),
+}
+LAGRANGIAN = ARMS | OTHERS
+PLANTS = LAGRANGIAN | CRAFTS
 DAMPED = ("two damped", "one damped")
-UNDAMPED = tuple(name for name in PLANTS if name not in DAMPED)
+UNDAMPED = tuple(name for name in ARMS if name not in DAMPED)
 
 
 @pytest.fixture(params=list(PLANTS))
@@ -62,9 +114,19 @@ def plant(request):
     return PLANTS[request.param]
 
 
+@pytest.fixture(params=list(LAGRANGIAN))
+def lagrangian(request):
+    return LAGRANGIAN[request.param]
+
+
+@pytest.fixture(params=list(ARMS))
+def arm(request):
+    return ARMS[request.param]
+
+
 @pytest.fixture(params=UNDAMPED)
 def undamped(request):
-    return PLANTS[request.param]
+    return ARMS[request.param]
 
 
 @pytest.fixture
@@ -76,15 +138,22 @@ def reference():
 
 @pytest.fixture
 def random_state():
-    """A state of an arm: angles of any size, deflections of some per cent of a metre, moderate rates."""
+    """A state: angles of any size, deflections of some per cent of a metre, moderate rates; of a spacecraft a unit
+    quaternion.
+    """
 
     def draw(plant, seed, size=1.0):
         rng = np.random.default_rng(seed)
-        n = plant.nx // 2
-        bent = [s.unit == "m" for s in plant.states[:n]]
-        # Small enough for the stage that loses definiteness at about a millimetre.
-        deflection = 2e-4 if getattr(plant, "reduction", "") == "rigid-inertia" else 0.02
-        scale = np.concatenate([np.where(bent, deflection, 2.0), np.where(bent, 0.1, 2.0)])
-        return size * scale * rng.uniform(-1, 1, plant.nx)
+        bent = np.array([s.unit.startswith("m") for s in plant.states])
+        rates = np.array([s.unit.endswith("/s") for s in plant.states])
+        # Small enough for the stage that loses definiteness at about a millimetre, and for a rod of 4 mm.
+        slender = isinstance(plant, SliderCrank) or getattr(plant, "reduction", "") == "rigid-inertia"
+        deflection = 2e-4 if slender else 0.02
+        scale = np.where(bent, np.where(rates, 0.1, deflection), 2.0)
+        x = size * scale * rng.uniform(-1, 1, plant.nx)
+        if isinstance(plant, FlexibleSpacecraft):
+            q = rng.normal(size=4)
+            x[plant.layout.quaternion] = q / np.linalg.norm(q)
+        return x
 
     return draw

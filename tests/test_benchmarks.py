@@ -21,6 +21,9 @@ MODULES = (
     "startup",
     "soak",
     "learning",
+    "stability",
+    "spacecraft",
+    "acts",
     "asked",
     "table",
 )
@@ -163,3 +166,55 @@ def test_the_cantilever_is_timed_within_its_error(bench):
     truth = cantilever.tip(cantilever.Strain(6, 13, 600))
     assert error.away(cantilever.tip(cantilever.OURS[cantilever.COARSE]), truth) < 3e-3
     assert error.away(cantilever.tip(cantilever.Strain(2, 7, 120)), truth) > 3e-3
+
+
+def test_a_long_case_is_sampled_in_its_rounds_only(bench):
+    sampling = bench("sampling")
+    cases = [sampling.Case(group="g", name=str(n), prepare=lambda: lambda seconds: 1.0, rounds=n) for n in (None, 2)]
+    found = sampling.measure(cases, rounds=4, seconds=0.0, progress=lambda *_: None)
+    assert [len(r.samples) for r in found] == [4, 2]
+
+
+def test_stability_and_spacecraft_are_checked(bench):
+    sampling, asked = bench("sampling"), bench("asked")
+    stability, spacecraft = bench("stability"), bench("spacecraft")
+
+    def row(group, name, seconds, threads=1):
+        return sampling.Row(group, name, sampling.TIME, threads, 1, False, samples=[seconds])
+
+    given = [row(stability.GROUP, stability.VERDICT, 0.1), row(stability.GROUP, stability.CHART, 21.0, 2)]
+    given += [row(spacecraft.GROUP, spacecraft.BUILD, 8.0)]
+    sizes = [spacecraft.states(count) for count in spacecraft.COUNTS]
+    assert sizes[0] == 20 and sizes[-1] == 172
+    for count, n in zip(spacecraft.COUNTS, sizes):
+        given.append(row(spacecraft.GROUP, spacecraft.linearise_name(count), 1e-8 * n**2.5))
+    found = [c for c in asked.checks(given, None) if c.number in (10, 11)]
+    assert [c.holds for c in found] == [True, False, True, True, True]
+    assert found[-1].measured == pytest.approx(2.5)
+    assert spacecraft.exponent(given[:-1]) is None
+    assert spacecraft.linearise(1)(1e-3) > 0
+    model, point = stability.large(), stability.point(0.7, 2.1)
+    assert model.A.shape == (2001, 20, 20) and point.A.shape == (129, 8, 8)
+
+
+def test_acts_are_checked_with_their_99th_percentile(bench):
+    sampling, asked, table, acts = bench("sampling"), bench("asked"), bench("table"), bench("acts")
+    case = sampling.Case(group=acts.GROUP, name=acts.mpc_name(20), unit=sampling.TIME, prepare=lambda: given)
+    times = iter([(50e-6, 100e-6), (40e-6, 200e-6), (55e-6, 190e-6)])
+
+    def given(seconds):
+        return next(times)
+
+    found = sampling.measure([case], rounds=3, seconds=0.0, progress=lambda *_: None)
+    assert (found[0].median, found[0].tail) == (50e-6, 190e-6)
+    checks = [c for c in asked.checks(found, None) if c.number == 12]
+    assert [c.holds for c in checks if c.measured is not None] == [True, False]
+    assert "| 50 us | 40 us to 55 us | 190 us |" in table.markdown(found, [], {}, [])
+
+
+def test_mpc_and_hpipm_solve_the_same_problem(bench):
+    acts = bench("acts")
+    assert len(acts.problem(20).states) >= 20
+    assert acts.difference(acts.hpipm, 20) < 1e-3
+    median, tail = acts.timed(acts.made("MPC", 20), bound=True)(0.0)
+    assert 0 < median <= tail

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from pliant.plants import codegen, native
+from pliant.plants import codegen, native, wide
 from pliant.plants.batch import map_kernel
 
 RNG = np.random.default_rng(3)
@@ -22,8 +22,11 @@ def _all_operations() -> ca.Function:
 
 
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
-@pytest.mark.parametrize("lanes", [None, 1])
-def test_every_operation_equals_the_virtual_machine(dtype: str, lanes: int | None) -> None:
+@pytest.mark.parametrize(("lanes", "gain"), [(None, 1.75), (1, 1.75), (1, 0.0)])
+def test_every_operation_equals_the_virtual_machine(
+    dtype: str, lanes: int | None, gain: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(wide, "GAIN", gain)
     function = _all_operations()
     points = [RNG.uniform(0.2, 2.0, (1, 64)) * RNG.choice([-1.0, 1.0], (1, 64)) for _ in range(2)]
     kernel = map_kernel(function, points, dtype, lanes)

@@ -10,7 +10,8 @@ from pliant.plants import EquilibriumError, SingleLinkArm, TwoLinkArm
 ARM = TwoLinkArm.textbook()
 
 
-def test_nothing_moves_at_an_equilibrium(plant):
+def test_nothing_moves_at_an_equilibrium(arm):
+    plant = arm
     angles = {s.name: 0.3 for s in plant.states[: plant.nu]}
     x0, u0 = plant.equilibrium(angles)
     rate = plant.dynamics(x0, u0)

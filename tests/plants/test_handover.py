@@ -28,7 +28,7 @@ def test_linearize_is_exact_by_method_function_and_operating_point(random_state)
         for ours, theirs in zip((A, B, C, D), (found.A, found.B, found.C, found.D)):
             np.testing.assert_array_equal(ours, theirs)
         assert found.state_labels[:2] == ["theta1", "theta2"]
-        assert found.input_labels == ["tau1", "tau2"] and found.output_labels[-1] == "tip_y"
+        assert found.input_labels == ["tau1", "tau2"] and found.output_labels[-1] == "tip_acceleration"
     differences = control.NonlinearIOSystem(
         system.updfcn, system.outfcn, inputs=2, outputs=ARM.ny, states=ARM.nx
     ).linearize(x0, u0)
@@ -41,7 +41,8 @@ def test_state_space_of_the_linear_model_has_signal_names():
     system = model.to_control()
     assert isinstance(system, control.StateSpace) and system.dt == 0
     assert system.state_labels[0] == "hub_angle" and system.input_labels == ["hub_torque"]
-    assert system.output_labels == ["hub_angle", "tip_deflection", "tip_deflection_rate", "tip_x", "tip_y"]
+    first = ["hub_angle", "tip_deflection", "tip_deflection_rate", "tip_x", "tip_y"]
+    assert system.output_labels == [*first, "root_curvature", "tip_acceleration"]
     np.testing.assert_array_equal(system.A, model.A)
     assert list(model.to_control(disturbances=True).input_labels)[1:] == ["tip_force_x", "tip_force_y"]
 

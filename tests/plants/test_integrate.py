@@ -2,6 +2,7 @@
 
 import dataclasses
 from dataclasses import dataclass
+from math import factorial
 
 import casadi as ca
 import numpy as np
@@ -14,11 +15,14 @@ from pliant.plants import (
     SingleLinkArm,
     StabilityLimitError,
     TwoLinkArm,
+    integrate,
     step_limit,
 )
+from pliant.plants.integrate import stepper
 
 ARM = dataclasses.replace(TwoLinkArm.textbook(), hub_inertia=(0.1, 0.02), modes=(1, 1))
-METHODS = {"rk4": 4, "midpoint": 2, "rosenbrock": 3}
+METHODS = {"rk4": 4, "rk8": 8, "midpoint": 2, "rosenbrock": 3}
+STEPS = {"rk8": np.array([6, 8, 10, 12])}  # where errors are above rounding
 RK4_REAL = 2.785293563405282  # root of 1 + z/2 + z^2/6 + z^3/24 = 0
 
 
@@ -82,21 +86,22 @@ def test_order_under_an_input_of_time(method):
     particular, rate = np.real(force), np.real(3j * force)
     c = np.linalg.solve(np.array([[1, 1], lam]), [0.2 - particular, -rate])
     exact = np.real(c @ np.exp(lam * 1.0)) + np.real(force * np.exp(3j))
-    steps = 1 / np.array([32, 64, 128, 256])
+    steps = 0.5 / STEPS.get(method, np.array([16, 32, 64, 128]))
     errors = [
         abs(plant.simulate([0.2, 0.0], lambda t: [np.cos(3 * t)], t, method=method, step=h).x[-1, 0] - exact)
         for h in steps
     ]
-    assert slope(steps, errors) == pytest.approx(METHODS[method], abs=0.2)
+    assert slope(steps, errors) == pytest.approx(METHODS[method], rel=0.04, abs=0.2)
     assert errors[-1] < 1e-4
 
 
 @pytest.mark.parametrize("method", list(METHODS))
 def test_order_of_an_explicitly_time_dependent_plant(method):
-    t, steps = np.linspace(0, 2, 2), 1 / np.array([16, 32, 64, 128])
-    exact = 1.5 * np.exp(-2.0) + (np.sin(2.0) - np.cos(2.0)) / 2  # x(0) = 1
-    errors = [abs(Scalar().simulate([1.0], None, t, method=method, step=h).x[-1, 0] - exact) for h in steps]
-    assert slope(steps, errors) == pytest.approx(METHODS[method], abs=0.2)
+    t, steps, rate = np.linspace(0, 2, 2), 1 / STEPS.get(method, np.array([16, 32, 64, 128])), -4.0
+    exact = (1 + 1 / 17) * np.exp(2 * rate) - (rate * np.sin(2.0) + np.cos(2.0)) / 17  # x(0) = 1
+    plant = Scalar(rate=rate)
+    errors = [abs(plant.simulate([1.0], None, t, method=method, step=h).x[-1, 0] - exact) for h in steps]
+    assert slope(steps, errors) == pytest.approx(METHODS[method], rel=0.04, abs=0.2)
 
 
 @pytest.mark.parametrize("omega", [0.3, 10.0, 2e4])
@@ -124,6 +129,32 @@ def test_rk4_limit_of_a_damped_vibration_is_where_the_map_stops_contracting(zeta
     assert growth(limit) == pytest.approx(1, abs=1e-9)
     assert all(growth(h) < 1 + 1e-12 for h in np.linspace(0, limit, 50))
     assert growth(limit * 1.001) > 1
+
+
+@pytest.mark.parametrize("method", ["rk4", "rk8"])
+@pytest.mark.parametrize("zeta", [0.0, 1e-7, 1e-3, 0.5, 2.0])
+def test_limit_is_where_the_steps_themselves_stop_contracting(method, zeta):
+    """Spectral radius of the map of one step, from the steps of the two unit states."""
+    plant = Oscillator(zeta=zeta)
+    limit = step_limit(plant, np.zeros(2), method)
+
+    def radius(h):
+        step = stepper(plant, method)
+        us = np.zeros(len(integrate.METHODS[method].input_times))
+        map_ = np.column_stack([step(0.0, x, us, np.zeros(1), np.zeros(0), h)[0] for x in np.eye(2)])
+        return np.abs(np.linalg.eigvals(map_)).max()
+
+    assert all(radius(h) < 1 + 1e-11 for h in np.linspace(0, limit * (1 - 1e-9), 60))
+    assert radius(1.001 * limit) > 1 + 1e-6
+
+
+def test_rk8_limits_are_those_of_its_published_tableau():
+    """|R| = 1 at 5.96 i and at -6.39, R(z) = sum_k z^k b . A^(k-1) 1; the order is 8: c_k = 1/k! up to there."""
+    R = integrate.METHODS["rk8"].tableau.polynomial
+    np.testing.assert_allclose(R[:9], 1 / np.array([factorial(k) for k in range(9)]), rtol=1e-12)
+    assert abs(R[9] * factorial(9) - 1) > 0.01
+    assert step_limit(Oscillator(), np.zeros(2), "rk8") == pytest.approx(0.5961, rel=1e-3)
+    assert step_limit(Scalar(rate=-40.0), np.zeros(1), "rk8") == pytest.approx(6.393 / 40, rel=1e-3)
 
 
 def test_implicit_methods_have_no_limit_and_growing_modes_are_left_out():
@@ -186,6 +217,7 @@ def test_adaptive_methods_agree():
         ("radau", {"rtol": 1e-9, "atol": 1e-11}, 1e-6),
         ("cvodes", {}, 1e-6),
         ("rk4", {"step": 5e-4}, 1e-4),
+        ("rk8", {"step": 1e-3}, 1e-6),
         ("rosenbrock", {"step": 5e-4}, 1e-2),
         ("midpoint", {"step": 2e-4}, 1e-2),
     ):
@@ -203,7 +235,13 @@ def test_held_array_equals_the_function_that_holds_it():
     x[0] = [0.1, 0.0]
     for k in range(10):
         x[k + 1] = exact.A @ x[k] + exact.B @ u[k]
-    for method, options in (("dop853", {}), ("radau", {}), ("cvodes", {}), ("rk4", {"step": 1e-3})):
+    for method, options in (
+        ("dop853", {}),
+        ("radau", {}),
+        ("cvodes", {}),
+        ("rk4", {"step": 1e-3}),
+        ("rk8", {"step": 0.02}),
+    ):
         motion = plant.simulate(x[0], u, times, method=method, **options)
         np.testing.assert_allclose(motion.x, x, rtol=0, atol=2e-8)
         np.testing.assert_array_equal(motion.u, u)

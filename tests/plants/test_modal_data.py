@@ -1,7 +1,9 @@
 """Modal data against closed forms (Young and Felgar 1949; Blevins 1979), by three routes, and its bad input."""
 
+import struct
 import sys
 import types
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from pliant.plants import Beam
 from pliant.plants.modal_data import ModalData
 from pliant.plants.rotations import matrix_of, quaternion, skew
+from pliant.plants.structural import read_nastran
 
 BOOM = Beam(length=5.0, area=1e-3, I_y=1e-7, I_z=4e-7, J=4e-7, density=2000.0, E=1e9, G=4e8, damping=0.01)
 ROOTS = np.array([1.8751040687119611664, 4.6940911329741745764, 7.8547574382376125648])  # cos x cosh x = -1
@@ -182,6 +185,94 @@ def test_nastran_op4(tmp_path):
     )
     with pytest.raises(ValueError, match=r"from_nastran: .* has no matrix 'maa'; it has kgg, mgg"):
         ModalData.from_nastran(path, positions, root=[0], modes=2, mass="maa")
+
+
+def write_op2(path, matrices):
+    """An OUTPUT2 file of real double matrices, as the NASTRAN Programmer's Manual lays it out: Fortran records, each
+    preceded by a key; a column is a string of rows from its first that is not zero to its last.
+    """
+    with open(path, "wb") as file:
+
+        def record(data):
+            size = struct.pack("i", len(data))
+            file.write(size + data + size)
+
+        def keys(*values):
+            for value in values:
+                record(struct.pack("i", value))
+
+        for name, M in matrices.items():
+            label = name.upper().ljust(8).encode()
+            keys(2)
+            record(label)
+            keys(-1, 7)
+            record(struct.pack("7i", 101, M.shape[1], M.shape[0], 6, 2, 0, 0))  # columns, rows, symmetric, real double
+            keys(-2, 1, 0, 2)
+            record(label)
+            keys(-3, 1, 1)
+            for k, column in enumerate(M.T):
+                rows = np.flatnonzero(column)
+                if len(rows):
+                    part = column[rows[0] : rows[-1] + 1]
+                    keys(1 + 2 * len(part))
+                    record(struct.pack("i", rows[0] + 1) + part.astype(float).tobytes())
+                keys(-4 - k, 1, 1 if k + 1 < M.shape[1] else 0)
+            keys(0)
+        keys(0)
+
+
+def test_nastran_op2(tmp_path):
+    pytest.importorskip("pyyeti.nastran.op2")
+    M, K, positions = frame_matrices(8)
+    path = tmp_path / "boom.op2"
+    write_op2(path, {"mgg": M, "kgg": K})
+    for found, wanted in zip(read_nastran(path, "MGG", "kgg"), (M, K)):
+        np.testing.assert_array_equal(found, wanted)
+    data = ModalData.from_nastran(path, positions, root=[0], modes=2, damping=0.01)
+    exact = ModalData.boom(BOOM, (1, 2)).frequencies
+    np.testing.assert_allclose(data.frequencies, np.sort(exact)[:2], rtol=2e-2)  # 8 elements with lumped masses
+    with pytest.raises(ValueError, match=r"from_nastran: boom\.op2 has no matrix 'kaa'; it has kgg, mgg"):
+        read_nastran(path, "mgg", "kaa")
+
+
+def test_complex_matrices_and_other_files_are_refused(tmp_path):
+    op4 = pytest.importorskip("pyyeti.nastran.op4")
+    M, K, positions = frame_matrices(2)
+    path = tmp_path / "damped.op4"
+    op4.write(str(path), {"mgg": M, "kgg": K * (1 + 0.02j)})
+    with pytest.raises(ValueError, match=r"matrix 'kgg' of damped\.op4 is complex, must be real"):
+        ModalData.from_nastran(path, positions, root=[0], modes=1)
+    for name in ("text.op2", "text.op4"):
+        (tmp_path / name).write_text("not a matrix, and not a NASTRAN file either\n")
+        with pytest.raises(ValueError, match=rf"from_nastran: {name} "):
+            ModalData.from_nastran(tmp_path / name, positions, root=[0], modes=1)
+
+
+def test_lumping_that_changes_the_body_is_refused():
+    """A mass on an arm across the boom: its offset couples translations and turns, which lumping would drop."""
+    M, K, positions = frame_matrices(8)
+    M[:48, :48] *= 0.1
+    mass, arm = 5.0, np.array([0.0, 3.0, 0.0])
+    last = slice(48, 54)
+    M[last, last] += mass * np.block([[np.eye(3), -skew(arm)], [skew(arm), -skew(arm) @ skew(arm)]])
+    with pytest.raises(ValueError, match=r"lumping at the nodes changes the first moment by 0\.\d+ of itself"):
+        ModalData.from_matrices(M, K, positions, root=[0], modes=2)
+    M, K, positions = frame_matrices(8)
+    M[51:54, 51:54] += 100.0 * np.eye(3)
+    with pytest.raises(ValueError, match=r"changes the inertia by 0\.\d+ of itself"):
+        ModalData.from_matrices(M, K, positions, root=[0], modes=2)
+
+
+def test_nastrans_own_op2_equals_its_op4():
+    """Files that NASTRAN wrote, of those that pyYeti brings for its own tests: the same real matrix by both routes."""
+    folder = Path(pytest.importorskip("pyyeti").__file__).parent / "tests"
+    files = [folder / "nastran_op2_data" / "double_le.op2", folder / "nastran_op4_data" / "double_dense_le.op4"]
+    if not all(file.exists() for file in files):
+        pytest.skip("this pyYeti comes without its test files")
+    one, _ = read_nastran(files[0], "zuzr01", "zuzr01")
+    other, _ = read_nastran(files[1], "rmat", "rmat")
+    assert one.shape == (25, 31) and np.abs(one).max() > 0
+    np.testing.assert_array_equal(one, other)
 
 
 def test_nastran_reader_through_a_stand_in(tmp_path, monkeypatch):

@@ -40,6 +40,21 @@ def test_rosenbrock_steps_equal_simulate() -> None:
     np.testing.assert_allclose(after[1], want, rtol=1e-8, atol=1e-9)
 
 
+@pytest.mark.parametrize("lanes", [None, 1])
+def test_rk8_steps_equal_simulate(lanes: int | None) -> None:
+    x0, u = states(3), np.array([2.0, -1.0])
+    kernel = step_kernel(ARM, "rk8", as_dtype("float64"), lanes)
+    assert kernel.native == native.wanted()
+    work = kernel.workspace(3)
+    work.set(1, x0)
+    work.set(2, u)
+    work.run((0.002,), 5)
+    for x, have, stepped in zip(x0, work.get(0), ARM.stepper(0.01, method="rk8", batch=3, substeps=5)(x0, u)):
+        want = ARM.simulate(x, u, np.array([0.0, 0.01]), method="rk8", step=0.002).x[-1]
+        np.testing.assert_allclose(have, want, rtol=1e-9, atol=1e-10)
+        np.testing.assert_allclose(stepped, want, rtol=1e-9, atol=1e-10)
+
+
 def test_midpoint_runs_on_the_virtual_machine() -> None:
     step = ARM.stepper(0.001, method="midpoint", batch=2)
     assert not step.native

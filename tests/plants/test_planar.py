@@ -83,6 +83,11 @@ def strain(arm, x):
     return V
 
 
+def place(arm, x):
+    """The tip (2,) [m] at a state x."""
+    return arm.measure(x)[[i for i, s in enumerate(arm.outputs) if s.name in ("tip_x", "tip_y")]]
+
+
 @pytest.mark.parametrize("name", list(ARMS))
 def test_energies_and_tip_are_those_of_the_points(name, random_state):
     arm = ARMS[name]
@@ -91,7 +96,7 @@ def test_energies_and_tip_are_those_of_the_points(name, random_state):
         T, V, tip = energies(arm, x)
         assert arm.kinetic(x) == pytest.approx(T, rel=1e-12)
         assert arm.potential(x) == pytest.approx(V + strain(arm, x), rel=1e-11, abs=1e-12)
-        np.testing.assert_allclose(arm.measure(x)[-2:], tip, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(place(arm, x), tip, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("arm", [TWO, ONE], ids=["two", "one"])
@@ -108,6 +113,6 @@ def test_stiffened_energies_are_exact_to_second_order_in_the_deflection(arm, ran
         T, V, tip = energies(arm, z)
         missing.append(abs(arm.kinetic(z) - T))
         assert arm.potential(z) == pytest.approx(V + strain(arm, z), rel=1e-11)
-        np.testing.assert_allclose(arm.measure(z)[-2:], tip, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(place(arm, z), tip, rtol=0, atol=1e-14)
     assert np.polyfit(np.log(sizes[1:]), np.log(missing[1:]), 1)[0] > 2.7
     assert missing[0] < 0.1 * abs(arm.kinetic(x) - arm.kinetic(np.where(np.arange(arm.nx) % n < k, x, 0.0)))

@@ -129,12 +129,48 @@ def test_momentum_norm_and_energy(kinematics):
     push = np.array([0.5, 0.2])
 
     def with_work(s, z):
-        return np.append(craft.dynamics(z[:-1], push), craft.power(z[:-1], push))
+        put_in, lost = craft.power(z[:-1], push)
+        return np.append(craft.dynamics(z[:-1], push), put_in - lost)
 
     end = solve_ivp(with_work, (0, 5), np.append(x, 0.0), method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
     gained = craft.energy(end[:-1]) - craft.energy(x)
     assert abs(gained) > 0.01 * craft.energy(x)
     assert gained == pytest.approx(end[-1], abs=1e-9 * craft.energy(x))
+
+
+def test_momentum_over_a_thousand_seconds():
+    """Undamped, so that it never comes to rest."""
+    craft = dataclasses.replace(CRAFT, appendages=tuple(dataclasses.replace(a, modes=(1, 1)) for a in CRAFT.appendages))
+    x = craft.state(rate_x=0.03, rate_y=0.05, rate_z=0.04, eta1_1=0.05, eta2_2=0.02, velocity_x=0.1)
+    run = craft.simulate(x, None, np.linspace(0, 1000, 101), rtol=1e-12)
+    for kept in craft.momentum(run.x):
+        assert np.abs(kept - kept[0]).max() < 1e-10 * np.linalg.norm(kept[0])
+    assert np.abs(np.linalg.norm(run.x[:, craft.layout.quaternion], axis=1) - 1).max() < 1e-12
+    energy = craft.energy(run.x)
+    assert np.abs(energy - energy[0]).max() < 1e-9 * energy[0]
+    assert np.abs(run.x[-10:, craft.layout.modes[0]]).max() > 0.01  # it still moves
+
+
+def test_without_translation_energy_and_momentum_are_about_the_mass_centre():
+    """The whole spacecraft set off so that its mass centre rests has the same, and both keep them."""
+    full = hinged(damping=0.0)
+    full = dataclasses.replace(full, appendages=(full.appendages[0],))
+    short = dataclasses.replace(full, translation=False)
+    x = full.state(rate_x=0.05, rate_y=0.08, rate_z=0.1, eta1_1=0.05, eta1_1_rate=0.03, hinge1_1=0.1, hinge1_1_rate=0.1)
+    M, at = full.mass_matrix(x), full.layout  # hub axes are the reference axes here
+    speeds = np.concatenate([x[at.omega], x[at.rates :]])
+    x[at.velocity] = -np.linalg.solve(M[:3, :3], M[:3, 3:] @ speeds)
+    cut = np.delete(x, [*range(3), *range(at.velocity.start, at.velocity.stop)])
+    assert np.abs(full.momentum(x)[0]).max() < 1e-12
+    assert np.abs(short.momentum(cut)[0]).max() < 1e-12
+    assert short.energy(cut) == pytest.approx(full.energy(x), rel=1e-13)
+    np.testing.assert_allclose(short.momentum(cut)[1], full.momentum(x)[1], rtol=1e-12)
+    assert full.energy(full.state(rate_y=0.08)) > 1.001 * short.energy(short.state(rate_y=0.08))  # about the hub
+    run = short.simulate(cut, lambda t: np.array([0.2, -0.1, 0.3]) * np.sin(t), np.linspace(0, 10, 41), audit=True)
+    assert run.stats["energy_balance"] < 1e-9 and np.ptp(short.energy(run.x)) > 0.1
+    free = short.simulate(cut, None, np.linspace(0, 10, 41))
+    kept = short.momentum(free.x)[1]
+    assert np.abs(kept - kept[0]).max() < 1e-11 * np.linalg.norm(kept[0])
 
 
 def test_norm_of_the_quaternion_returns():
@@ -155,7 +191,9 @@ def test_power_is_the_rate_of_energy():
     rate = ca.Function("rate", [t, x, u, w, p], [ca.jtimes(conserved(craft, x)[0], x, craft.expressions[0])])
     rng = np.random.default_rng(3)
     at, u, w = anywhere(craft), rng.normal(size=craft.nu), rng.normal(size=craft.nw)
-    assert craft.power(at, u, w=w) == pytest.approx(float(rate(0, at, u, w, [])), rel=1e-10)
+    put_in, lost = craft.power(at, u, w=w)
+    assert put_in - lost == pytest.approx(float(rate(0, at, u, w, [])), rel=1e-10)
+    assert lost > 0
 
 
 @pytest.mark.parametrize(
@@ -349,19 +387,29 @@ def test_varied_parameters():
     np.testing.assert_allclose(craft.natural_frequencies(p=p), made.natural_frequencies(), rtol=1e-10)
 
 
-def test_twenty_appendages_of_four_modes():
+def ring(count):
+    """A hub with booms of four modes around it."""
     parts = []
-    for k in range(20):
+    for k in range(count):
         c, s = np.cos(0.3 * k), np.sin(0.3 * k)
-        parts.append(
-            Appendage(position=(c, s, 0.1 * k), orientation=((c, -s, 0), (s, c, 0), (0, 0, 1)), body=BOOM, modes=(2, 2))
-        )
-    craft = FlexibleSpacecraft(hub=CRAFT.hub, appendages=tuple(parts))
+        turn = ((c, -s, 0), (s, c, 0), (0, 0, 1))
+        parts.append(Appendage(position=(c, s, 0.1 * k), orientation=turn, body=BOOM, modes=(2, 2)))
+    return FlexibleSpacecraft(hub=CRAFT.hub, appendages=tuple(parts))
+
+
+def test_twenty_appendages_of_four_modes():
+    craft = ring(20)
     x = anywhere(craft, size=0.01)
-    model = craft.linearize(x)
-    assert craft.nx == 173
-    assert len(model.states) == 172
+    A = craft.jacobians(x)[0]
+    assert A.shape == (173, 173) and len(craft.deviations) == 172
     assert craft._linear.solved.function.n_instructions() < 500_000  # about a millisecond
+    modes, rates = craft.layout.modes, craft.layout.mode_rates
+    assert np.abs(A[rates[3], modes[17]]).max() > 0  # one boom moves another, through the hub
+
+
+def test_the_block_arrow_solves_the_whole():
+    craft = ring(5)
+    x = anywhere(craft, size=0.01)
     M, found = craft.mass_matrix(x), craft.dynamics(x)
     order = [
         *(craft.turn(x).T @ found[craft.layout.velocity]),
@@ -369,7 +417,7 @@ def test_twenty_appendages_of_four_modes():
         *found[craft.layout.rates :],
     ]
     rest = craft.residual(x, np.zeros(len(M)))
-    np.testing.assert_allclose(M @ order, -rest, atol=1e-9 * np.abs(rest).max())  # the block arrow solves the whole
+    np.testing.assert_allclose(M @ order, -rest, atol=1e-9 * np.abs(rest).max())
 
 
 def test_ladder_and_labels():
@@ -383,7 +431,84 @@ def boom(**changes):
     return Appendage(**{"position": (1.0, 0.0, 0.0), "body": BOOM, **changes})
 
 
+def test_a_count_of_modes_is_of_the_slowest():
+    """Modal data in any order: here two modes out of plane, then the one in plane that lies between them."""
+    data = ModalData.boom(BOOM, (1, 2))
+    assert data.slowest(2).frequencies == pytest.approx([0.994479295645, 1.98895859129], rel=1e-9)
+    part = boom(body=data, modes=2)
+    np.testing.assert_array_equal(part.data.stiffness, data.slowest(2).stiffness)
+    np.testing.assert_allclose(boom(modes=2).data.frequencies, part.data.frequencies, rtol=1e-12)
+
+
+@pytest.mark.parametrize("axes", [((1.0, 0.0, 0.0),), ((0.0, 1.0, 0.0), (0.0, 1.0, 0.0))], ids=["slender", "parallel"])
+def test_a_hinge_that_turns_nothing_has_no_frequency(axes):
+    craft = hinged(axes=axes)
+    for call in (craft.natural_frequencies, lambda: craft.linearize(craft.state())):
+        with pytest.raises(
+            MassMatrixError, match="no inertia about one of its hinge's axes, or two of these are paral"
+        ):
+            call()
+
+
+def test_a_bare_hub_and_appendages_without_modes():
+    """Euler's equations, and a rigid boom beside the same boom of zero modes."""
+    bare = dataclasses.replace(CRAFT, appendages=())
+    omega = np.array([0.3, -0.2, 0.5])
+    x = bare.state(dict(zip(("rate_x", "rate_y", "rate_z"), omega)))
+    I = np.array([200.0, 150.0, 180.0])
+    np.testing.assert_allclose(bare.dynamics(x)[bare.layout.omega], -np.cross(omega, I * omega) / I, atol=1e-15)
+    assert bare.natural_frequencies().size == 0 and bare.linearize(x).A.shape == (12, 12)
+    none = dataclasses.replace(CRAFT, appendages=tuple(dataclasses.replace(a, modes=0) for a in CRAFT.appendages))
+    rigid = dataclasses.replace(CRAFT, kinematics="rigid")
+    x = rigid.state(dict(zip(("rate_x", "rate_y", "rate_z"), omega)))
+    np.testing.assert_allclose(none.dynamics(x), rigid.dynamics(x), atol=1e-14)
+
+
+def test_lists_and_arrays_become_tuples():
+    part = boom(position=np.array([1.0, 0.0, 0.0]), hinge=Hinge(axes=[[0.0, 1.0, 0.0]], stiffness=[3.0]))
+    assert part.position == (1.0, 0.0, 0.0) and part.hinge.stiffness == (3.0,)
+    assert hash(FlexibleSpacecraft(hub=CRAFT.hub, appendages=[part])) is not None
+
+
 BAD = {
+    "hub": (lambda: FlexibleSpacecraft(hub=3.0), r"FlexibleSpacecraft\.hub = 3\.0 must be a Hub"),
+    "appendages": (
+        lambda: FlexibleSpacecraft(hub=CRAFT.hub, appendages=(BOOM,)),
+        r"FlexibleSpacecraft\.appendages = .* must be a tuple of Appendage",
+    ),
+    "one appendage": (
+        lambda: FlexibleSpacecraft(hub=CRAFT.hub, appendages=boom()),
+        r"FlexibleSpacecraft\.appendages = .* must be a tuple of Appendage",
+    ),
+    "environment": (
+        lambda: FlexibleSpacecraft(hub=CRAFT.hub, environment=Orbit(rate=1e-3)),
+        r"FlexibleSpacecraft\.environment = .* must be an Environment",
+    ),
+    "translation": (
+        lambda: FlexibleSpacecraft(hub=CRAFT.hub, translation="yes"),
+        r"FlexibleSpacecraft\.translation = 'yes' must be one of True, False",
+    ),
+    "no body": (
+        lambda: Hub(mass=1.0, inertia=(1.0, 1.0, 5.0)),
+        r"the largest principal moment 5 kg m\^2 must be <= 2, the sum of the others",
+    ),
+    "not symmetric": (
+        lambda: Hub(mass=1.0, inertia=((1.0, 0.2, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))),
+        r"Hub\.inertia = .* must be symmetric and positive",
+    ),
+    "hinge": (lambda: boom(hinge="free"), r"Appendage\.hinge = 'free' must be a Hinge"),
+    "flat axes": (lambda: Hinge(axes=(0.0, 1.0, 0.0)), r"Hinge\.axes = .* must be a tuple of unit vectors"),
+    "negative modes": (lambda: boom(modes=-1), r"Appendage\.modes = -1 must be an integer from 0 to 100"),
+    "too many modes": (
+        lambda: boom(body=ModalData.boom(BOOM), modes=3),
+        r"Appendage\.modes = 3 must be an integer from 0 to 2",
+    ),
+    "no turn": (lambda: boom(orientation=(0.0, 0.0, 0.0, 0.0)), r"Appendage\.orientation = .* rotation matrix or a q"),
+    "zero quaternion": (lambda: CRAFT.simulate(np.zeros(CRAFT.nx), None, [0, 1]), "the quaternion has norm 0, must be"),
+    "long quaternion": (
+        lambda: CRAFT.linearize(3 * CRAFT.state()),
+        "the quaternion has norm 3, must be 1; see `state`",
+    ),
     "hub mass": (lambda: Hub(mass=0.0, inertia=(1, 1, 1)), r"Hub\.mass = 0\.0 must be > 0 \[kg\]"),
     "hub inertia": (lambda: Hub(mass=1.0, inertia=(1, -1, 1)), r"Hub\.inertia = .* must be symmetric and positive"),
     "wheel axis": (

@@ -9,9 +9,13 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from pliant.plants import LTVModel, TwoLinkArm
+from pliant.plants.certificate import _verified
+from pliant.plants.floquet import periodic_path
+from pliant.plants.growth import chain
 from pliant.plants.linear import LinearModel
 from pliant.plants.magnus import expm as stacked_expm
 from pliant.plants.magnus import product, steps
+from pliant.plants.period import varying, why_not
 from pliant.plants.stability import METHODS, assess, floquet, frozen_time, growth, lyapunov, slow_variation
 
 
@@ -107,6 +111,64 @@ def test_fewer_points_give_the_same_total_and_long_times_the_floquet_exponent():
     assert every.exponents[0] == pytest.approx(cycle.growth, abs=0.02 * abs(cycle.growth) + 0.01)
 
 
+@pytest.mark.parametrize("window", [0.01, 0.31, 1.0, 1.6, 2.9, 3.0])
+def test_windows_of_any_length_are_products_of_their_steps(window):
+    model = random_path()[1]
+    found = growth(model, window)
+    t, Phi, _ = chain(model)
+    count = round(found.window / 3.0 * len(Phi))
+    assert len(found.windows) == len(Phi) - count + 1
+    for k in sorted({0, len(found.windows) // 3, len(found.windows) // 2, len(found.windows) - 1}):
+        assert found.windows[k] == pytest.approx(np.linalg.norm(product(Phi[k : k + count]), 2), rel=1e-9)
+        assert found.window_start[k] == t[k]
+
+
+def test_windows_beyond_the_range_of_numbers():
+    """Each grows by e^900; ten of them fit into a nominal, whose growth is kept as a logarithm."""
+    t = np.linspace(0.0, 10.0, 1001)
+    A = np.tile(np.diag([900.0, -1.0]), (1001, 1, 1))
+    A[:, 0, 0] += 1e-3 * np.sin(t)
+    found = growth(model_of(t, A), 0.5)
+    assert found.logs[-1] == pytest.approx(9000.0 + 1e-3 * (1 - np.cos(10.0)), rel=1e-9)
+    assert found.windows[0] == pytest.approx(np.exp(450.0 + 1e-3 * (1 - np.cos(0.5))), rel=1e-6)
+
+
+def test_a_slow_period_of_a_fast_model():
+    """An orbit's period and modes of some rad/s: 8,000 turns. Exponents and growth in closed form."""
+    omega, period = np.array([0.01, 0.2, 5.0]), 2000.0
+    t = np.linspace(0.0, period, 401)
+    A = np.zeros((401, 6, 6))
+    A[:, :3, 3:], A[:, 3:, :3] = np.eye(3), -np.diag(omega**2)
+    damping = 0.005 * (1 + 0.5 * np.cos(2 * np.pi * t / period))
+    A[:, 3:, 3:] = -damping[:, None, None] * 2 * np.diag(omega)
+    found = assess(model_of(t, A), period=period)
+    assert (found.verdict, found.method) == ("stable", "floquet")
+    assert found.margin == pytest.approx(0.005 * 0.01, rel=1e-3)  # the mean of its damping
+    assert found.evidence["floquet"].steps > 4096 > len(found.evidence["growth"].windows)
+    shape = found.evidence["floquet"].mode(0)
+    np.testing.assert_allclose(shape[-1], shape[0], atol=1e-6 * np.abs(shape).max())
+
+
+def test_slow_coefficients_beside_fast_modes_are_seen_to_vary():
+    """A mode at 1e4 rad/s does not hide that the slow one, at 1e-3 rad/s, is pumped: Mathieu's first tongue."""
+    t = np.linspace(0.0, np.pi / 1e-3, 129)
+    A = np.zeros((129, 4, 4))
+    A[:, :2, 2:], A[:, 3, 1], A[:, 3, 3] = np.eye(2), -1e8, -100.0
+    A[:, 2, 0] = -1e-6 * (1 + 0.4 * np.cos(2e-3 * t))
+    moving, _ = varying(model_of(t, A))
+    assert moving.shape == (129, 1)
+    with pytest.raises(
+        ValueError, match=r"floquet: a period of 3141\.59 s and modes of up to 1e\+04 1/s need 16,777,216"
+    ):
+        floquet(model_of(t, A), np.pi / 1e-3)
+    whole = assess(model_of(t, A))
+    assert whole.verdict == "undecided" and "leave out the fastest modes" in whole.reasons["growth"]
+    assert json.loads(json.dumps(whole.to_json(), allow_nan=False))["margin"] is None
+    slow = model_of(t, A[:, ::2, ::2])
+    assert assess(slow).verdict == "unstable"
+    assert not why_not(model_of(t, A), np.pi / 1e-3) and why_not(model_of(t, A), 2.0 / 1e-3)
+
+
 def test_critical_times_of_growth_and_of_the_frozen_roots():
     t = np.linspace(0.0, 10.0, 501)
     A = np.zeros((501, 1, 1))
@@ -148,6 +210,18 @@ def test_periodic_certificate_holds_along_true_motions():
 
     for angle in np.linspace(0, np.pi, 7):
         assert falls(found, A, [np.cos(angle), np.sin(angle)], 0.0, np.pi) <= 1 + 1e-6
+
+
+def test_a_certificate_that_does_not_close_is_none():
+    """P of one period, a little larger throughout the more it is from its end: it falls, and jumps up at each end."""
+    found = lyapunov(pulsating())
+    path, _, _ = periodic_path(pulsating(), None, None)
+    size = found.scale
+    P = found.P * size * size[:, None]
+    assert _verified(path, found.t, P, 0.8 * found.alpha, True).verified
+    leaning = P * np.linspace(1.02, 1.0, len(found.t))[:, None, None]
+    assert _verified(path, found.t, leaning, 0.8 * found.alpha, False).verified
+    assert not _verified(path, found.t, leaning, 0.8 * found.alpha, True).verified
 
 
 def test_certificate_of_a_nominal_without_period():
@@ -276,6 +350,9 @@ def test_states_that_others_do_not_feel_may_be_left_out():
     assert (whole.verdict, part.verdict) == ("marginal", "stable")
     with pytest.raises(ValueError, match="state 'x9' must be one of x1, x2, x3"):
         assess(model_of(model.t, A), states=("x9",))
+    for states in ((), ("x1", "x1")):
+        with pytest.raises(ValueError, match=r"states = .* must name one state or more, each once"):
+            assess(model_of(model.t, A), states=states)
 
 
 def test_an_arm_along_its_own_motion():

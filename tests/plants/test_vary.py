@@ -26,7 +26,9 @@ def test_functions_of_p_equal_the_rebuilt_plant(changes, values, random_state):
     varied, exact = plain.vary(*PATHS), rebuilt(plain, PATHS, values)
     x, u = random_state(plain, 1, 0.3), np.array([1.0, -0.5])
     np.testing.assert_allclose(varied.dynamics(x, u, p=values), exact.dynamics(x, u), rtol=1e-12)
-    np.testing.assert_allclose(varied.measure(x, u, p=values), exact.measure(x, u), rtol=1e-14)
+    seen, expected = varied.measure(x, u, p=values), exact.measure(x, u)
+    np.testing.assert_allclose(seen[:-1], expected[:-1], rtol=1e-14)
+    np.testing.assert_allclose(seen[-1], expected[-1], rtol=1e-11)  # tip_acceleration: dynamics are in it
     for ours, theirs in zip(varied.jacobians(x, u, p=values), exact.jacobians(x, u)):
         np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12 * np.abs(theirs).max(initial=1.0))
     assert varied.energy(x, p=values) == pytest.approx(exact.energy(x), rel=1e-13)
@@ -58,7 +60,8 @@ def test_loaded_shape_functions_stay_those_of_the_nominal_payload(random_state):
         z = np.zeros(arm.nx)
         varied = arm.vary("payload.mass")
         np.testing.assert_allclose(varied.dynamics(z, [1.0]), arm.dynamics(z, [1.0]), rtol=1e-12)
-    np.testing.assert_array_equal(few.vary("payload.mass").measure(x, p=[mass]), few.measure(x))
+    heavy = few.vary("payload.mass").measure(x, p=[mass])
+    np.testing.assert_array_equal(heavy[:-1], few.measure(x)[:-1])  # the last one, tip_acceleration, moves
     errors = []
     for arm, exact in zip((few, many), heavier):
         ours = arm.vary("payload.mass").natural_frequencies(locked=("hub_angle",), p=[mass])[0]
