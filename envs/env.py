@@ -64,7 +64,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         if not scene.observe:
             raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
         self.randomise, self.render_mode = bool(randomise), render_mode
-        self.metadata = {**self.metadata, "render_fps": round(1 / scene.dt)}
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
         self._dtype = kind.type
@@ -162,6 +162,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ValueError(f"PlantEnv.step: action = {action} must be {len(self._idle)} finite numbers in [-1, 1]")
         step = self._step
         step.action[:] = action[:, None]
+        step.begin(self._done)
         unsound, outside = step.run()
         diverged, cost, early = bool(unsound[0]), float(step.cost[0]), 0.0
         self._done += 1
@@ -179,14 +180,14 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._obs.copy(), -cost, terminated, truncated, self._info(cost, early, diverged)
 
     def render(self) -> np.ndarray | None:
-        """The arm, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
+        """The plant, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
         if self.render_mode is None:
             gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
             return None
         if self._renderer is None:
-            from .render import Renderer
+            from .render import renderer
 
-            self._renderer = Renderer(self.scene, window=self.render_mode == "human")
+            self._renderer = renderer(self.scene, window=self.render_mode == "human")
         return self._renderer.draw(self._x, self._u, self.time, self._total)
 
     def close(self) -> None:

@@ -16,7 +16,7 @@ from pliant.plants.stepping import rate_function
 from pliant.plants.threads import available
 
 from .scene import Scene
-from .step import LARGEST, observe_function, reference, substep_function
+from .step import LARGEST, observe_function, reference, reference_drift, substep_function
 
 Array = np.ndarray
 T, X, ACTION, REF, W, P = range(6)  # inputs of the kernel
@@ -45,8 +45,8 @@ def _reference(scene: Scene) -> Any:
         n = len(x)
         u = drive(action, batch=n)[0]
         cost = score(x, u, ref, w, p, batch=n)[0]
-        for _ in range(count):
-            x = substep(x, u, w, p, batch=n)[0]
+        for k in range(count):
+            x = substep(t + k * scalars[0], x, u, w, p, batch=n)[0]
         obs, margin = sense(x, u, ref, w, p, batch=n)
         whole = (np.abs(np.concatenate([x, obs, cost, margin], axis=1)) < LARGEST).all(axis=1, keepdims=True)
         return [x, obs, cost, margin, whole.astype(float)]
@@ -90,9 +90,10 @@ class ControlStep:
         work = self.work
         self.lanes = work.padded if alike else lanes
         inputs, outputs = ([a[:, : self.lanes] for a in group] for group in (work.inputs, work.outputs))
-        _, self.x, self.action, self.ref, self.w, self.p = inputs
+        self.t, self.x, self.action, self.ref, self.w, self.p = inputs
         self._after, self.obs, (self.cost,), (self._margin,), (self._sound,) = outputs
         self._padded = [a for a in work.inputs if work.padded > self.lanes]
+        self._ref, self._drift = reference(scene)[:, None], reference_drift(scene)[:, None]
         work.set(REF, reference(scene))
         work.set(P, scene.varied_plant.nominal_parameters)
         work.set(X, scene.initial[0])
@@ -110,6 +111,18 @@ class ControlStep:
         self.__init__(*made)  # type: ignore[misc]
         for array, value in zip((*self.work.inputs, *self.work.outputs), arrays):
             array[:] = value
+
+    def begin(self, done: int | Array) -> None:
+        """Say how many periods (lanes,) of the episode are over: where the goal moves, it is where it then is.
+
+        The cost is charged against the goal at the period's start, the observation shown against that at its end.
+        """
+        if not self._drift.any():
+            return
+        n, dt = len(self._made[0].observe), self._made[0].dt
+        self.t[:] = done * dt
+        self.ref[:n] = self._ref[:n] + self._drift[:n] * (np.asarray(done) + 1) * dt
+        self.ref[n:] = self._ref[n:] + self._drift[n:] * np.asarray(done) * dt
 
     def run(self) -> tuple[Array, Array]:
         """Advance all lanes; returns (diverged, out of bounds), both (lanes,) bool.

@@ -1,6 +1,6 @@
 """Pictures of a scene: the bent arm, its goal where that is a place, the path of its tip, the inputs.
 
-Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn.
+Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a spacecraft is in `render_space`.
 """
 
 from __future__ import annotations
@@ -8,6 +8,8 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
+
+from pliant.plants import FlexibleSpacecraft
 
 from .scene import Scene
 
@@ -18,6 +20,15 @@ GOAL, TIP, INK, PALE = "#2e9e5b", "#d9622b", "#303030", "#e4e7ea"
 
 class Drawable(Protocol):
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray: ...
+
+
+def renderer(scene: Scene, *, window: bool = False) -> Renderer:
+    """What draws the scene: an arm in its plane, a spacecraft in space."""
+    if isinstance(scene.plant, FlexibleSpacecraft):
+        from .render_space import SpaceRenderer
+
+        return SpaceRenderer(scene, window=window)
+    return Renderer(scene, window=window)
 
 
 class Renderer:
@@ -122,6 +133,10 @@ class Renderer:
         fade = np.linspace(0.08, 0.85, len(segments))
         self._trail.set_segments(list(segments))
         self._trail.set_color([(*to_rgb(TIP), alpha) for alpha in fade])
+        return self._show(action, time, cost)
+
+    def _show(self, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
+        """The picture with the inputs, the time and the cost written into it."""
         for bar, value in zip(self._bars, np.clip(action, -1.0, 1.0)[::-1]):
             bar.set_width(0.2 * value)
         self._status.set_text(f"{time:.2f} s\ncost {cost:.2f}")

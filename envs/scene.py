@@ -7,6 +7,7 @@ names signals, never indices, so that every fidelity of its plant can play it.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, partial, wraps
@@ -14,9 +15,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from pliant.plants import Plant, Signal, Trajectory
-from pliant.plants.parameters import quantity, unit_of, validate
+from pliant.plants import LinearModel, Plant, Signal, Trajectory
+from pliant.plants.parameters import quantity, validate
 from pliant.plants.signals import index
+
+from .nominal import minimum_jerk, minimum_jerk_input
+from .scene_checks import check
 
 if TYPE_CHECKING:
     from .sb3 import PlantVecEnv
@@ -26,22 +30,7 @@ Pairs = tuple[tuple[str, float], ...]
 Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
-ALLOWED: dict[str, tuple[str, Callable[[float], bool]]] = {
-    "start": ("finite", lambda v: True),
-    "goal": ("finite", lambda v: True),
-    "bounds": ("finite and > 0", lambda v: v > 0),
-    "weights": ("finite and >= 0", lambda v: v >= 0),
-}
-
-
-def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
-    """The quintic from 0 to 1 over s in [0, 1], end rates and accelerations zero, and its two derivatives."""
-    s = np.clip(s, 0.0, 1.0)
-    return (
-        10 * s**3 - 15 * s**4 + 6 * s**5,
-        30 * s**2 - 60 * s**3 + 30 * s**4,
-        60 * s - 180 * s**2 + 120 * s**3,
-    )
+__all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 
 
 def once_per_scene(build: Callable[[Scene], R]) -> Callable[[Scene], R]:
@@ -63,7 +52,8 @@ class Scene:
     """Drive `plant` from `start` to `goal`, at least cost, within limits.
 
     Start and goal name coordinates of rest points, the rest of the state in equilibrium; or, not `at rest`, they name
-    states, the others zero: a beam that is let go, a hub that spins, a crank at its speed.
+    states, the others zero: a beam that is let go, a hub that spins, a crank at its speed. Quaternions are made unit.
+    A goal may move steadily: `goal_rates` of its states, from their values at t = 0.
 
     Cost [-]  sum over control periods of
               dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
@@ -75,8 +65,10 @@ class Scene:
     plant: Plant
     start: Pairs
     goal: Pairs
+    nominal_start: Pairs | None = None  # of the motion that linear models are made along; None: `start`
     start_at_rest: bool = True
     goal_at_rest: bool = True
+    goal_rates: Pairs = ()  # [the state's unit/s]; states that no output shows
     drive: Drive | None = None  # (plant, t) -> nominal input (nu,); None: a minimum-jerk motion of the rigid plant
     duration: float = quantity("s", "positive")
     dt: float = quantity("s", "positive", 0.02)  # control period
@@ -89,49 +81,25 @@ class Scene:
     observe: tuple[str, ...] = ()
     randomise: tuple[tuple[str, float, float], ...] = ()  # parameter, smallest and largest factor
     gusts: Pairs = ()  # largest |disturbance|, constant over an episode, where episodes are randomised
-    start_spread: float = quantity("rad", "nonnegative", 0.0)  # uniform, on every coordinate of `start`
+    start_spread: float = quantity("rad", "nonnegative", 0.0)  # uniform, on every coordinate of `start` ..
+    spreads: Pairs = ()  # .. but on these [its unit]
     compare: tuple[str, ...] = ("tip_x", "tip_y")  # outputs whose error the chart measures
-    tolerance: float = quantity("m", "positive", 1e-3)  # largest error of those outputs that the scene can bear
+    tolerance: float = quantity("the unit of compare", "positive", 1e-3)  # largest error of those that it can bear
     tags: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
         validate(self)
-        plant, owner = self.plant, f"scene {self.name!r}"
-        if len(self.limits) != plant.nu:
-            raise ValueError(f"{owner}: limits = {self.limits} must hold {plant.nu} numbers > 0")
-        for i, (value, signal) in enumerate(zip(self.limits, plant.inputs)):
-            if not (isinstance(value, (int, float)) and 0 < value < np.inf):
-                raise ValueError(f"Scene.limits[{i}] = {value!r} must be > 0 [{signal.unit}]")
-        if not (isinstance(self.substeps, int) and self.substeps >= 1):
-            raise ValueError(f"{owner}: substeps = {self.substeps!r} must be an integer >= 1")
-        if self.steps < 1:
-            raise ValueError(f"{owner}: duration = {self.duration} s must be at least dt = {self.dt} s")
-        known = self.signals
-        for group in ("start", "goal", "bounds", "weights"):
-            for name, value in getattr(self, group):
-                index(known, name, f"{owner}: {group}")
-                allowed, holds = ALLOWED[group]
-                if not (np.isfinite(value) and holds(value)):
-                    raise ValueError(f"{owner}: {group} {name} = {value} must be {allowed}")
-        for name in (*self.observe, *self.compare):
-            index(known, name, f"{owner}: signal")
-        for name, value in self.effort:
-            index(plant.inputs, name, f"{owner}: effort")
-            if not value > 0:
-                raise ValueError(f"{owner}: effort {name} = {value} must be > 0")
-        for name, value in self.gusts:
-            index(plant.disturbances, name, f"{owner}: gusts")
-            if not 0 <= value < np.inf:
-                raise ValueError(f"{owner}: gusts {name} = {value} must be finite and >= 0")
-        for path, low, high in self.randomise:
-            unit_of(plant, path)
-            if not 0 < low <= high:
-                raise ValueError(f"{owner}: randomise {path} from {low} to {high} must be 0 < low <= high")
+        check(self)
 
     @property
     def signals(self) -> tuple[Signal, ...]:
         """What goal, bounds, weights and observe may name: the plant's states, then its outputs."""
         return self.plant.states + self.plant.outputs
+
+    @property
+    def unit(self) -> str:
+        """Of the compared signals, and so of the tolerance."""
+        return self.signals[self.positions(self.compare[:1])[0]].unit
 
     @cached_property
     def largest_gusts(self) -> np.ndarray:
@@ -140,6 +108,12 @@ class Scene:
         for name, value in self.gusts:
             found[index(self.plant.disturbances, name, "disturbance")] = value
         return found
+
+    @property
+    def spread(self) -> np.ndarray:
+        """Largest |deviation| of the start (len(start),) of a randomised episode, each in its own unit."""
+        own = dict(self.spreads)
+        return np.array([own.get(name, self.start_spread) for name, _ in self.start])
 
     @property
     def steps(self) -> int:
@@ -166,6 +140,11 @@ class Scene:
         return self.plant.equilibrium(dict(self.start)) if self.start_at_rest else self._given(self.start)
 
     @cached_property
+    def nominal_initial(self) -> tuple[np.ndarray, np.ndarray]:
+        """(x, u) at the start of the motion that linear models are made along."""
+        return self.initial if self.nominal_start is None else self._given(self.nominal_start)
+
+    @cached_property
     def target(self) -> tuple[np.ndarray, np.ndarray]:
         """(x, u) at the goal: at rest, deflections in equilibrium, or as given."""
         return self.plant.equilibrium(dict(self.goal)) if self.goal_at_rest else self._given(self.goal)
@@ -174,7 +153,15 @@ class Scene:
         x = np.zeros(self.plant.nx)
         for name, value in values:
             x[index(self.plant.states, name, f"scene {self.name!r}: state")] = value
-        return x, np.zeros(self.plant.nu)
+        return self.plant.consistent(x), np.zeros(self.plant.nu)
+
+    @cached_property
+    def drift(self) -> np.ndarray:
+        """d(goal)/dt (nx,): zero but for `goal_rates`."""
+        found = np.zeros(self.plant.nx)
+        for name, value in self.goal_rates:
+            found[index(self.plant.states, name, f"scene {self.name!r}: state")] = value
+        return found
 
     def positions(self, names: Iterable[str]) -> list[int]:
         """Where the named signals stand in the vector [x; y]."""
@@ -185,9 +172,13 @@ class Scene:
         return np.concatenate([x, y], axis=-1)[..., self.positions(names)]
 
     def goal_values(self, names: tuple[str, ...]) -> np.ndarray:
-        """The named states or outputs at rest at the goal."""
+        """The named states or outputs at the goal, at t = 0."""
         x, u = self.target
         return self.signal_values(x, self.plant.measure(x, u), names)
+
+    def goal_drift(self, names: tuple[str, ...]) -> np.ndarray:
+        """d/dt of `goal_values`: of states as in `goal_rates`; outputs are those that do not follow them."""
+        return self.signal_values(self.drift, np.zeros(self.plant.ny), names)
 
     @property
     def weighted(self) -> tuple[str, ...]:
@@ -208,9 +199,10 @@ class Scene:
     def _cost_origin(self) -> tuple[np.ndarray, np.ndarray]:
         return self.goal_values(self.weighted), self.target[1][self.priced_inputs]
 
-    def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> Any:
-        """Cost rate [1/s] at x (..., nx), u (..., nu), y (..., ny)."""
+    def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray, t: Any = 0.0) -> Any:
+        """Cost rate [1/s] at x (..., nx), u (..., nu), y (..., ny) and t (...), which matters where the goal moves."""
         z0, u0 = self._cost_origin
+        z0 = z0 + np.multiply.outer(np.asarray(t, dtype=float), self.goal_drift(self.weighted))
         errors = self.signal_values(x, y, self.weighted) - z0
         excess = np.asarray(u)[..., self.priced_inputs] - u0
         rate = self.cost_rate(np.moveaxis(errors, -1, 0), np.moveaxis(excess, -1, 0))
@@ -226,7 +218,7 @@ class Scene:
         """
         (x, u), (z0, u0) = self.initial, self._cost_origin
         begin = self.signal_values(x, self.plant.measure(x, u), self.weighted)
-        bounds, spread = dict(self.bounds), {name: self.start_spread for name, _ in self.start}
+        bounds, spread = dict(self.bounds), dict(zip([name for name, _ in self.start], self.spread))
         errors = [
             bounds[name] + abs(goal) if name in bounds else abs(first - goal) + spread.get(name, 0.0)
             for name, first, goal in zip(self.weighted, begin, z0)
@@ -239,15 +231,33 @@ class Scene:
             raise ValueError(
                 f"motion has {len(motion.t)} times, must have the scene's {self.steps + 1} every {self.dt} s"
             )
-        return float(self.dt * self.stage_cost(motion.x, motion.u, motion.y)[:-1].sum())
+        return float(self.dt * self.stage_cost(motion.x, motion.u, motion.y, motion.t - motion.t[0])[:-1].sum())
+
+    @cached_property
+    def goal_model(self) -> LinearModel:
+        """The plant's linear model at the goal, f0 less what the goal itself moves at."""
+        return self._less_drift(self.plant.linearize(*self.target))
+
+    @cached_property
+    def feedback_model(self) -> LinearModel:
+        """`goal_model` in states that can be read by name.
+
+        Those of the plant; of a spacecraft its attitude outputs in place of the quaternion, and none where it spins.
+        """
+        return self._less_drift(self.plant.feedback_model(*self.target))
+
+    def _less_drift(self, model: LinearModel) -> LinearModel:
+        drift = dict(self.goal_rates)
+        moved = np.array([drift.get(s.name, 0.0) for s in model.states])
+        return dataclasses.replace(model, f0=model.f0 - moved) if drift else model
 
     def quadratic(self) -> tuple[np.ndarray, np.ndarray]:
-        """(Q (nx, nx), R (nu, nu)): the cost to second order about the goal, for linear-quadratic design."""
-        C = self.plant.linearize(*self.target).C
-        rows = np.vstack([np.eye(self.plant.nx), C])
-        Q = np.zeros((self.plant.nx, self.plant.nx))
+        """(Q (n, n), R (nu, nu)): the cost to second order about the goal, in the states of `feedback_model`."""
+        model = self.feedback_model
+        n = len(model.states)
+        rows, signals, Q = np.vstack([np.eye(n), model.C]), model.states + model.outputs, np.zeros((n, n))
         for name, weight in self.weights:
-            row = rows[index(self.signals, name, "signal")]
+            row = rows[index(signals, name, f"scene {self.name!r}: weighted signal")]
             Q += weight * np.outer(row, row)
         R = np.zeros((self.plant.nu, self.plant.nu))
         for name, weight in self.effort:
@@ -263,23 +273,28 @@ class Scene:
         """
         if self.drive is not None:
             return partial(self.drive, self.plant)
-        rigid = self.plant.ladder()[0]
-        n = rigid.nx // 2
-        begin, end = (np.array([dict(g).get(s.name, 0.0) for s in rigid.states[:n]]) for g in (self.start, self.goal))
-
-        def torque(t: float) -> np.ndarray:
-            s, ds, dds = minimum_jerk(t / self.move_time)
-            x = np.concatenate([begin + (end - begin) * s, (end - begin) * ds / self.move_time])
-            wanted = (end - begin) * dds / self.move_time**2
-            free = rigid.dynamics(x)[n:]
-            B = rigid.jacobians(x)[1][n:]
-            return np.linalg.solve(B, wanted - free)
-
-        return torque
+        return minimum_jerk_input(self)
 
     def open_loop(self, **options: Any) -> Trajectory:
         """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate."""
         return self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options)
+
+    def nominal_motion(self, **options: Any) -> Trajectory:
+        """As `open_loop`, from `nominal_start`."""
+        return self.plant.simulate(self.nominal_initial[0], self.nominal_input, self.times, **options)
+
+    def goal_motion(self) -> Trajectory:
+        """The goal as a motion: over one turn where it turns steadily, else at the control times."""
+        rates = {abs(rate) for _, rate in self.goal_rates}
+        units = {self.plant.states[i].unit for i in np.flatnonzero(self.drift)}
+        t = self.times
+        if len(rates) == 1 and units == {"rad"}:
+            turn = 2 * np.pi / rates.pop()
+            t = np.linspace(0.0, turn, math.ceil(turn / self.dt) + 1)
+        x, u = self.target
+        moved = x + np.multiply.outer(t, self.drift)
+        rows = np.ones((len(t), 1))
+        return Trajectory.from_arrays(t, moved, rows * u, plant=self.plant, dx=rows * self.drift)
 
     def vector_env(
         self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float64, threads: int | None = None

@@ -25,7 +25,7 @@ def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np
     Uniform within the start's spread, the gusts and the parameters' factors.
     """
     own, low, high = _ranges(scene)
-    starts = own + scene.start_spread * rng.uniform(-1.0, 1.0, (n, len(own)))
+    starts = own + scene.spread * rng.uniform(-1.0, 1.0, (n, len(own)))
     p = rng.uniform(low, high, (n, len(low)))
     return starts, scene.largest_gusts * rng.uniform(-1.0, 1.0, (n, scene.plant.nw)), p
 
@@ -53,7 +53,8 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
     """Rest states (n, nx) with the coordinates of scene.start held at the rows of `starts`, for p (n, np).
 
     Newton's method on the statics, all lanes at once, from the scene's own start. Raises EquilibriumError.
-    Where the scene does not start at rest, its own start with the rows of `starts` written into it.
+    Where the scene does not start at rest, its own start with the rows of `starts` written into it, a quaternion made
+    unit.
     """
     starts, p = np.asarray(starts, dtype=float), np.asarray(p, dtype=float)
     plant = scene.varied_plant
@@ -65,7 +66,7 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
     if not scene.start_at_rest:
         x = np.tile(scene.initial[0], (len(starts), 1))
         x[:, scene.positions(name for name, _ in scene.start)] = starts
-        return x
+        return plant.consistent(x)
     if not (isinstance(plant, LagrangianPlant) and not plant.driven and len(scene.start) == plant.nu):
         given = ({name: v for (name, _), v in zip(scene.start, row)} for row in starts)
         return np.array([plant.equilibrium(row, p=q)[0] for row, q in zip(given, p)]).reshape(-1, plant.nx)

@@ -1,8 +1,8 @@
 """One control period of a scene's environment as straight-line CasADi expressions, without branch or loop.
 
-x (nx,) state; action (nu,) in [-1, 1]; u (nu,) inputs; w (nw,) disturbances; p (np,) the randomised
-parameters, in the order of scene.randomise; ref (nr,) what deviations are measured from: the goal's values of
-the observed signals, of the weighted signals and of the priced inputs, one after the other.
+t time, which matters only where the goal moves; x (nx,) state; action (nu,) in [-1, 1]; u (nu,) inputs; w (nw,)
+disturbances; p (np,) the randomised parameters, in the order of scene.randomise; ref (nr,) what deviations are measured
+from: the goal's values of the observed signals, of the weighted signals and of the priced inputs, one after the other.
 
 The functions here are also the source of compiled code, one lane at a time. `sound` tells non-finite numbers,
 outside of it.
@@ -27,6 +27,13 @@ def reference(scene: Scene) -> np.ndarray:
     return np.concatenate([*goals, scene.target[1][scene.priced_inputs]])
 
 
+@once_per_scene
+def reference_drift(scene: Scene) -> np.ndarray:
+    """d(ref)/dt (nr,): zero but where the goal moves."""
+    drifts = [scene.goal_drift(names) for names in (scene.observe, scene.weighted)]
+    return np.concatenate([*drifts, np.zeros(len(scene.priced_inputs))])
+
+
 def _symbols(scene: Scene) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
     plant = scene.varied_plant
     count = len(scene.observe) + len(scene.weights) + len(scene.effort)
@@ -36,14 +43,18 @@ def _symbols(scene: Scene) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
 
 @once_per_scene
 def substep_function(scene: Scene) -> ca.Function:
-    """(x, u, w, p) -> x after one RK4 step of dt / substeps with u held."""
+    """(t, x, u, w, p) -> x after one RK4 step of dt / substeps with u held.
+
+    ValueError where the plant depends on time and no goal moves with it: an environment would not show that.
+    """
     plant = scene.varied_plant
-    if any(ca.depends_on(e, plant.symbols[0]) for e in plant.expressions):
+    rate, output = (ca.depends_on(e, plant.symbols[0]) for e in plant.expressions)
+    if output or (rate and not scene.goal_rates):
         raise ValueError(f"scene {scene.name!r}: the plant depends on time, which an environment does not show")
-    x, u, _, w, p = _symbols(scene)
+    t, (x, u, _, w, p) = ca.SX.sym("t"), _symbols(scene)
     rk4 = step_map(plant, "rk4")
-    after = rk4(0.0, x, ca.repmat(u, 1, 3), w, p, scene.dt / scene.substeps)
-    return ca.Function("substep", [x, u, w, p], ca.cse([after]), list("xuwp"), ["x_next"])
+    after = rk4(t, x, ca.repmat(u, 1, 3), w, p, scene.dt / scene.substeps)
+    return ca.Function("substep", [t, x, u, w, p], ca.cse([after]), list("txuwp"), ["x_next"])
 
 
 @once_per_scene
@@ -71,7 +82,7 @@ def observe_function(scene: Scene) -> ca.Function:
 
 @once_per_scene
 def step_function(scene: Scene) -> ca.Function:
-    """(x, action, ref, w, p) -> (x_next, obs, cost, margin): a control period with the action held.
+    """(t, x, action, ref, w, p) -> (x_next, obs, cost, margin): a control period from t on with the action held.
 
     The input is the action, clipped to [-1, 1], times the scene's limits. obs and margin are those of x_next;
     cost is what Scene.cost sums for this period: dt times the stage cost at x and the input.
@@ -80,9 +91,9 @@ def step_function(scene: Scene) -> ca.Function:
     x, action, ref, w, p = _symbols(scene)
     u = ca.fmax(-1.0, ca.fmin(1.0, action)) * ca.DM(scene.limits)
     cost = observe(x, u, ref, w, p)[1]
-    after = x
-    for _ in range(scene.substeps):
-        after = substep(after, u, w, p)
+    t, after = ca.SX.sym("t"), x
+    for k in range(scene.substeps):
+        after = substep(t + k * scene.dt / scene.substeps, after, u, w, p)
     obs, _, margin = observe(after, u, ref, w, p)
-    names = ["x", "action", "ref", "w", "p"], ["x_next", "obs", "cost", "margin"]
-    return ca.Function("step", [x, action, ref, w, p], [after, obs, cost, margin], *names)
+    names = ["t", "x", "action", "ref", "w", "p"], ["x_next", "obs", "cost", "margin"]
+    return ca.Function("step", [t, x, action, ref, w, p], [after, obs, cost, margin], *names)

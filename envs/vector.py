@@ -146,6 +146,7 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
             raise gymnasium.error.ResetNeeded(
                 f"PlantVectorEnv.step: lane {waiting[0]} is over; reset it with options={{'reset_mask': ...}}"
             )
+        step.begin(self._done)
         diverged, outside = step.run()
         self._done += 1
         cost = step.cost.astype(float)

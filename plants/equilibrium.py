@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import EquilibriumError
+from .lagrange import LagrangianPlant
 from .signals import index
 
 if TYPE_CHECKING:
     from .plant import Plant
 
 TOLERANCE = 1e-10  # relative to the rates that each unknown can cause
+STEP = 1e-6  # of an unknown or of SMALL: a Newton step beyond it means that very stiff terms hide the others' residual
+SMALL = 1e-3
 
 
 def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -34,32 +37,45 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
         held[nx:] = True  # too few states are given to determine the inputs: they stay as given, or zero
 
     free = np.flatnonzero(~held)
-    scale = 1.0
+    scale, step = 1.0, 0.0
     residual = plant.dynamics(z[:nx], z[nx:], p=p)
     for _ in range(100):
         A, B = plant.jacobians(z[:nx], z[nx:], p=p)[:2]
-        J = np.hstack([A, B])[:, free]
-        scale = np.maximum(np.abs(J) @ np.maximum(np.abs(z[free]), 1e-3), 1e-3)
-        if np.max(np.abs(residual) / scale) < TOLERANCE * 1e-2:
-            break
+        weigh = _forces(plant, z[:nx], p)
+        J, residual = weigh @ np.hstack([A, B])[:, free], weigh @ residual
+        size = np.maximum(np.abs(z[free]), SMALL)
+        scale = np.maximum(np.abs(J) @ size, 1e-3)
         change = np.linalg.lstsq(J / scale[:, None], -residual / scale, rcond=1e-12)[0]
+        step = float(np.max(np.abs(change) / size, initial=0.0))
+        if np.max(np.abs(residual) / scale) < TOLERANCE * 1e-2 and step < STEP:
+            break
         length, best = 1.0, float(np.linalg.norm(residual / scale))
         while length > 1e-6:
             trial = z.copy()
             trial[free] += length * change
             moved = plant.dynamics(trial[:nx], trial[nx:], p=p)
-            if np.linalg.norm(moved / scale) < best:
+            if np.linalg.norm(weigh @ moved / scale) < best:
                 break
             length /= 2
         else:
             break
         z, residual = trial, moved
     worst = float(np.max(np.abs(residual) / scale))
-    if not worst < TOLERANCE:
-        k = int(np.argmax(np.abs(residual) / scale))
+    if not (worst < TOLERANCE and step < STEP):
+        rate = plant.dynamics(z[:nx], z[nx:], p=p)
+        k = int(np.argmax(np.abs(rate)))
         raise EquilibriumError(
-            f"no equilibrium of {plant.label} with {dict(fixed)} held: d({names[k]})/dt = {residual[k]:.3g} remains; "
+            f"no equilibrium of {plant.label} with {dict(fixed)} held: d({names[k]})/dt = {rate[k]:.3g} remains; "
             "hold as many coordinates as there are inputs, or give a closer guess",
-            float(np.max(np.abs(residual))),
+            float(np.max(np.abs(rate))),
         )
     return z[:nx], z[nx:]
+
+
+def _forces(plant: Plant, x: np.ndarray, p: Any) -> np.ndarray:
+    """(nx, nx) that makes forces of a mechanical plant's accelerations: a stiff mode's are then in its own row only."""
+    weigh = np.eye(plant.nx)
+    if isinstance(plant, LagrangianPlant):
+        n = len(plant.coordinates)
+        weigh[n:, n:] = plant.mass_matrix(x, p=p)
+    return weigh

@@ -139,16 +139,15 @@ def _pieces(slopes: ca.Function) -> list[tuple[str, ca.Function]]:
     rate, J = slopes.call(inputs)
     if operations(slopes) <= LONG:
         return [("k, j", slopes)]
-    entries = J.nonzeros()
 
     def halved(first: int, last: int) -> list[tuple[str, ca.Function]]:
-        made = ca.Function("part", inputs, ca.cse([ca.vertcat(*entries[first:last])]))
+        made = ca.Function("part", inputs, ca.cse([J.nz[first:last]]))
         if operations(made) <= LONG or last == first + 1:
             return [(f"j + {first}", made)]
         middle = (first + last) // 2
         return halved(first, middle) + halved(middle, last)
 
-    return [("k", ca.Function("rate", inputs, ca.cse([rate]))), *halved(0, len(entries))]
+    return [("k", ca.Function("rate", inputs, ca.cse([rate]))), *halved(0, J.nnz())]
 
 
 def sensitivity_reference(slopes: ca.Function) -> native.Reference:

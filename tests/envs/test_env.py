@@ -101,7 +101,8 @@ def test_return_is_minus_the_scenes_cost_of_the_same_motion(env_id: str) -> None
     np.testing.assert_allclose(env.unwrapped.state, motion.x[-1], rtol=1e-10, atol=1e-12)
     assert -sum(s[1] for s in steps) == pytest.approx(scene.cost(motion), rel=1e-10)
     shown = np.array([obs, *(s[0] for s in steps)])
-    wanted = np.column_stack([motion[name] for name in scene.observe]) - scene.goal_values(scene.observe)
+    goals = scene.goal_values(scene.observe) + np.outer(motion.t, scene.goal_drift(scene.observe))
+    wanted = np.column_stack([motion[name] for name in scene.observe]) - goals
     np.testing.assert_allclose(shown, wanted, rtol=1e-9, atol=1e-11)
     assert all(s[4]["cost"] == -s[1] and s[4]["early_end_cost"] == 0.0 for s in steps)
 
@@ -120,8 +121,9 @@ def test_drawn_parameters_are_those_simulated(name: str) -> None:
         assert low * own <= value <= high * own and value != own
         plant = parameters.put(plant, path, value)
     held = {name: x0[scene.positions([name])[0]] for name, _ in scene.start}
-    assert all((held[name] != own) == (scene.start_spread > 0) for name, own in scene.start)
-    wanted = plant.equilibrium(held)[0] if scene.start_at_rest else scene.initial[0]
+    assert all((held[name] != own) == (size > 0) for (name, own), size in zip(scene.start, scene.spread))
+    given = dataclasses.replace(scene, start=tuple(held.items()))
+    wanted = plant.equilibrium(held)[0] if scene.start_at_rest else given.initial[0]
     np.testing.assert_allclose(x0, wanted, atol=1e-10)
 
     play(env, actions)
@@ -164,7 +166,8 @@ def test_time_limit_truncates_once(env_id: str) -> None:
 def within_reach(scene: Scene) -> Scene:
     """The scene with every bound at most nine tenths of what some constant full input reaches."""
     reached = np.zeros(len(scene.bounds))
-    for level in itertools.product((-1.0, 1.0), repeat=scene.plant.nu):
+    levels = list(itertools.product((-1.0, 1.0), repeat=scene.plant.nu))
+    for level in levels[:: max(1, len(levels) // 8)]:
         u = np.tile(np.multiply(level, scene.limits), (scene.steps + 1, 1))
         try:
             motion = scene.plant.simulate(
@@ -207,7 +210,7 @@ def test_ending_costs_more_than_going_on(env_id: str) -> None:
     """Anywhere on the open-loop motion, the charge for the time left exceeds what the motion still costs."""
     scene = gymnasium.make(env_id).unwrapped.scene
     motion = scene.open_loop(method="rk4", step=scene.dt / scene.substeps)
-    costs = scene.dt * scene.stage_cost(motion.x, motion.u, motion.y)[:-1]
+    costs = scene.dt * scene.stage_cost(motion.x, motion.u, motion.y, motion.t)[:-1]
     to_go = np.cumsum(costs[::-1])[::-1]
     left = scene.steps - 1 - np.arange(scene.steps)
     charged = left * (scene.dt * scene.early_end_rate + costs)
@@ -275,17 +278,17 @@ def test_loop_over_substeps_is_the_whole_step(env_id: str) -> None:
     rng = np.random.default_rng(4)
     x, action, w = env.state, rng.uniform(-1.5, 1.5, scene.plant.nu), rng.uniform(-3.0, 3.0, scene.plant.nw)
     p, ref = list(env.reset(seed=4)[1]["parameters"].values()), reference(scene)
-    together = [np.array(r).ravel() for r in step_function(scene)(x, action, ref, w, p)]
+    together = [np.array(r).ravel() for r in step_function(scene)(7.0, x, action, ref, w, p)]
     u = np.clip(action, -1, 1) * scene.limits
     cost = observe_function(scene)(x, u, ref, w, p)[1]
-    for _ in range(scene.substeps):
-        x = substep_function(scene)(x, u, w, p)
+    for k in range(scene.substeps):
+        x = substep_function(scene)(7.0 + k * scene.dt / scene.substeps, x, u, w, p)
     obs, _, margin = observe_function(scene)(x, u, ref, w, p)
     for a, b in zip(together, (x, obs, cost, margin)):
         np.testing.assert_allclose(a, np.array(b).ravel(), rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.parametrize("env_id", IDS)
+@pytest.mark.parametrize("env_id", [name for name in IDS if "Spacecraft" not in name])
 def test_outline_ends_at_the_tip(env_id: str) -> None:
     """In every fidelity the drawn links start at the hub, hang together, and end where the outputs say."""
     scene = gymnasium.make(env_id).unwrapped.scene
@@ -316,7 +319,7 @@ def test_pictures(env_id: str) -> None:
     second = env.render()
     assert first.shape == (600, 600, 3) and first.dtype == np.uint8
     assert (first != second).any() and len(np.unique(second.reshape(-1, 3), axis=0)) > 50
-    assert env.unwrapped.metadata["render_fps"] == round(1 / env.unwrapped.scene.dt)
+    assert env.unwrapped.metadata["render_fps"] == max(1, round(1 / env.unwrapped.scene.dt))
     env.close()
 
 

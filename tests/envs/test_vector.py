@@ -110,7 +110,7 @@ def test_gusts_push_the_lanes() -> None:
 @pytest.mark.parametrize("mode", list(AutoresetMode))
 @pytest.mark.parametrize("name", NAMES)
 def test_autoreset_modes(name: str, mode: AutoresetMode) -> None:
-    scene = scenes.get(name, duration=0.2)
+    scene = scenes.get(name, duration=10 * scenes.get(name).dt)
     vector = PlantVectorEnv(scene, 3, randomise=True, autoreset_mode=mode)
     first, drawn = vector.reset(seed=0)[0], vector._step.p.copy()
     still = np.full((3, scene.plant.nu), 0.1, dtype=np.float32)

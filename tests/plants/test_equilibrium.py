@@ -76,3 +76,16 @@ def test_varied_parameters_shift_the_equilibrium():
         heavier = dataclasses.replace(ARM, payload=dataclasses.replace(ARM.payload, mass=mass))
         for ours, theirs in zip(arm.equilibrium(held, p=[mass]), heavier.equilibrium(held)):
             np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-13)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1e2, 1e4, 1e6])
+def test_stiff_polynomial_modes_do_not_hide_the_torque(factor):
+    """The holding torque of a stiff arm tends to the rigid one; the difference falls as 1 / E."""
+    arm = TwoLinkArm.textbook()
+    link = dataclasses.replace(arm.link1, E=factor * arm.link1.E)
+    stiff = dataclasses.replace(arm, link1=link, link2=link, basis="polynomial", modes=(6, 6))
+    rigid = arm.ladder()[0]
+    _, u = stiff.equilibrium(theta1=-0.9, theta2=0.6)
+    _, wanted = rigid.equilibrium(theta1=-0.9, theta2=0.6)
+    np.testing.assert_allclose(u, wanted, rtol=0.1 / factor + 1e-9)
+    assert factor > 10 or np.abs(u / wanted - 1).max() > 0.03

@@ -15,6 +15,7 @@ from pliant.plants import (
     SliderCrank,
     TwoLinkArm,
     native,
+    sensitivities,
 )
 from pliant.plants.integrate import step_map
 from pliant.plants.sensitivities import StepSensitivities, sensitivity_kernel, slopes_function
@@ -132,6 +133,23 @@ def test_parameters_by_lane(random_state):
         heavy = dataclasses.replace(ARM, modes=(1, 0), payload=dataclasses.replace(ARM.payload, mass=mass))
         want = StepSensitivities(heavy, 0.01)(x[:1], u[:1])[1][0]
         np.testing.assert_allclose(A[k], want, rtol=1e-9, atol=1e-11 * np.abs(want).max())
+
+
+def test_long_slopes_in_pieces_give_the_same(monkeypatch, random_state):
+    plant = PLANTS["one"]
+    x, u = points(plant, random_state)
+    have = [a.copy() for a in StepSensitivities(plant, 0.01, batch=3)(x, u)]
+    monkeypatch.setattr(sensitivities, "LONG", 400)
+    pieces = sensitivity_kernel.__wrapped__(plant, np.dtype(float))
+    assert pieces.native == native.wanted() and len(sensitivities._pieces(slopes_function(plant))) > 3
+    work = pieces.workspace(3)
+    work.set(1, x)
+    work.set(2, u)
+    work.run((0.01,), 1)
+    np.testing.assert_allclose(work.get(0), have[0], rtol=1e-12, atol=1e-14)
+    S = work.get(1).reshape(3, plant.nx, -1)
+    np.testing.assert_allclose(S[:, :, : plant.nx], have[1], atol=1e-12 * np.abs(have[1]).max())
+    np.testing.assert_allclose(S[:, :, plant.nx :], have[2], atol=1e-12 * np.abs(have[2]).max())
 
 
 def test_the_virtual_machine_gives_the_same(monkeypatch, random_state):
