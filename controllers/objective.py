@@ -8,7 +8,7 @@ which is exact where z is linear in x and u.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
@@ -125,3 +125,9 @@ class Objective:
         values, _ = self.plant._arguments(self.x_goal, self.u_goal)
         X, U = slopes(*values)
         return X.T @ X, U.T @ U, X.T @ U
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)}  # expressions are made again
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)

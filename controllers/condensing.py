@@ -1,0 +1,85 @@
+"""Condensing: the stages of a linearised horizon become one quadratic program in the inputs.
+
+dx_{k+1} = A_k dx_k + c_k + B_k du_k, dx_0 = e           ->  [dx_k; 1] = G_k v,  v = [e; 1; du_0 .. du_{N-1}]
+cost sum |X_k dx_k + r_k + U_k du_k|^2 + |L dx_N + l|^2  ->  |W v|^2 = v'S v,  S = W'W
+bounded signals V_k dx_k + z_k + Y_k du_k                ->  Z v
+
+With the 1 as one more state, c_k, r_k and z_k are one more column of A_k, X_k and V_k. G_k is zero right of du_{k-1}:
+only what is not is computed. All but e is known before a measurement, and then F e + f0 is what is left to do. Source:
+Bock and Plitt, "A multiple shooting algorithm for direct solution of optimal control problems", 1984, Section 4.
+"""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+from numpy.lib.stride_tricks import as_strided
+
+Array = np.ndarray
+
+
+@final
+class Condensed:
+    """Work arrays of a horizon of N steps, nx states, nu inputs, nr residuals a step, nb bounded signals a node.
+
+    The caller fills the stages `dynamics` (N, nx, nx+1+nu) = [A, c, B], `residual` (N, nr, nx+1+nu) = [X, r, U] and
+    `bounded` (N, nb, nx+1+nu) = [V, z, Y], whose first is not used, for what happens at x_0 is past. Then `form` fills
+    H, F, f0: the cost is d'H d + 2 (F e + f0)'d + constant for d = (du_0 .. du_{N-1}) (N nu,), and Zd, Ze, z0: the
+    bounded signals of nodes 1 .. N-1 are Zd d + Ze e + z0 ((N-1) nb,), node by node.
+    """
+
+    def __init__(self, N: int, nx: int, nu: int, nr: int, nb: int, L: Array) -> None:
+        """L (nl, nx): |L (x_N - goal)|^2 is the terminal cost; no rows for none."""
+        self.N, self.nx, self.nu, self.L = N, nx, nu, L
+        self.head = head = nx + 1
+        width, rows = head + N * nu, (N - 1) * nb
+        self.dynamics, self.residual, self.bounded = (np.zeros((N, n, head + nu)) for n in (nx, nr, nb))
+        self.G = np.zeros((N + 1, head, width))
+        self.G[0, :nx, :nx] = np.eye(nx)
+        self.G[:, nx, nx] = 1.0
+        self._L = np.hstack([L, np.zeros((len(L), 1))])
+        self._W = np.zeros((N * nr + len(L), width))
+        stages = self._W[: N * nr].reshape(N, nr, width)
+        self._Z = np.zeros((N - 1, nb, width))
+        self.S, self.H = np.zeros((width, width)), np.zeros((N * nu, N * nu))
+        self.F, self.f0 = self.S[head:, :nx], self.S[head:, nx]
+        flat = self._Z.reshape(rows, width)
+        self.Ze, self.z0, self.Zd = flat[:, :nx], flat[:, nx], np.zeros((rows, N * nu))
+        self._stages, self._last = stages, self._W[N * nr :]
+        self._B = _diagonal(self.G[1:, :nx, head:], N, nu)
+        self._U = _diagonal(stages[:, :, head:], N, nu)
+        self._Y = _diagonal(self._Z[:, :, head + nu :], N - 1, nu)
+        self._steps = [
+            (self.dynamics[k, :, :head], self.G[k, :, : head + k * nu], self.G[k + 1, :nx, : head + k * nu])
+            for k in range(N)
+        ]
+        self._v = np.zeros(width)
+
+    def form(self, end: Array) -> None:
+        """end (nx,) = x_N - goal."""
+        head = self.head
+        self._B[:] = self.dynamics[:, :, head:]
+        for now, G, ahead in self._steps:
+            np.matmul(now, G, out=ahead)
+        np.matmul(self.residual[:, :, :head], self.G[:-1], out=self._stages)
+        self._U[:] = self.residual[:, :, head:]
+        np.matmul(self.L, end, out=self._L[:, -1])
+        np.matmul(self._L, self.G[-1], out=self._last)
+        np.matmul(self._W.T, self._W, out=self.S)
+        self.H[:] = self.S[head:, head:]
+        if self.Zd.size:
+            np.matmul(self.bounded[1:, :, :head], self.G[1:-1], out=self._Z)
+            self._Y += self.bounded[1:, :, head:]
+            self.Zd[:] = self._Z.reshape(len(self.Zd), -1)[:, head:]
+
+    def states(self, e: Array, d: Array) -> Array:
+        """dx (N+1, nx) of an initial deviation e (nx,) and changes d (N nu,) of the inputs."""
+        self._v[: self.nx], self._v[self.nx], self._v[self.head :] = e, 1.0, d
+        return (self.G @ self._v)[:, : self.nx]
+
+
+def _diagonal(blocks: Array, n: int, width: int) -> Array:
+    """View (n, rows, width) of blocks[k][:, k width : (k+1) width]."""
+    a, b, c = blocks.strides
+    return as_strided(blocks, (n, blocks.shape[1], width), (a + width * c, b, c))
