@@ -23,6 +23,7 @@ from pliant.envs.scenes import Scene
 from pliant.plants import Plant, PliantError
 
 from . import machine
+from .markup import duration
 from .motions import TIGHT, Motions, Progress, silent
 
 SUBSTEPS = (1, 2, 5, 10, 20, 50)  # fixed steps a control period
@@ -53,7 +54,7 @@ class Row:
     @property
     def setting(self) -> str:
         """Like "rk4, 2 ms" or "dop853, rtol 1e-05"."""
-        at = f"{self.step * 1e3:.3g} ms" if self.step is not None else f"rtol {self.rtol:.0e}"
+        at = duration(self.step) if self.step is not None else f"rtol {self.rtol:.0e}"
         return f"{self.method}, {at}"
 
 
@@ -79,6 +80,7 @@ class Chart:
     reference: Reference
     machine: dict[str, str]
     budget: float  # [s]
+    unit: str = "m"  # of the compared outputs, errors and tolerance
 
     @property
     def measured(self) -> tuple[Row, ...]:
@@ -172,6 +174,7 @@ def chart(
         reference=reference,
         machine=machine.describe(),
         budget=budget,
+        unit=scene.unit,
     )
 
 
@@ -215,7 +218,7 @@ class Runner:
         """Why a setting expected to take this long [s] is not run; empty where it is."""
         away = self.motions.difference(plant, self.motions.reference)
         if RUNS_AWAY * self.motions.scene.tolerance < away < math.inf:
-            return f"not run: runs away, {away:.2g} m from the reference"
+            return f"not run: runs away, {away:.2g} {self.motions.scene.unit} from the reference"
         if self.prune and expected > 0:
             best = self.motions.difference(plant, self.motions.reference)
             for row in self.done:

@@ -1,9 +1,6 @@
 """A linear-quadratic regulator designed on a scene's plant, run on that plant and on plants that differ.
 
-Stability is told by the sampled loop about the goal: the eigenvalues of A_d - g B_d K S, with S picking what the
-regulator reads and g raised from 0 to 1, so that each is known by the mode of the plant that it starts from.
-Spillover is a mode that the design model lacks and that the loop makes unstable. A mode that the design model has at
-another frequency can grow too, above all where sampling folds the two frequencies apart.
+Stability is told by the sampled loop about the goal, the modes named and told apart as in controllers/spillover.py.
 """
 
 from __future__ import annotations
@@ -13,12 +10,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from pliant.controllers import LQR
+from pliant.controllers.spillover import case_of
 from pliant.envs.scenes import Scene
-from pliant.plants import EquilibriumError, LinearModel, Plant, PliantError, Trajectory, parameters
-from pliant.plants.signals import names
+from pliant.plants import EquilibriumError, Plant, PliantError, Trajectory, parameters
 
 from . import points
 from .motions import Progress, silent
@@ -27,7 +23,6 @@ PAYLOAD = "payload.mass"
 FACTORS = (0.5, 1.5)
 MANY_MODES = 6  # of each link, in the dearer plant
 RTOL = 1e-8
-GAINS = 100  # steps in which the feedback is raised
 LONG = 8_000  # steps above which the stiff method is cheaper
 
 
@@ -62,29 +57,67 @@ class Loop:
         return f"{why}: {self.worst_mode}"
 
 
-def regulator(scene: Scene) -> LQR:
+@dataclass(frozen=True, eq=False)
+class Following:
+    """An LQR about a goal that moves steadily: what it reads is measured from where the goal then is."""
+
+    law: LQR
+    drift: np.ndarray  # (len(reads),) d/dt of the goal's values of what it reads
+
+    @property
+    def K(self) -> np.ndarray:
+        return self.law.K
+
+    @property
+    def poles(self) -> np.ndarray:
+        return self.law.poles
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        return self.law.reads
+
+    @property
+    def dt(self) -> float | None:
+        return self.law.dt
+
+    def reset(self) -> None:
+        self.law.reset()
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) at time t [s] since the goal's motion began."""
+        return self.law.act(t, np.asarray(y, dtype=float) - self.drift * t)
+
+
+def regulator(scene: Scene) -> LQR | Following:
     """The scene's cost as an LQR about its goal, sampled at the control period, within the limits.
 
-    UncontrollableError where the inputs cannot hold the goal or the cost does not see it, EquilibriumError where
-    nothing can, because the goal moves.
+    It follows a goal whose `goal_rates` say how it moves, with the gain for where it is at t = 0. UncontrollableError
+    where the inputs cannot hold the goal or the cost does not see it, EquilibriumError where nothing can, because the
+    goal moves otherwise.
     """
     limits = np.array(scene.limits)
     Q, R = scene.quadratic()
-    law = LQR.for_plant(scene.plant, *scene.target, Q, R, dt=scene.dt, limits=(-limits, limits))
-    model = scene.plant.linearize(*scene.target)
-    left = "" if scene.goal_at_rest else points.residual(model)
+    model = scene.feedback_model
+    law = LQR.design(model, Q, R, dt=scene.dt, limits=(-limits, limits))
+    left = "" if scene.goal_at_rest else points.moving_on(model)
     if left:
         raise EquilibriumError(
             f"the goal of scene {scene.name!r} is no equilibrium, {left} there: a regulator about it would pull back "
             "what has to move on",
             float(np.abs(model.f0).max()),
         )
-    return law
+    return Following(law, scene.goal_drift(law.reads)) if scene.goal_rates else law
 
 
 def driven_to_goal(scene: Scene) -> tuple[str, ...]:
-    """The signals whose end error is told: what the goal names, or what the scene compares where it names nothing."""
-    return tuple(name for name, _ in scene.goal) or scene.compare
+    """The signals whose end error is told: what the goal names, or what the scene compares where it names nothing.
+
+    For a quaternion the attitude's outputs, where they are weighed.
+    """
+    named = tuple(name for name, _ in scene.goal if not name.startswith("quaternion"))
+    moved = tuple(name for name, _ in scene.goal_rates)
+    attitude = tuple(name for name in scene.weighted if name.startswith("attitude"))
+    return (*attitude, *moved, *(() if attitude else named)) or scene.compare
 
 
 def variations(scene: Scene) -> list[tuple[str, Plant]]:
@@ -114,8 +147,8 @@ def dearer(plant: Plant) -> Plant:
 
 
 def closed_loop(
-    scene: Scene, law: LQR | None = None, *, progress: Progress | None = None
-) -> tuple[LQR, tuple[Loop, ...]]:
+    scene: Scene, law: LQR | Following | None = None, *, progress: Progress | None = None
+) -> tuple[LQR | Following, tuple[Loop, ...]]:
     """The regulator and its loops, the design plant first."""
     told, law = progress or silent, law or regulator(scene)
     cases = variations(scene)
@@ -127,7 +160,7 @@ def closed_loop(
     return law, tuple(loops)
 
 
-def _loop(scene: Scene, law: LQR, name: str, plant: Plant) -> Loop:
+def _loop(scene: Scene, law: LQR | Following, name: str, plant: Plant) -> Loop:
     played = scene.with_plant(plant)
     loop = Loop(name, plant.label, plant.nx, None, None, "", False, None, None, None)
     try:
@@ -140,7 +173,8 @@ def _loop(scene: Scene, law: LQR, name: str, plant: Plant) -> Loop:
     except PliantError as failure:
         return dataclasses.replace(loop, failure=f"{type(failure).__name__}: {failure}")
     told = driven_to_goal(scene)
-    goal, ended = scene.goal_values(told), np.array([motion[name][-1] for name in told])
+    goal = scene.goal_values(told) + scene.goal_drift(told) * motion.t[-1]
+    ended = np.array([motion[name][-1] for name in told])
     at_limit = np.isclose(np.abs(motion.u[:-1]), np.array(scene.limits), rtol=1e-9).any(axis=1)
     return dataclasses.replace(
         loop,
@@ -151,7 +185,7 @@ def _loop(scene: Scene, law: LQR, name: str, plant: Plant) -> Loop:
     )
 
 
-def _run(scene: Scene, law: LQR) -> Trajectory:
+def _run(scene: Scene, law: LQR | Following) -> Trajectory:
     plant, x0 = scene.plant, scene.initial[0]
     fastest = np.abs(np.linalg.eigvals(plant.jacobians(*scene.target)[0])).max(initial=0.0)
     # An explicit method of order 8 takes steps of about 5 over the fastest rate
@@ -159,36 +193,8 @@ def _run(scene: Scene, law: LQR) -> Trajectory:
     return plant.simulate(x0, law, scene.times, method=method, rtol=RTOL, atol=RTOL / 100)
 
 
-def _stability(scene: Scene, law: LQR, design: Plant) -> tuple[float, str, bool]:
+def _stability(scene: Scene, law: LQR | Following, design: Plant) -> tuple[float, str, bool]:
     """(largest |z|, its mode in words, whether the design model lacks it) of the loop about the plant's own goal."""
-    plant = scene.plant
-    model = plant.linearize(*scene.target)
-    sampled = model.discretize(scene.dt)
-    known = names(plant.states + plant.outputs)
-    rows = np.vstack([np.eye(plant.nx), model.C])
-    S = rows[[known.index(name) for name in law.reads]]
-    feedback = sampled.B @ law.K[:, : len(law.reads)] @ S
-    values = np.linalg.eigvals(sampled.A - feedback)
-    k = int(np.argmax(np.abs(values)))
-    radius, rate = float(np.abs(values[k])), float(np.log(np.abs(values[k])) / scene.dt)
-    size = abs(_origin(model, sampled.A, feedback, values[k], scene.dt)) / (2 * np.pi)
-    own, had = model.modes(), design.linearize(*scene.with_plant(design).target).modes()
-    number = int(np.argmin([abs(m.frequency_hz - size) for m in own]))
-    words = f"mode {number + 1} of the plant, {size:.3g} Hz ({own[number].dominant_state}), "
-    words += f"{'grows' if radius >= 1 else 'decays'} at {abs(rate):.3g} 1/s"
-    lacking = number >= len(had)
-    if radius >= 1 and lacking:
-        words += f"; the design model has only {len(had)}"
-    elif radius >= 1 and plant is not design:
-        words += f"; the design model has it at {had[number].frequency_hz:.3g} Hz"
-    return radius, words, lacking
-
-
-def _origin(model: LinearModel, A: np.ndarray, feedback: np.ndarray, z: complex, dt: float) -> complex:
-    """The plant's own eigenvalue [1/s] that becomes z as the feedback is raised from nothing to its full gain."""
-    start = model.eigenvalues
-    now = np.exp(start * dt)
-    for gain in np.linspace(0.0, 1.0, GAINS + 1)[1:]:
-        after = np.linalg.eigvals(A - gain * feedback)
-        now = after[linear_sum_assignment(np.abs(now[:, None] - after))[1]]
-    return complex(start[np.argmin(np.abs(now - z))])
+    model = scene.feedback_model
+    case = case_of(model, law, model if scene.plant is design else scene.with_plant(design).feedback_model)
+    return float(np.exp(case.growth * scene.dt)), case.mode, case.lacking

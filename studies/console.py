@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import inspect
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -99,18 +100,24 @@ def _text(value: Any) -> str:
 
 
 def scene_with(name: str, settings: Sequence[str]) -> Scene:
-    """A named scene with NAME=VALUE settings: parameters or fields of its plant, or fields of the scene.
+    """A named scene with NAME=VALUE settings: keywords of its own, parameters or fields of its plant, or fields of it.
 
     ValueError for a scene, name or value that is not known or out of range.
     """
     from pliant.envs import scenes
     from pliant.plants import parameters
 
-    scene = scenes.get(name)
-    for setting in settings:
-        path, equals, text = setting.partition("=")
+    parts = [setting.partition("=") for setting in settings]
+    for setting, (path, equals, _) in zip(settings, parts):
         if not equals or not path:
             raise ValueError(f"--set {setting!r} must be NAME=VALUE")
+    scene = scenes.get(name)
+    own = {key: p.default for key, p in inspect.signature(scenes.SCENES[name]).parameters.items()}
+    given = {path: _value(path, text, own[path]) for path, _, text in parts if path in own}
+    scene = scenes.get(name, **given) if given else scene
+    for path, _, text in parts:
+        if path in own:
+            continue
         if path in SCENE_FIELDS:
             scene = dataclasses.replace(scene, **{path: _value(path, text, getattr(scene, path))})
         else:

@@ -17,9 +17,10 @@ from typing import Any
 
 from pliant.envs.scenes import Scene
 from pliant.plants import Plant
+from pliant.plants.spacecraft import Appendage
 
 from .chart import METHODS, SUBSTEPS, TOLERANCES, Chart, Row, Runner, chart
-from .markup import millimetres
+from .markup import measured as in_unit
 from .motions import Motions, Progress, share, silent
 
 # (field, value that brings the effect in) -> words; None: any value
@@ -28,6 +29,7 @@ EFFECTS = {
     ("kinematics", "linear"): "bending",
     ("reduction", "full"): "bending",
     ("modes", None): "modes",
+    ("appendages", None): "modes",
     ("basis", None): "shape functions",
 }
 STEP_SEARCH = 4.0  # [s] for the largest step
@@ -74,6 +76,7 @@ class Choice:
     integrator: Row | None  # the fastest within the tolerance, of the chosen plant
     largest_step: Row | None  # the fixed-step method with the largest step within it
     text: str
+    unit: str = "m"  # of the compared outputs, differences and tolerance
 
     def to_json(self) -> dict[str, Any]:
         content = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "plant"}
@@ -134,6 +137,7 @@ def choose(
         integrator=fastest,
         largest_step=largest,
         text="",
+        unit=scene.unit,
     )
     told(1.0, "choice")
     return dataclasses.replace(found, text=_words(found, motions))
@@ -191,6 +195,8 @@ def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
                 continue
             change = motions.difference(plant, changed)
             bringing = own if kept else value
+            if "rigid" in (own, value):
+                bringing = "linear"
             name = EFFECTS.get((f.name, bringing)) or EFFECTS.get((f.name, None)) or f.name
             found.append(Effect(name, f.name, _plain(own), _plain(value), change, kept))
     return tuple(sorted(found, key=lambda e: -e.change))
@@ -216,32 +222,38 @@ def _values(ladder: Sequence[Plant], field: str) -> list[Any]:
 
 
 def _plain(value: Any) -> str:
+    if isinstance(value, tuple) and all(isinstance(v, Appendage) for v in value):
+        value = tuple(v.data.n for v in value)
     return "+".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
 def _words(choice: Choice, motions: Motions) -> str:
     rung = next(r for r in choice.rungs if r.chosen)
     outputs = " and ".join(choice.compare)
+
+    def said(value: float) -> str:
+        return in_unit(value, choice.unit)
+
     if choice.met:
         lead = (
             f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
-            f"{millimetres(choice.tolerance)}: it is {millimetres(rung.error)} from the finest, "
+            f"{said(choice.tolerance)}: it is {said(rung.error)} from the finest, "
             f"{motions.reference.label}"
         )
         lead += "" if choice.plant != motions.reference else " (it is the finest itself)"
     else:
         lead = (
-            f"No variant is shown to keep {outputs} within {millimetres(choice.tolerance)}; the finest, "
+            f"No variant is shown to keep {outputs} within {said(choice.tolerance)}; the finest, "
             f"{rung.variant}, is returned"
         )
-    parts = [f"{lead}. The finest is confirmed by {choice.confirmed_by} to {millimetres(choice.convergence)}."]
+    parts = [f"{lead}. The finest is confirmed by {choice.confirmed_by} to {said(choice.convergence)}."]
     left = [e for e in choice.effects if not e.kept]
     kept = [e for e in choice.effects if e.kept]
     if left:
-        each = ", ".join(f"{e.name} ({e.other} for {e.chosen}): {millimetres(e.change)}" for e in left)
+        each = ", ".join(f"{e.name} ({e.other} for {e.chosen}): {said(e.change)}" for e in left)
         parts.append(f"Left out: {each}.")
     if kept:
-        each = ", ".join(f"{e.name} ({e.chosen}, not {e.other}): {millimetres(e.change)}" for e in kept)
+        each = ", ".join(f"{e.name} ({e.chosen}, not {e.other}): {said(e.change)}" for e in kept)
         parts.append(f"Kept: {each}.")
     if choice.integrator is not None:
         speed = (choice.integrator.seconds or 0.0) * 1e3

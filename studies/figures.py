@@ -31,6 +31,7 @@ __all__ = [
 ]
 
 UNITS = {  # in the order of the panels
+    "1": "attitude",
     "rad": "angles",
     "rad/s": "turning rates",
     "m": "lengths",
@@ -38,9 +39,11 @@ UNITS = {  # in the order of the panels
     "m/s^2": "accelerations",
     "N": "forces",
     "N m": "torques",
+    "N m s": "momenta",
 }
 DEFLECTED = {"m": "deflections", "m/s": "rates of deflection"}
 APART = 30.0  # ratio of the peaks of signals that are not drawn in one panel
+ROUNDING = 1e-9  # of the largest peak, below which a signal is no more than that
 MANY = 6  # panels above which there are two columns
 
 
@@ -51,8 +54,9 @@ def words(name: str) -> str:
 
 def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list[str]]]:
     """Names of the goal's states and of the outputs by unit and size, without what the tip's path shows; the inputs."""
-    outputs, goal = scene.plant.outputs, dict(scene.goal)
-    signals = [s for s in scene.plant.states if s.name in goal and s.name not in names(outputs)]
+    outputs, told = scene.plant.outputs, {*dict(scene.goal), *dict(scene.goal_rates), *scene.weighted}
+    shown = {*names(outputs), *(s.name.removeprefix("body_") for s in outputs)}
+    signals = [s for s in scene.plant.states if s.name in told and s.name not in shown and "quaternion" not in s.name]
     on_the_path = scene.compare if len(scene.compare) >= 2 else ()
     signals += [s for s in outputs if s.name not in on_the_path]
     found = []
@@ -60,7 +64,7 @@ def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list
         own = [[s.name] for s in signals if s.unit == unit and s.name in scene.compare]  # else it may hide
         rest = [s.name for s in signals if s.unit == unit and s.name not in scene.compare]
         for chosen in (*own, *_alike(rest, motions)):
-            bent = all("deflection" in name for name in chosen)
+            bent = all("deflection" in name for name in chosen) or (unit == "m" and shapes.in_space(scene.plant))
             found.append((f"{DEFLECTED.get(unit, label) if bent else label} [{unit}]", chosen))
     units = {s.unit for s in scene.plant.inputs}
     found.append((f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs))))
@@ -77,6 +81,8 @@ def _alike(chosen: list[str], motions: Sequence[Trajectory]) -> list[list[str]]:
         seen.setdefault(b"".join(m[name].tobytes() for m in motions), name)
     chosen = list(seen.values())
     peak = {name: max(float(np.abs(m[name]).max()) for m in motions) for name in chosen}
+    least = ROUNDING * max(peak.values(), default=0.0)
+    peak = {name: value if value > least else 0.0 for name, value in peak.items()}
     groups: list[list[str]] = []
     for name in sorted((n for n in chosen if peak[n] > 0), key=lambda n: -peak[n]):
         if not groups or APART * peak[name] < peak[groups[-1][0]]:

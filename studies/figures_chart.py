@@ -40,8 +40,8 @@ def speed_accuracy(chart: Chart) -> Figure:
     ax.text(chart.tolerance, 1.01, "tolerance", color=COLOURS[7], ha="center", transform=ax.get_xaxis_transform())
     ax.set_xscale("log")
     ax.set_yscale("log")
-    beyond = f", from {highest:g} m at the edge" if any(error == highest for error, _, _ in rows) else ""
-    ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [m]{beyond}")
+    beyond = f", from {highest:g} {chart.unit} at the edge" if any(error == highest for error, _, _ in rows) else ""
+    ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]{beyond}")
     ax.set_ylabel("wall time per simulated second [ms]")
     ax.set_title("Speed against accuracy")
     by_variant = [
@@ -77,8 +77,8 @@ def ladder(choice: Choice) -> Figure:
     ax.set_yticks(at, [r.variant for r in rungs])
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
-    beyond = f", from {highest:g} m at the edge" if any(r.error > highest for r in rungs) else ""
-    ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [m]{beyond}")
+    beyond = f", from {highest:g} {choice.unit} at the edge" if any(r.error > highest for r in rungs) else ""
+    ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [{choice.unit}]{beyond}")
     ax.set_title("The ladder, cheapest first")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure

@@ -12,6 +12,7 @@ from pliant.plants import LTVModel
 
 from .style import COLOURS, INK, MARKERS, panels, styled
 
+SMALL = 1e-2  # of the usual range, below which eigenvalues would all be drawn at zero
 NOTHING = 1e-6  # real parts below this share of the largest eigenvalue are rounding
 
 
@@ -41,16 +42,25 @@ def eigenvalues(sets: Sequence[tuple[str, np.ndarray]], *, title: str = "Eigenva
             label=name,
         )
     ax.axvline(0, color=INK, lw=0.8)
-    ax.set_xscale("symlog", linthresh=0.1)
-    ax.set_yscale("symlog", linthresh=1.0)
     every = np.concatenate([np.asarray(values) for _, values in sets])
-    ax.set_xlim(2 * min(every.real.min(), -0.05), 3 * max(every.real.max(), 0.1))
-    ax.set_ylim(-0.4, 2 * max(every.imag.max(), 1.0))
+    across, up = _linear_up_to(every.real, 0.1), _linear_up_to(every.imag, 1.0)
+    ax.set_xscale("symlog", linthresh=across)
+    ax.set_yscale("symlog", linthresh=up)
+    ax.set_xlim(2 * min(every.real.min(), -0.5 * across), 3 * max(every.real.max(), across))
+    ax.set_ylim(-0.4 * up, 2 * max(every.imag.max(), up))
     ax.set_xlabel("real part [1/s]")
     ax.set_ylabel("imaginary part [rad/s]")
     ax.set_title(title)
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
+
+
+def _linear_up_to(values: np.ndarray, usual: float) -> float:
+    """Where a symmetric logarithm begins: as usual, or at the decade of the least value where that is far below."""
+    sizes = np.abs(values)
+    sizes = sizes[sizes > NOTHING * sizes.max(initial=0.0)]
+    least = float(sizes.min(initial=usual))
+    return usual if least > SMALL * usual else 10.0 ** float(np.floor(np.log10(least)))
 
 
 @styled

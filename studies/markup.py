@@ -47,6 +47,20 @@ def pictures(inlined: dict[str, str], *wanted: str) -> str:
     return "".join(f'<figure class="{name}">{inlined[name]}</figure>\n' for name in wanted if name in inlined)
 
 
+def duration(value: float) -> str:
+    """A time in s as milliseconds or seconds."""
+    return f"{value * 1e3:.3g} ms" if value < 1.0 else f"{value:.4g} s"
+
+
+def measured(value: float, unit: str) -> str:
+    """A value in its unit: lengths as `millimetres`, a bare number where the unit is 1."""
+    if unit == "m":
+        return millimetres(value)
+    if not math.isfinite(value):
+        return "no result"
+    return f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
+
+
 def millimetres(value: float) -> str:
     """A length in m as millimetres or micrometres (metres from ten on) with two or three digits."""
     if not math.isfinite(value):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, Trajectory
+from pliant.plants.parameters import require_count
 from pliant.plants.stability import assess, growth
 
 
@@ -60,6 +61,7 @@ def modes_needed(
     """
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise ValueError(f"modes_needed.tolerance = {tolerance!r} must be > 0 [1/s]")
+    require_count("modes_needed", "most", most, 1, 1000)
     vary = with_modes or _with_modes
     found, variants = [], [vary(plant, n) for n in range(1, most + 1)]
     for variant in variants:
@@ -79,6 +81,7 @@ def modes_needed(
     else:
         settled = f"margin within {tolerance:.2g} of {last.margin:.4g} 1/s"
         why = f"with {chosen} of up to {most} modes: {last.verdict}, {settled}"
+    why += f"; the worst deviation changes by a factor of {linear:.4g}, in nonlinear simulation {nonlinear:.4g}"
     return ModesNeeded(chosen, float(tolerance), tuple(rows), linear, nonlinear, why)
 
 

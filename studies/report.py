@@ -11,12 +11,12 @@ import numpy as np
 
 from pliant.controllers import LQR
 from pliant.envs.scenes import Scene
-from pliant.plants import LinearModel, LTVModel, Plant, PliantError, Trajectory
+from pliant.plants import FlexibleSpacecraft, LinearModel, LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.signals import Signal, names
 
-from . import files, machine, tables
+from . import files, machine, points, tables
 from .chart import Chart, chart
-from .closed_loop import Loop, closed_loop, dearer
+from .closed_loop import Following, Loop, closed_loop, dearer
 from .fidelity import Choice, choose
 from .motions import Motions, Progress, share, silent
 
@@ -27,7 +27,7 @@ CHART_BUDGET = 16.0  # [s], less on a machine so slow or busy that the whole wou
 WHOLE = 45.0  # [s] that a report should take at most
 AFTER = 0.8  # what comes after the chart, as a share of what comes before it
 RTOL = 1e-9
-FINER = 10  # times a control period of the motion that is linearised along: its modes must be followed
+FINER, NODES = 10, 4_000  # times a control period, and in all, of the motion that is linearised along
 PERTURBATIONS = (0.03, 0.003)  # of a coordinate [its unit], to test the LTV model
 FELT = 1e-6  # change of a compared output per unit of a coordinate above which it feels it
 
@@ -44,7 +44,7 @@ class Findings:
     perturbed: Signal  # the coordinate that is perturbed to test that model
     ltv_errors: tuple[tuple[float, float, float], ...]  # perturbation, largest error and size of the prediction
     frequencies: tuple[tuple[str, np.ndarray], ...]  # variant, locked natural frequencies [Hz]
-    law: LQR | None
+    law: LQR | Following | None
     no_law: str  # why there is none, in the failure's words
     loops: tuple[Loop, ...]  # none without a law
     chart: Chart
@@ -100,15 +100,15 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     told, motions, began = progress or silent, Motions(scene), clock.perf_counter()
     told(0.0, "open loop")
     nominal = _nominal(scene)
-    open_loop = _every(nominal, FINER, scene.plant)
+    open_loop = _every(nominal, _finer(scene), scene.plant)
     told(0.08, "linear models")
-    goal = scene.plant.linearize(*scene.target)
+    goal = scene.goal_model
     along = scene.plant.linearize_along(nominal)
     perturbed = _felt(scene, along)
     ltv_errors = _ltv_errors(scene, nominal, along, perturbed)
     told(0.12, "frequencies")
     frequencies = _frequencies(scene)
-    law: LQR | None = None
+    law: LQR | Following | None = None
     no_law, loops = "", tuple[Loop, ...]()
     try:
         law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.3))
@@ -125,7 +125,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         open_loop=open_loop,
         goal=goal,
         along=along,
-        perturbed=scene.plant.states[perturbed],
+        perturbed=along.states[perturbed],
         ltv_errors=ltv_errors,
         frequencies=frequencies,
         law=law,
@@ -138,9 +138,15 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
 
 
 def _nominal(scene: Scene) -> Trajectory:
-    """The open-loop motion at FINER times a control period."""
-    t = scene.dt / FINER * np.arange(FINER * scene.steps + 1)
+    """The open-loop motion at several times a control period: its modes must be followed."""
+    k = _finer(scene)
+    t = scene.dt / k * np.arange(k * scene.steps + 1)
     return scene.plant.simulate(scene.initial[0], scene.nominal_input, t, rtol=RTOL, atol=RTOL / 100)
+
+
+def _finer(scene: Scene) -> int:
+    """Times a control period: fewer where there are many periods."""
+    return max(1, min(FINER, NODES // scene.steps))
 
 
 def _every(motion: Trajectory, k: int, plant: Plant) -> Trajectory:
@@ -158,12 +164,18 @@ def _picks(scene: Scene) -> list[int]:
 
 
 def _felt(scene: Scene, model: LTVModel) -> int:
-    """The first coordinate that the compared outputs feel: not the angle of a hub seen from the hub."""
-    for i in range(scene.plant.nx // 2):
-        change = model.simulate(np.eye(scene.plant.nx)[i])[1] - model.simulate(np.zeros(scene.plant.nx))[1]
+    """The first coordinate that the compared outputs feel: not the angle of a hub seen from the hub.
+
+    Where it stands among the model's states.
+    """
+    nx = len(model.states)
+    known, coordinates = names(model.states), points.coordinates(scene.plant)
+    for name in coordinates:
+        i = known.index(name)
+        change = model.simulate(np.eye(nx)[i])[1] - model.simulate(np.zeros(nx))[1]
         if np.abs(change[:, _picks(scene)]).max() > FELT:
             return i
-    return 0
+    return known.index(coordinates[0])
 
 
 def _ltv_errors(
@@ -172,12 +184,13 @@ def _ltv_errors(
     """Start off the nominal by each perturbation; largest error and size of the predicted compared outputs."""
     picks, rows = _picks(scene), []
     for size in PERTURBATIONS:
-        dx0 = np.zeros(scene.plant.nx)
+        dx0, x0 = np.zeros(len(model.states)), nominal.x[0].copy()
         dx0[coordinate] = size
+        x0[names(scene.plant.states).index(model.states[coordinate].name)] += size
         _, dy = model.simulate(dx0)
         predicted = float(np.abs(dy[:, picks]).max())
         try:
-            moved = scene.plant.simulate(nominal.x[0] + dx0, scene.nominal_input, nominal.t, rtol=RTOL, atol=RTOL / 100)
+            moved = scene.plant.simulate(x0, scene.nominal_input, nominal.t, rtol=RTOL, atol=RTOL / 100)
         except PliantError:
             rows.append((size, float("nan"), predicted))
             continue
@@ -190,12 +203,16 @@ def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray], ...]:
     rows: list[tuple[str, np.ndarray]] = []
     plants: list[Plant] = [*scene.plant.ladder(), scene.plant, dearer(scene.plant)]
     for plant in dict.fromkeys(plants):
+        x = scene.with_plant(plant).target[0]
+        if isinstance(plant, FlexibleSpacecraft):
+            rows.append((plant.label, plant.natural_frequencies(x) / (2 * np.pi)))
+            continue
         known = names(plant.states[: plant.nx // 2])
         driven = [known[i] for i in getattr(plant, "driven", {})]
         locked = tuple(name for name, _ in scene.goal if name in known and name not in driven)
         if not hasattr(plant, "natural_frequencies") or len(known) <= len(locked) + len(driven):
             continue
-        found = plant.natural_frequencies(scene.with_plant(plant).target[0], locked=locked)
+        found = plant.natural_frequencies(x, locked=locked)
         rows.append((plant.label, found / (2 * np.pi)))
     return tuple(rows)
 
@@ -211,8 +228,12 @@ def figures_of(found: Findings) -> dict[str, Figure]:
         cases = [(name, scene.plant, m) for name, m in (("open loop", found.open_loop), *closed)]
         until = 1.2 * scene.move_time if scene.drive is None else shapes.first_turn(scene.plant, found.open_loop)
         drawn["shapes"] = figures.stroboscopic(cases, until=until)
+    if shapes.in_space(scene.plant):
+        from . import figures_space
+
+        drawn["shapes"] = figures_space.snapshots(scene, [("open loop", found.open_loop), *closed])
     runs = [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
-    if len(scene.compare) >= 2:
+    if shapes.has_shape(scene.plant) and len(scene.compare) >= 2:
         drawn["tip_path"] = figures.tip_path(
             scene, [("open loop", found.open_loop), *((f"LQR, {name}", m) for name, m in runs)]
         )

@@ -10,7 +10,7 @@ import numpy as np
 from . import points, shapes
 from .chart import Row
 from .closed_loop import driven_to_goal
-from .markup import details, millimetres, paragraph, pictures, table
+from .markup import details, duration, measured, paragraph, pictures, table
 
 if TYPE_CHECKING:
     from .report import Findings
@@ -39,9 +39,10 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
 
 
 def _answer(found: Findings) -> str:
-    scene, tolerance = found.scene, millimetres(found.scene.tolerance)
+    scene, tolerance = found.scene, measured(found.scene.tolerance, found.scene.unit)
     text = paragraph(found.choice.text)
-    own = f"The scene's own plant, {scene.plant.label}, is {millimetres(found.scene_error)} from the finest variant"
+    away = measured(found.scene_error, scene.unit)
+    own = f"The scene's own plant, {scene.plant.label}, is {away} from the finest variant"
     if found.scene_error > scene.tolerance:
         more = f"{own}: more than the tolerance of {tolerance}. Positions on this page carry that error."
         text += paragraph(more, "warning")
@@ -63,13 +64,18 @@ def _answer(found: Findings) -> str:
 def _motion(found: Findings) -> str:
     """The arm that a slider moves, open loop and under LQR."""
     scene = found.scene
-    inputs = f"the torques that take the rigid arm along a minimum-jerk motion of {scene.move_time:g} s"
+    inputs = f"the torques that take the rigid plant along a minimum-jerk motion of {scene.move_time:g} s"
     if scene.drive is not None:
         inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
     text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
     whirls = shapes.whirls(scene.plant, found.open_loop)
     if whirls:
         text += paragraph("The hub turns more than once: shapes are drawn as seen from it.")
+    if shapes.in_space(scene.plant):
+        text += paragraph(
+            "The hub is drawn as the homogeneous box of its mass and inertia, every panel from its two long edges; "
+            "what twists it is not drawn."
+        )
     if not shapes.has_shape(scene.plant):
         return text
     motions = [("open loop", found.open_loop)]
@@ -97,11 +103,13 @@ def _modes(found: Findings) -> str:
         for m in found.goal.modes()
     ]
     head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
-    free = ", joints free" if found.scene.goal and not getattr(found.scene.plant, "driven", {}) else ""
+    space = shapes.in_space(found.scene.plant)
+    free = ", joints free" if found.scene.goal and not space and not getattr(found.scene.plant, "driven", {}) else ""
     text = paragraph(f"Modes of the linear model at the goal{free}.") + table(head, rows)
     count = min(6, max((len(f) for _, f in found.frequencies), default=0))
     if count:
         held = " with the joints locked" if found.scene.goal else ""
+        held = " of the free spacecraft without spin or loads, driven hinges held" if space else held
         text += paragraph(f"Undamped natural frequencies [Hz] at the goal{held}, by variant.")
         if any((f < 0).any() for _, f in found.frequencies):
             text += paragraph("A negative one stands for negative stiffness: that variant runs away from the goal.")
@@ -151,7 +159,14 @@ def _along(found: Findings) -> str:
         if i and error > 0 and not linear:
             before = found.ltv_errors[i - 1]
             power = f"{np.log(error / before[1]) / np.log(size / before[0]):.2f}"
-        rows.append((f"{size:g} {found.perturbed.unit}", millimetres(predicted), millimetres(error), power))
+        rows.append(
+            (
+                f"{size:g} {found.perturbed.unit}",
+                measured(predicted, found.scene.unit),
+                measured(error, found.scene.unit),
+                power,
+            )
+        )
     head = (f"perturbation of {found.perturbed.name}", "predicted", "error of the prediction", "falls with power")
     return text + table(head, rows)
 
@@ -165,8 +180,14 @@ def _loops(found: Findings) -> str:
     start = "started at rest at the start" if scene.start_at_rest else "started at the start"
     text = paragraph(
         f"One LQR, designed from the scene's cost on {scene.plant.label} at the goal, sampled every "
-        f"{scene.dt * 1e3:g} ms, limited to {limits}, {start}. It reads the true states of its design model. {cost}"
+        f"{duration(scene.dt)}, limited to {limits}, {start}. It reads the true states of its design model. {cost}"
     )
+    if scene.goal_rates:
+        moved = " and ".join(f"{name} by {rate:g} 1/s" for name, rate in scene.goal_rates)
+        text += paragraph(
+            f"The goal moves, {moved}: the regulator reads deviations from where the goal then is, with the gain of "
+            "t = 0, and what is said of stability is of the loop frozen there."
+        )
     rows = [
         (
             loop.name,
@@ -192,14 +213,14 @@ def _chart(found: Findings) -> str:
         "Each point is one variant by one method at one step. Error: largest difference of "
         f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
         f"period) from {ref.variant} at rtol {ref.rtol:g}. That reference is confirmed by {ref.nearest} to "
-        f"{millimetres(ref.difference)}; what all variants leave out is not in it. Time: integration only, after "
-        f"warm-up, median of up to three runs; {chart.machine['evaluation']}."
+        f"{measured(ref.difference, chart.unit)}; what all variants leave out is not in it. Time: integration only, "
+        f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
     )
     fast = chart.fastest()
     if fast is None:
-        return text + paragraph(f"No setting is within {millimetres(chart.tolerance)}.", "warning")
+        return text + paragraph(f"No setting is within {measured(chart.tolerance, chart.unit)}.", "warning")
     return text + paragraph(
-        f"Fastest within the tolerance of {millimetres(chart.tolerance)}: {fast.variant} by {fast.setting}, "
+        f"Fastest within the tolerance of {measured(chart.tolerance, chart.unit)}: {fast.variant} by {fast.setting}, "
         f"{(fast.seconds or 0) * 1e3:.3g} ms a simulated second."
     )
 
@@ -210,7 +231,13 @@ def _front(found: Findings) -> str:
     def line(row: Row) -> tuple[Any, ...]:
         return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
 
-    head = ("variant", "method", "ms per simulated second", "error [m]", "of it by the step [m]")
+    head = (
+        "variant",
+        "method",
+        "ms per simulated second",
+        f"error [{chart.unit}]",
+        f"of it by the step [{chart.unit}]",
+    )
     front = sorted((r for r in chart.measured if r.pareto), key=lambda r: r.error or 0.0)
     marked = [i for i, r in enumerate(chart.measured) if r.pareto]
     text = paragraph("The Pareto front:") + table(head, [line(r) for r in front])
@@ -232,8 +259,8 @@ def _choice(found: Findings) -> str:
         (
             r.variant,
             r.states,
-            millimetres(r.change) if r.change is not None else "–",
-            millimetres(r.error) if r.error else "–",
+            measured(r.change, choice.unit) if r.change is not None else "–",
+            measured(r.error, choice.unit) if r.error else "–",
             "chosen" if r.chosen else r.note,
         )
         for r in choice.rungs
@@ -243,7 +270,7 @@ def _choice(found: Findings) -> str:
     effects = []
     for e in choice.effects:
         change = f"{e.chosen}, not {e.other}" if e.kept else f"{e.other} for {e.chosen}"
-        effects.append((e.name, change, millimetres(e.change), "kept" if e.kept else "left out"))
+        effects.append((e.name, change, measured(e.change, choice.unit), "kept" if e.kept else "left out"))
     if effects:
         text += paragraph("What each effect is worth, changed alone in the chosen model:")
         text += table(("effect", "change", "worth", ""), effects)

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from pliant.plants import Plant, Trajectory
+from pliant.plants import FlexibleSpacecraft, Plant, Trajectory
 
 POINTS = 25  # along each link
 
 
 def has_shape(plant: Plant) -> bool:
     """Whether the plant says where its links are, by `outline(x, points)` -> (links, points, 2)."""
-    return hasattr(plant, "outline")
+    return hasattr(plant, "outline") and not in_space(plant)
+
+
+def in_space(plant: Plant) -> bool:
+    """Whether the plant's outline is not one in a plane."""
+    return isinstance(plant, FlexibleSpacecraft)
 
 
 def lines(plant: Plant, x: np.ndarray, points: int = POINTS, *, from_hub: bool = False) -> np.ndarray:

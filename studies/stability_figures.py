@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from pliant.plants.stability import Floquet, FrozenTime, Growth, Verdict
 
+from .figures_models import Plain
 from .style import COLOURS, INK, QUIET, panels, styled
 
 if TYPE_CHECKING:
@@ -67,14 +68,16 @@ def _plain(ax: Axes) -> None:
     low, high = ax.get_ylim()
     if high < 1e3 * low and low > 1e-3 and high < 1e5:
         ax.yaxis.set_major_formatter("{x:g}")
-        ax.yaxis.set_minor_formatter("{x:g}" if high < 12 * low else "")
+        ax.yaxis.set_minor_formatter(Plain(labelOnlyBase=False, minor_thresholds=(2, 0.4)) if high < 12 * low else "")
 
 
 def _real_parts(ax: Axes, frozen: FrozenTime) -> None:
     ax.plot(frozen.t, frozen.eigenvalues.real, ".", color=COLOURS[0], ms=2.0)
     ax.plot(frozen.t, frozen.rightmost, color=COLOURS[1], lw=1.4, label="rightmost")
     ax.axhline(0, color=INK, lw=0.8)
-    ax.set_yscale("symlog", linthresh=max(1e-2 * float(np.abs(frozen.eigenvalues).max()), 1e-9))
+    near = max(1e-2 * float(np.abs(frozen.eigenvalues).max()), 1e-9)
+    if np.abs(frozen.eigenvalues.real).max() > 3 * near:
+        ax.set_yscale("symlog", linthresh=near)
     ax.set_ylabel("frozen real part [1/s]")
     ax.set_xlabel("time [s]")
     ax.legend(loc="best")

@@ -1,7 +1,8 @@
 """A chart of stability over two parameters: one verdict per point of a grid, in parallel through joblib.
 
-The same call runs on this machine or on a cluster: `backend` is joblib's. "loky" and "threading" need nothing; "dask"
-uses the dask.distributed client that is open; "ray" the ray cluster that is initialised, or a local one.
+The same call runs on this machine or on a cluster: `backend` is joblib's. "loky" and "threading" need nothing, "dask"
+(pip install pliant[dask]) uses the dask.distributed client that is open, "ray" (pip install pliant[ray]) the cluster
+that is initialised, or a local one.
 """
 
 from __future__ import annotations
@@ -180,6 +181,11 @@ def _run(
         except ImportError as error:
             raise ImportError("map_stability.backend = 'ray' needs ray: pip install pliant[ray]") from error
         register_ray()
+    if backend == "dask":
+        try:
+            import distributed  # noqa: F401  joblib registers its backend with it
+        except ImportError as error:
+            raise ImportError("map_stability.backend = 'dask' needs dask: pip install pliant[dask]") from error
     settings: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
     with joblib.parallel_config(backend=backend, n_jobs=jobs, **settings):
         tasks = [joblib.delayed(_portion)(build, axes, points, options) for points in portions]

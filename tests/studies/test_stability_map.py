@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -79,9 +80,31 @@ def test_backends_agree_point_by_point(backend):
 def test_the_same_call_on_a_local_dask_cluster():
     distributed = pytest.importorskip("distributed")
     grid = {"depth": np.linspace(0.0, 1.0, 3), "frequency": np.linspace(1.7, 2.3, 3)}
-    with distributed.Client(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None):
+    with distributed.Client(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None):
         there = map_stability(hill, grid, backend="dask")
     assert (there.verdicts == map_stability(hill, grid, backend="sequential").verdicts).all()
+
+
+def test_the_same_call_on_a_local_ray_cluster():
+    ray = pytest.importorskip("ray")
+    grid = {"depth": np.linspace(0.0, 1.0, 3), "frequency": np.linspace(1.7, 2.3, 3)}
+    ray.init(num_cpus=1, include_dashboard=False, log_to_driver=False)
+    try:
+        there = map_stability(hill, grid, backend="ray", jobs=1)
+    finally:
+        ray.shutdown()
+    assert there.backend == "ray"
+    assert (there.verdicts == map_stability(hill, grid, backend="sequential").verdicts).all()
+
+
+def test_a_backend_that_is_not_installed_is_named(monkeypatch):
+    grid = {"depth": [0.5], "frequency": [2.0]}
+    monkeypatch.setitem(sys.modules, "ray.util.joblib", None)
+    with pytest.raises(ImportError, match=r"map_stability.backend = 'ray' needs ray: pip install pliant\[ray\]"):
+        map_stability(hill, grid, backend="ray")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ImportError, match=r"map_stability.backend = 'dask' needs dask: pip install pliant\[dask\]"):
+        map_stability(hill, grid, backend="dask")
 
 
 def test_a_plants_parameters_by_name():
@@ -170,6 +193,8 @@ def test_a_nominal_from_a_rigid_plant_is_lifted():
     assert found.linear_growth > 0 and np.isfinite(found.nonlinear_growth)
     with pytest.raises(ValueError, match=r"modes_needed.tolerance = -1 must be > 0"):
         modes_needed(arm, motion, -1)
+    with pytest.raises(ValueError, match=r"modes_needed.most = 0 must be an integer from 1 to 1000"):
+        modes_needed(arm, motion, 1.0, most=0)
 
 
 def test_a_spacecraft_that_spins_about_its_intermediate_axis_needs_one_mode(reference):
