@@ -121,7 +121,7 @@ def inverse_dynamics(plant: Plant, at: Joints) -> NumericFunction:
     push, free = ca.jacobian(acceleration, u), ca.substitute(acceleration, u, ca.SX.zeros(plant.nu))
     found = ca.solve(push, wanted - free)
     order = np.argsort(places).tolist()
-    known = [ca.DM(0), state[order], ca.DM.zeros(rigid.nw), ca.DM(rigid.nominal_parameters)]
-    for symbol, value in zip((t, x, w, p), known):
+    quiet = ca.SX.zeros(rigid.nw), ca.SX(rigid.nominal_parameters)
+    for symbol, value in zip((t, x, w, p), (ca.SX(0), state[order], *quiet)):
         found = ca.substitute(found, symbol, value)
     return function("inverse", [state, wanted], [found])

@@ -14,13 +14,16 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from pliant.controllers import riccati
-from pliant.controllers.controller import saturation
+from pliant.controllers.controller import reading, saturation
+from pliant.controllers.goal_model import goal_model
 from pliant.plants.parameters import require_finite
 from pliant.plants.signals import index
 
 if TYPE_CHECKING:
     from pliant.plants.linear import LinearModel
     from pliant.plants.plant import Plant
+
+    from .playable import Charged
 
 
 @final
@@ -38,6 +41,7 @@ class LQR:
     picks: np.ndarray  # (ni,) places of the integrated signals in y
     limits: tuple[np.ndarray, np.ndarray]  # lowest, highest (nu,)
     dt: float | None  # [s]
+    drift: np.ndarray | None = None  # (nx,) d(x0)/dt of a goal that moves steadily, from x0 at t = 0
     xi: np.ndarray = field(init=False)  # (ni,) integrals since `reset` [unit s]
 
     def __post_init__(self) -> None:
@@ -122,6 +126,20 @@ class LQR:
         model = plant.linearize(x0, u0)
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 
+    @classmethod
+    def for_scene(cls, scene: Charged, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
+        """`design` about a scene's goal, moving or not, with its cost, limits and control period.
+
+        effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.
+        """
+        if not 0 < effort < np.inf:
+            raise ValueError(f"LQR.for_scene.effort = {effort!r} must be > 0")
+        model, drift = goal_model(scene)
+        R, high = {name: effort * value for name, value in scene.effort}, np.array(scene.limits, dtype=float)
+        made = cls.design(model, dict(scene.weights), R, dt=scene.dt, integral=integral, limits=(-high, high))
+        made.drift = drift if drift.any() else None
+        return made
+
     def reset(self) -> None:
         """Set the integrals to zero."""
         self.xi = np.zeros(len(self.target))
@@ -129,7 +147,13 @@ class LQR:
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]; the integrals move on by dt, or by the time passed."""
-        y = require_finite("LQR.y", y, (len(self.reads),))
+        y = reading("LQR.y", y, len(self.reads))
+        if self.drift is not None:
+            y = y.copy()
+            y[: len(self.x0)] -= self.drift * t
+        if not len(self.target):
+            u = self.u0 - self.K.dot(y - self.x0)
+            return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
         error = y[self.picks] - self.target
         if self.dt is None and self._last is not None:
             self._integrate(y, (t - self._last) * error)
@@ -137,7 +161,7 @@ class LQR:
         u = self._free(y)
         if self.dt is not None:
             self._integrate(y, self.dt * error)
-        return np.clip(u, *self.limits)
+        return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
 
     def cost_to_go(self, x: Any, xi: Any = None) -> float:
         """The cost from x (nx,) and integrals xi (ni,) (None: zero) on, linear and without limits."""
@@ -153,11 +177,9 @@ class LQR:
 
     def _integrate(self, y: np.ndarray, change: np.ndarray) -> None:
         """Add `change` (ni,) to the integrals, but not what would push an input further past its limit."""
-        if not len(change):
-            return
         push = -self.K[:, len(self.x0) :] * change
         u = self._free(y) + push.sum(axis=1)
-        excess = u - np.clip(u, *self.limits)
+        excess = u - np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
         self.xi = self.xi + np.where(excess @ push > 0, 0.0, change)
 
 

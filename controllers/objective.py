@@ -39,6 +39,7 @@ class Objective:
     dt: float  # [s] control period
     limits: Any = None  # of the inputs: a pair (lowest, highest), or {input: (lowest, highest)}
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # lowest, highest of a state or output
+    goal_rates: Mapping[str, float] = field(default_factory=dict)  # d/dt of states of a goal that moves, from t = 0 on
 
     def __post_init__(self) -> None:
         plant, owner = self.plant, "Objective"
@@ -58,6 +59,10 @@ class Objective:
             index(self.signals, name, f"{owner}.bounds: state or output")
             if not low < high:
                 raise ValueError(f"{owner}.bounds[{name!r}] = ({low!r}, {high!r}) must be lowest < highest")
+        for name, value in self.goal_rates.items():
+            index(plant.states, name, f"{owner}.goal_rates: state")
+            if not np.isfinite(value):
+                raise ValueError(f"{owner}.goal_rates[{name!r}] = {value!r} must be finite")
         names = [s.name for s in plant.inputs]
         object.__setattr__(self, "limits", saturation(owner, self.limits, names))
 
@@ -75,6 +80,7 @@ class Objective:
             dt=scene.dt,
             limits=(-high, high),
             bounds={name: (-value, value) for name, value in scene.bounds},
+            goal_rates=dict(scene.goal_rates),
         )
 
     @property
@@ -85,11 +91,12 @@ class Objective:
     @cached_property
     def residual_expression(self) -> ca.SX:
         """r (nr,) in the plant's symbols (t, x, u, w, p)."""
-        _, x, u, _, _ = self.plant.symbols
+        t, x, u, _, _ = self.plant.symbols
         z0 = np.concatenate([self.x_goal, self.plant.measure(self.x_goal, self.u_goal)])
+        drift = np.array([self.goal_rates.get(s.name, 0.0) for s in self.signals])
         z = ca.vertcat(x, self.plant.expressions[1])
         places = [index(self.signals, name, "signal") for name in self.weights]
-        rows = [np.sqrt(weight) * (z[i] - z0[i]) for i, weight in zip(places, self.weights.values())]
+        rows = [np.sqrt(weight) * (z[i] - z0[i] - drift[i] * t) for i, weight in zip(places, self.weights.values())]
         inputs = [index(self.plant.inputs, name, "input") for name in self.effort]
         rows += [np.sqrt(value) * (u[j] - self.u_goal[j]) for j, value in zip(inputs, self.effort.values())]
         return ca.vertcat(*rows)
@@ -106,16 +113,17 @@ class Objective:
     def _residual(self) -> NumericFunction:
         return function("residual", list(self.plant.symbols), [self.residual_expression])
 
-    def rate(self, x: Any, u: Any) -> Any:
-        """Cost rate r'r [1/s] at x (nx,) or (B, nx), u (nu,) or (B, nu)."""
-        values, batch = self.plant._arguments(x, u)
+    def rate(self, x: Any, u: Any, t: Any = 0.0) -> Any:
+        """Cost rate r'r [1/s] at x (nx,) or (B, nx), u (nu,) or (B, nu), t [s] or (B,)."""
+        values, batch = self.plant._arguments(x, u, t=t)
         r = self._residual(*values, batch=batch)[0]
         return (r**2).sum(axis=-1)
 
     def cost(self, x: Any, u: Any) -> float:
         """J of states x (N+1, nx) or (N, nx) and the inputs u (N, nu) held from each to the next."""
         u = np.asarray(u, dtype=float)
-        return float(self.dt * self.rate(np.asarray(x, dtype=float)[: len(u)], u).sum())
+        t = self.dt * np.arange(len(u))
+        return float(self.dt * self.rate(np.asarray(x, dtype=float)[: len(u)], u, t).sum())
 
     def quadratic(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Q (nx, nx), R (nu, nu), N (nx, nu): the cost rate x'Qx + u'Ru + 2 x'Nu of deviations from the goal."""

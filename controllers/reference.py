@@ -133,8 +133,8 @@ def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
         )
     motion = rigid.simulate(start, scene.nominal_input, scene.times)
     moving = motion.derivative()[:, [index(rigid.states, name, "state") for name in at.rates]]
-    values = [np.stack([motion[name] for name in names], axis=1) for names in at]
-    return Follow(scene.dt, *values, moving)
+    positions, rates = (np.stack([motion[name] for name in names], axis=1) for names in at)
+    return Follow(scene.dt, positions, rates, moving)
 
 
 def ends(scene: Charged, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:

@@ -5,6 +5,8 @@ dlqr     min sum x'Qx + u'Ru + 2 x'Nu,    x+ = A x + B u         u = -K x, K = (
 lqi      lqr with the integrals of y = C x + D u as extra states
 sampled  the discrete problem that is the continuous one with u held over each step
 kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L (y - C z), L = P C' V^-1
+dkalman  x+ = A x + E w, y = C x + v                             z+ = A z + L (y - C z), L = A P C' (C P C' + V)^-1
+tvlqr    lqr over a finite time along an LTVModel, its affine term included; dtvlqr the same in discrete time
 
 Riccati equations by SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay
 must be reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
@@ -18,13 +20,35 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg as sla
 
-from pliant.plants.errors import PliantError, UncontrollableError
-from pliant.plants.modal import dominant, eigen, stays
+from pliant.plants.errors import PliantError
 from pliant.plants.parameters import require_finite
+
+from .intervals import SampledLTV, sampled_along
+from .riccati_checks import known_names as _names
+from .riccati_checks import require_reached as _require_reached
+from .riccati_checks import root as _root
+from .riccati_checks import system as _system
+from .riccati_checks import weight_matrix as _weight
+from .time_varying_riccati import TimeVaryingRegulator, dtvlqr, tvlqr
+
+__all__ = [
+    "Regulator",
+    "Sampled",
+    "SampledLTV",
+    "TimeVaryingRegulator",
+    "dkalman",
+    "dlqr",
+    "dtvlqr",
+    "kalman",
+    "lqi",
+    "lqr",
+    "sampled",
+    "sampled_along",
+    "tvlqr",
+]
 
 LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
 NEWTON_STEPS = 6  # at most, of Kleinman (1968), each from a stabilising gain
-UNREACHED = 1e-10  # least singular value of [A - s I, B] over |A - s I| of a mode that is not reached
 
 
 class Regulator(NamedTuple):
@@ -33,6 +57,11 @@ class Regulator(NamedTuple):
     K: np.ndarray  # (nu, nx)
     P: np.ndarray  # (nx, nx), x'P x is the cost to go
     poles: np.ndarray  # (nx,) eigenvalues of A - B K: [1/s], or in the z plane
+
+    def cost_to_go(self, x: Any) -> float:
+        """x'P x: what the law costs from x (nx,) on."""
+        x = require_finite("x", x, (len(self.P),))
+        return float(x @ self.P @ x)
 
 
 class Sampled(NamedTuple):
@@ -83,6 +112,26 @@ def kalman(
     _require_reached(A.T, C.T, known, None, "cannot be seen by the output", dual=True)
     _require_reached(A, E @ _root(W), known, None, "is not driven by the noise w")
     P, K = _solve(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), None)
+    return K.T, P
+
+
+def dkalman(
+    A: Any, E: Any, C: Any, W: Any, V: Any, *, names: Sequence[str] | None = None, dt: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Steady predictor gain L (nx, ny) and covariance P (nx, nx) of the error before the measurement: the dual of
+    dlqr.
+
+    E (nx, nw), C (ny, nx); covariances W (nw, nw) >= 0 and V (ny, ny) > 0 of a sample of w and v. The gain of the
+    measurement update is M = P C' (C P C' + V)^-1, so that L = A M. `dt` [s] only names modes in Hz in errors.
+    """
+    A, E = _system(A, E, "E")
+    C = require_finite("C", C, (-1, len(A)))
+    W = _weight("W", W, E.shape[1], definite=False)
+    V = _weight("V", V, len(C), definite=True)
+    known = _names(names, len(A))
+    _require_reached(A.T, C.T, known, dt, "cannot be seen by the output", dual=True)
+    _require_reached(A, E @ _root(W), known, dt, "is not driven by the noise w")
+    P, K = _solve(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), dt)
     return K.T, P
 
 
@@ -179,76 +228,3 @@ def _gain(
     terms.append(-G.T @ K)
     largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
     return K, float(np.abs(sum(terms)).max(initial=0.0)) / (largest or 1.0)
-
-
-def _require_reached(
-    A: np.ndarray, B: np.ndarray, names: tuple[str, ...], dt: float | None, what: str, dual: bool = False
-) -> None:
-    """UncontrollableError that names every mode of A that neither decays nor is reached through B.
-
-    With `dual`, A and B are the transposes of the dynamics and of what sees them.
-    """
-    scaled, scale = sla.matrix_balance(A, permute=False)
-    B = np.linalg.solve(scale, B)
-    lam, _, vectors, rounding = eigen(A)
-    found: dict[str, None] = {}
-    for s in lam[stays(lam, rounding, dt) & (lam.imag >= 0)]:
-        shifted = scaled - s * np.eye(len(A))
-        size = np.linalg.norm(shifted) or 1.0
-        gain = np.linalg.norm(B)
-        left, sigma, _ = np.linalg.svd(np.hstack([shifted, B * (size / gain if gain else 0.0)]))
-        if sigma[-1] > UNREACHED * size:
-            continue
-        rate = s if dt is None else np.log(complex(s)) / dt
-        missed = left[:, sigma <= UNREACHED * size]
-        pivots = sla.qr(missed.conj().T, mode="r", pivoting=True)[1][: missed.shape[1]]
-        for z in (missed @ np.linalg.inv(missed[pivots])).T:
-            state = names[_state_of(z, z if dual else shifted @ z, vectors[:, np.abs(lam - s) <= 1e-6 * size])]
-            found[f"mode {abs(rate) / (2 * np.pi):.2f} Hz ({state})"] = None
-    if found:
-        raise UncontrollableError(f"{', '.join(found)} {what}", tuple(found))
-
-
-def _state_of(z: np.ndarray, position: np.ndarray, right: np.ndarray) -> int:
-    """The state that takes part most in the mode with left eigenvector z; `right` (nx, k) are its right ones.
-
-    A double root without a second eigenvector is a free body: then z is not its own, and `position` is named.
-    """
-    spread = np.linalg.norm(right, axis=1)
-    if (np.abs(z) * spread).sum() < 1e-6 * np.linalg.norm(z):
-        return int(np.argmax(np.abs(position) * (spread if np.any(np.abs(position) * spread > 0) else 1.0)))
-    return dominant(z, spread)
-
-
-def _root(weight: np.ndarray) -> np.ndarray:
-    """S with S S' = weight, semidefinite."""
-    value, vector = np.linalg.eigh((weight + weight.T) / 2)
-    return vector * np.sqrt(np.where(value > 1e-13 * value.max(initial=0.0), value, 0.0))
-
-
-def _system(A: Any, B: Any, name: str = "B") -> tuple[np.ndarray, np.ndarray]:
-    A = require_finite("A", A, (-1, -1))
-    A = require_finite("A", A, (len(A), len(A)))
-    return A, require_finite(name, B, (len(A), -1))
-
-
-def _names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
-    known = tuple(f"x{i + 1}" for i in range(n)) if names is None else tuple(names)
-    if len(known) != n:
-        raise ValueError(f"names = {known} must be {n} names")
-    return known
-
-
-def _weight(name: str, value: Any, n: int, *, definite: bool) -> np.ndarray:
-    """A symmetric weight (n, n), positive (semi)definite."""
-    weight = require_finite(name, value, (n, n))
-    size = np.abs(weight).max(initial=0.0)
-    if np.abs(weight - weight.T).max(initial=0.0) > 1e-9 * size:
-        i, j = np.unravel_index(np.argmax(np.abs(weight - weight.T)), weight.shape)
-        raise ValueError(f"{name}[{i}, {j}] = {weight[i, j]:g} must equal {name}[{j}, {i}], {weight[j, i]:g}")
-    lowest = np.linalg.eigvalsh(weight).min(initial=np.inf)
-    if definite and not lowest > 0:
-        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be > 0 (positive definite)")
-    if lowest < -1e-10 * size:
-        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be >= 0 (positive semidefinite)")
-    return (weight + weight.T) / 2

@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pliant.controllers import LQR, Controller, Feedback, riccati
-from pliant.plants.errors import UncontrollableError
+from pliant.envs import scenes
+from pliant.plants.errors import EquilibriumError, UncontrollableError
 from pliant.plants.linear import LinearModel
 from pliant.plants.signals import Signal
 
@@ -220,3 +221,33 @@ def test_feedback():
         Feedback([[1.0]], ("x", "v"))
     with pytest.raises(ValueError, match=r"Feedback\.dt = 0 must be > 0"):
         Feedback([[1.0]], ("x",), dt=0)
+
+
+def test_for_scene_is_the_sampled_design_about_the_goal():
+    scene = scenes.get("single-link-slew")
+    law = LQR.for_scene(scene)
+    Q, R = scene.quadratic()
+    other = LQR.for_plant(scene.plant, *scene.target, Q, R, dt=scene.dt, limits=(-40.0, 40.0))
+    x = scene.initial[0] + 0.1
+    np.testing.assert_allclose(law.act(0.0, x), other.act(0.0, x), rtol=1e-12)
+    assert law.act(0.0, x - 9.0) == pytest.approx([40.0])
+    assert np.abs(LQR.for_scene(scene, effort=10.0).K).max() < np.abs(law.K).max()
+    with pytest.raises(ValueError, match=r"LQR.for_scene.effort = 0 must be > 0"):
+        LQR.for_scene(scene, effort=0)
+
+
+def test_for_scene_leaves_out_an_angle_that_nothing_depends_on():
+    law = LQR.for_scene(scenes.get("spin-up"))
+    assert "hub_angle" not in law.reads and "hub_angle_rate" in law.reads
+    assert np.abs(law.poles).max() < 1
+    with pytest.raises(EquilibriumError, match=r"crank_angle changes by 15\.1 rad/s there"):
+        LQR.for_scene(scenes.get("slider-crank-run"))
+
+
+def test_a_goal_that_moves_steadily_is_followed():
+    scene = scenes.get("single-link-slew")
+    law = LQR.for_scene(scene)
+    law.drift = np.array([0.5, 0, 0, 0, 0, 0])
+    moved = scene.target[0] + 2.0 * law.drift
+    np.testing.assert_allclose(law.act(2.0, moved), scene.target[1], atol=1e-9)
+    assert np.abs(law.act(0.0, moved)).max() > 1.0
