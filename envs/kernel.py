@@ -79,10 +79,13 @@ class ControlStep:
 
     x, action, ref, w, p are input arrays (n, lanes) to write into; obs (no, lanes), cost (lanes,) outputs to read.
     The state is advanced in place. With `alike` the arrays are whole vectors whose columns the caller keeps alike.
+    With `plain` observations are the signals themselves, not what they are off the goal.
     """
 
-    def __init__(self, scene: Scene, lanes: int, dtype: np.dtype, threads: int, alike: bool = False) -> None:
-        self._made = scene, lanes, dtype, threads, alike
+    def __init__(
+        self, scene: Scene, lanes: int, dtype: np.dtype, threads: int, alike: bool = False, plain: bool = False
+    ) -> None:
+        self._made = scene, lanes, dtype, threads, alike, plain
         self.kernel = control_kernel(scene, dtype)
         self.work = self.kernel.workspace(lanes)
         self.threads = threads
@@ -93,8 +96,10 @@ class ControlStep:
         self.t, self.x, self.action, self.ref, self.w, self.p = inputs
         self._after, self.obs, (self.cost,), (self._margin,), (self._sound,) = outputs
         self._padded = [a for a in work.inputs if work.padded > self.lanes]
-        self._ref, self._drift = reference(scene)[:, None], reference_drift(scene)[:, None]
-        work.set(REF, reference(scene))
+        self._ref, self._drift = (f(scene)[:, None].copy() for f in (reference, reference_drift))
+        if plain:
+            self._ref[: len(scene.observe)] = self._drift[: len(scene.observe)] = 0.0
+        work.set(REF, self._ref[:, 0])
         work.set(P, scene.varied_plant.nominal_parameters)
         work.set(X, scene.initial[0])
 

@@ -43,14 +43,20 @@ def minimum_jerk_input(scene: Scene) -> Input:
     rigid = scene.plant.ladder()[0]
     n = rigid.nx // 2
     begin, end = (np.array([dict(g).get(s.name, 0.0) for s in rigid.states[:n]]) for g in (scene.start, scene.goal))
+    still, held = np.zeros(rigid.nu), list[Array]()  # held: the input at the end, once it is known
 
     def torque(t: float) -> Array:
+        if t >= scene.move_time and held:
+            return held[0].copy()
         s, ds, dds = minimum_jerk(t / scene.move_time)
         x = np.concatenate([begin + (end - begin) * s, (end - begin) * ds / scene.move_time])
         wanted = (end - begin) * dds / scene.move_time**2
-        free = rigid.dynamics(x)[n:]
-        B = rigid.jacobians(x)[1][n:]
-        return np.linalg.solve(B, wanted - free)
+        free = rigid.dynamics(x, still)[n:]
+        B = rigid.jacobians(x, still)[1][n:]
+        u = np.linalg.solve(B, wanted - free)
+        if t >= scene.move_time:
+            held.append(u.copy())
+        return u
 
     return torque
 

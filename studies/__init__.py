@@ -8,5 +8,6 @@ if __name__ != "pliant.studies":
 from .chart import chart
 from .fidelity import choose
 from .report import report
+from .scoreboard import scoreboard
 
-__all__ = ["chart", "choose", "report"]
+__all__ = ["chart", "choose", "report", "scoreboard"]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from .console import Commands, bar, complain, scene_with, show
+from .scoreboard_command import scoreboard
 from .stability_command import stability
 
 if TYPE_CHECKING:
@@ -66,14 +67,16 @@ def scenes(as_json: AsJson = False) -> None:
     """List the scenes."""
     from pliant.envs import scenes as known
 
+    from .markup import measured
+
     found = [known.get(name) for name in known.names()]
     if as_json:
         from .tables import scene_table
 
         _print_json([scene_table(s) for s in found])
         return
-    rows = [(s.name, s.about, s.plant.label, s.plant.nx, s.duration, s.tolerance * 1e3) for s in found]
-    show("Scenes", ("name", "about", "plant", "states", "seconds", "tolerance [mm]"), rows)
+    rows = [(s.name, s.about, s.plant.label, s.plant.nx, s.duration, measured(s.tolerance, s.unit)) for s in found]
+    show("Scenes", ("name", "about", "plant", "states", "seconds", "tolerance"), rows)
 
 
 @app.command()
@@ -82,9 +85,9 @@ def simulate(
     settings: Settings = None,
     lqr: Annotated[bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal inputs.")] = False,
     method: Annotated[
-        str, typer.Option(help="dop853, radau, cvodes (with --lqr), rk4, midpoint, rosenbrock")
+        str, typer.Option(help="dop853, radau, cvodes (with --lqr), rk4, rk8, midpoint, rosenbrock")
     ] = "dop853",
-    step: Annotated[float | None, typer.Option(help="Step [s] of rk4, midpoint and rosenbrock.")] = None,
+    step: Annotated[float | None, typer.Option(help="Step [s] of rk4, rk8, midpoint and rosenbrock.")] = None,
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the adaptive methods.")] = 1e-8,
     out: Annotated[Path | None, typer.Option(help="Save the motion as npz.")] = None,
     plot: Picture = None,
@@ -178,6 +181,7 @@ def chart(
     """Measure speed against accuracy: every variant of the plant, by every method, at several steps."""
     from .chart import chart as measure
     from .files import dumps
+    from .markup import measured
 
     chosen = scene_with(scene, settings or [])
     with bar(f"chart {chosen.name}") as tell:
@@ -191,9 +195,9 @@ def chart(
     caption = (
         f"{len(found.measured)} settings measured, {len(found.failed)} without a result (see --json). "
         f"Errors are from {found.reference.variant}, confirmed by {found.reference.nearest} to "
-        f"{found.reference.difference:.2g} m."
+        f"{measured(found.reference.difference, found.unit)}."
     )
-    head = ("variant", "method", "ms per simulated s", "error [m]", "of it by the step [m]")
+    head = ("variant", "method", "ms per simulated s", f"error [{found.unit}]", f"of it by the step [{found.unit}]")
     show(f"{chosen.name}, the Pareto front", head, rows, caption=caption)
 
 
@@ -207,7 +211,7 @@ def choose(
 ) -> None:
     """Find the smallest model that a scene needs. Exit code 1 where none is shown to be good enough."""
     from .fidelity import choose as climb
-    from .markup import millimetres
+    from .markup import measured
 
     chosen = scene_with(scene, settings or [])
     with bar(f"choose {chosen.name}") as tell:
@@ -223,8 +227,8 @@ def choose(
             (
                 r.variant,
                 r.states,
-                millimetres(r.change) if r.change is not None else "-",
-                millimetres(r.error),
+                measured(r.change, found.unit) if r.change is not None else "-",
+                measured(r.error, found.unit),
                 "chosen" if r.chosen else r.note,
             )
             for r in found.rungs
@@ -342,6 +346,7 @@ def cache(
 
 
 app.command()(stability)
+app.command()(scoreboard)
 
 
 def main() -> None:

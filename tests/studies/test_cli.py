@@ -28,6 +28,17 @@ def test_version():
     assert run("--version").stdout.strip() == f"pliant {version('pliant')}"
 
 
+def test_a_scenes_own_keywords_can_be_set():
+    half = json_of("simulate", "spin-up", "--set", "speed=3", "--set", "duration=16", "--set", "link.E=8e10")
+    assert half["signals"]["hub_angle_rate"][-1] == pytest.approx(3.0, rel=1e-6) and half["t"][-1] == 16.0
+    for words, says in (
+        (("spacecraft-spin", "--set", "axis=w"), "spacecraft-spin.axis = 'w' must be one of 'x', 'y', 'z'"),
+        (("spin-up", "--set", "speed=-1"), "speed = -1.0 must be a number > 0"),
+    ):
+        done = run("simulate", *words)
+        assert done.exit_code == 2 and says in " ".join(done.stderr.split())
+
+
 def test_scenes():
     assert [s["name"] for s in json_of("scenes")] == list(scenes.names())
     assert "Scenes" in run("scenes").stdout

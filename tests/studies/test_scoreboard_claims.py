@@ -1,0 +1,61 @@
+"""What the README says of the controllers, read from the committed table."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from pliant.envs import scenes
+from pliant.studies.contestants import CONTESTANTS, VARIANTS
+from pliant.studies.scoreboard_table import short
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "docs" / "scoreboard"
+TABLE = json.loads((FOLDER / "scoreboard.json").read_text(encoding="utf-8"))
+ROWS = {(r["scene"], r["case"], r["controller"]): r for r in TABLE["rows"]}
+
+
+@pytest.mark.parametrize("scene", ["single-link-slew", "two-link-reach"])
+def test_nmpc_is_within_five_per_cent_of_the_bound_without_model_error(scene):
+    row = ROWS[scene, "exact", "NMPC"]
+    assert row["failures"] == 0 and 1 - 1e-6 < row["ratio"] < 1.05
+
+
+@pytest.mark.parametrize("case", ["exact", "finer"])
+def test_mpc_beats_lqr_where_limits_bind(case):
+    mpc, lqr = (ROWS["two-link-reach-weak", case, name] for name in ("MPC", "LQR"))
+    assert lqr["at_limit"] > 0.05 and mpc["at_limit"] > 0.05  # the limit of the elbow binds
+    assert mpc["cost"] < 0.95 * lqr["cost"]
+    mpc, lqr = (ROWS["single-link-slew-gentle", case, name] for name in ("MPC", "LQR"))
+    assert lqr["failures"] == 1 and mpc["failures"] == 0  # LQR leaves the bound of the deflection
+    assert mpc["ratio"] < 1.05
+
+
+def test_knowing_the_delay_is_what_helps_against_it():
+    naive, knowing = (ROWS["two-link-reach", "delayed", name] for name in ("LQR", "LQR, delay known"))
+    assert naive["failures"] > 0.7 * naive["runs"]
+    assert knowing["failures"] < 0.3 * knowing["runs"] and knowing["ratio_median"] < 1.5
+    said = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"LQR fails on two-link-reach in {naive['failures']} of {naive['runs']} runs" in said
+    assert f"where it knows of the delay in {knowing['failures']} (" in said
+
+
+def test_no_run_without_model_error_is_better_than_the_bound():
+    found = [r["ratio_low"] for r in TABLE["rows"] if r["ratio_low"] is not None]
+    assert len(found) > 100 and min(found) > 1 - 1e-3
+
+
+def test_every_scene_and_controller_is_in_the_table():
+    assert {s["scene"] for s in TABLE["scenes"]} == {*scenes.names(), *VARIANTS}
+    assert {r["controller"] for r in TABLE["rows"]} == set(CONTESTANTS)
+    for scene in TABLE["scenes"]:
+        assert (FOLDER / f"{scene['scene']}.png").read_bytes().startswith(b"\x89PNG")
+    assert all(row["runs"] or row["reason"] for row in TABLE["rows"])
+
+
+def test_readme_shows_the_committed_numbers():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    block = re.search(r"<!-- scoreboard -->\n(.*?)<!-- /scoreboard -->", text, re.DOTALL)
+    assert block, "README.md has no <!-- scoreboard --> block"
+    assert block[1].strip() == short(TABLE).strip()
