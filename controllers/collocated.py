@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,14 +26,22 @@ def rigid_inertia(plant: Plant, x0: Any, u0: Any, rates: tuple[str, ...]) -> np.
 
     PliantError where the inputs do not move the joints one by one.
     """
+    moved = accelerations(plant, dict(zip((s.name for s in plant.states), np.asarray(x0, dtype=float))), u0, rates)
+    inertia = np.linalg.inv(moved)
+    return (inertia + inertia.T) / 2
+
+
+def accelerations(plant: Plant, at: Mapping[str, float], u0: Any, rates: tuple[str, ...]) -> np.ndarray:
+    """(nu, nu): of the joints for a unit of each input, of the cheapest variant where its states are `at`, else zero.
+
+    PliantError where the inputs do not move the joints one by one.
+    """
     rigid = plant.ladder()[0]
-    known = dict(zip((s.name for s in plant.states), np.asarray(x0, dtype=float)))
-    model = rigid.linearize(np.array([known.get(s.name, 0.0) for s in rigid.states]), u0)
+    model = rigid.linearize(np.array([at.get(s.name, 0.0) for s in rigid.states]), u0)
     moved = rows(model, rates) @ model.B
     if not np.linalg.cond(moved) < 1e10:
         raise PliantError(f"the inputs {model.input_names} do not move {rates} one by one: accelerations {moved}")
-    inertia = np.linalg.inv(moved)
-    return (inertia + inertia.T) / 2
+    return moved
 
 
 def loop_eigenvalues(model: LinearModel, K: np.ndarray, reads: tuple[str, ...], dt: float | None) -> np.ndarray:

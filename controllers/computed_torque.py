@@ -7,6 +7,7 @@ Kp = bandwidth^2, Kd = 2 damping bandwidth. On a rigid machine the error decays 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Any, final
 
 import casadi as ca
@@ -16,6 +17,7 @@ from pliant.plants.errors import PliantError
 from pliant.plants.functions import NumericFunction, function
 from pliant.plants.signals import index
 
+from .collocated import accelerations
 from .controller import reading, saturation
 from .reference import Follow, Joints, RestToRest, joints, motion_of
 
@@ -46,6 +48,11 @@ class ComputedTorque:
                 raise ValueError(f"ComputedTorque.{name} = {getattr(self, name)!r} must be > 0")
         if self.dt is not None and not 0 < self.dt < np.inf:
             raise ValueError(f"ComputedTorque.dt = {self.dt!r} must be > 0 [s]")
+        if len(self.reference.end) != len(self.joints.positions):
+            raise ValueError(
+                f"ComputedTorque.reference has {len(self.reference.end)} positions, must have "
+                f"{len(self.joints.positions)}"
+            )
         inputs = [f"u{i + 1}" for i in range(len(self.joints.positions))]
         object.__setattr__(self, "limits", saturation("ComputedTorque", self.limits, inputs))
 
@@ -66,12 +73,14 @@ class ComputedTorque:
     ) -> ComputedTorque:
         """On the rigid variant of any plant whose states are one joint an input, and their rates.
 
-        PliantError where its states are others: a spacecraft's quaternion, a beam without joints.
+        PliantError where its states are others, a spacecraft's quaternion or a beam without joints, or where the inputs
+        do not move them one by one at the reference's start.
         """
         at = joints(plant)
-        names = [s.name for s in plant.inputs]
+        names, inverse = [s.name for s in plant.inputs], inverse_dynamics(plant, at)
+        accelerations(plant, dict(zip(at.positions, reference(0.0)[0])), np.zeros(plant.nu), at.rates)
         return cls(
-            inverse=inverse_dynamics(plant, at),
+            inverse=inverse,
             reference=reference,
             joints=at,
             bandwidth=bandwidth,
@@ -103,6 +112,8 @@ class ComputedTorque:
         r, dr, ddr = self.reference(t)
         wanted = ddr + 2 * self.damping * self.bandwidth * (dr - y[n:]) + self.bandwidth**2 * (r - y[:n])
         u = self.inverse(y, wanted)[0]
+        if not isfinite(u.sum()):
+            raise PliantError(f"ComputedTorque: at {y} the rigid plant's inputs do not reach its accelerations")
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
 
 

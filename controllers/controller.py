@@ -12,6 +12,8 @@ import numpy as np
 from pliant.plants.parameters import require_finite
 from pliant.plants.signals import as_signals, index, read_only
 
+LARGEST = 1e150  # of a reading: its square is a number still
+
 
 @runtime_checkable
 class Controller(Protocol):
@@ -33,10 +35,47 @@ class Controller(Protocol):
 
 
 def reading(owner: str, y: Any, size: int) -> np.ndarray:
-    """y as a finite float array (size,), at little cost where it is one; ValueError names what is wrong."""
+    """y as a float array (size,) of numbers up to LARGEST, at little cost where it is one.
+
+    ValueError names what is wrong: a shape, a NaN, or a plant that has run away so far that a law would overflow.
+    """
     if type(y) is np.ndarray and y.shape == (size,) and y.dtype == float and isfinite(y.dot(y)):
         return y
-    return require_finite(owner, y, (size,))
+    y = require_finite(owner, y, (size,))
+    if size and np.abs(y).max() > LARGEST:
+        i = int(np.abs(y).argmax())
+        raise ValueError(f"{owner}[{i}] = {y[i]:.3g} must be within +-{LARGEST:g}")
+    return y
+
+
+def moment(owner: str, t: float) -> float:
+    """t [s], finite."""
+    if not isfinite(t):
+        raise ValueError(f"{owner}.t = {t!r} must be finite [s]")
+    return t
+
+
+def pair(name: str, value: Any) -> tuple[Any, Any]:
+    """(lowest, highest); ValueError where `value` is anything else."""
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
+        raise ValueError(f"{name} = {value!r} must be a pair (lowest, highest)")
+    return value[0], value[1]
+
+
+def ends(name: str, value: Any) -> tuple[float, float]:
+    """A pair of numbers, lowest < highest."""
+    low, high = pair(name, value)
+    if not low < high:
+        raise ValueError(f"{name} = ({low!r}, {high!r}) must be lowest < highest")
+    return low, high
+
+
+def each(name: str, value: Any, n: int) -> np.ndarray:
+    """One number for all, or one for each: (n,), which may be infinite."""
+    array = np.asarray(value, dtype=float)
+    if array.shape not in ((), (n,)):
+        raise ValueError(f"{name} has shape {array.shape}, must be a number or ({n},)")
+    return np.broadcast_to(array, (n,))
 
 
 def saturation(owner: str, limits: Any, inputs: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
@@ -48,13 +87,11 @@ def saturation(owner: str, limits: Any, inputs: Sequence[str]) -> tuple[np.ndarr
     low, high = np.full(len(inputs), -np.inf), np.full(len(inputs), np.inf)
     if isinstance(limits, Mapping):
         signals = as_signals(f"{owner}.inputs", inputs, len(inputs), "u")
-        for name, (a, b) in limits.items():
+        for name, value in limits.items():
             i = index(signals, name, f"{owner}.limits: input")
-            low[i], high[i] = a, b
+            low[i], high[i] = pair(f"{owner}.limits[{name!r}]", value)
     elif limits is not None:
-        if len(limits) != 2:
-            raise ValueError(f"{owner}.limits = {limits!r} must be a pair (lowest, highest)")
-        low[:], high[:] = limits[0], limits[1]
+        low, high = (each(f"{owner}.limits", end, len(inputs)).copy() for end in pair(f"{owner}.limits", limits))
     for i, name in enumerate(inputs):
         if not low[i] < high[i]:
             raise ValueError(f"{owner}.limits of {name} = ({low[i]:g}, {high[i]:g}) must be lowest < highest")
@@ -93,5 +130,6 @@ class Feedback:
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,)."""
-        y = require_finite("Feedback.y", y, (len(self.reads),))
-        return np.clip(self.u_ref - self.K @ (y - self.y_ref), *self.limits)
+        y = reading("Feedback.y", y, len(self.reads))
+        u = self.u_ref - self.K.dot(y - self.y_ref)
+        return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])

@@ -67,7 +67,7 @@ def costates(program: HorizonProgram, dx: Array, d: Array) -> Array:
     found = np.zeros((plan.N, nx))
     pushed = program.multipliers()
     L = ready.L
-    after = 2 * L.T @ (L @ (plan.x[-1] - plan.objective.x_goal + dx[-1]))
+    after = 2 * L.T @ (L @ (plan.x[-1] - plan.goal + dx[-1]))
     found[-1] = after
     for k in range(plan.N - 1, 0, -1):
         X, V = ready.residual[k, :, :nx], ready.bounded[k, :, :nx]
@@ -86,7 +86,7 @@ def _merit(program: HorizonProgram, weight: Array) -> float:
     """Of the plan that was linearised last."""
     plan, ready = program.plan, program.plan.condensed
     nx = plan.x.shape[1]
-    end = ready.L @ (plan.x[-1] - plan.objective.x_goal)
+    end = ready.L @ (plan.x[-1] - plan.goal)
     gaps = float(np.abs(ready.dynamics[:, :, nx]).sum(axis=0) @ weight)
     cost = float((ready.residual[:, :, nx] ** 2).sum() + end @ end)
     return cost + gaps + program.charge(ready.bounded[1:, :, nx].ravel())
@@ -96,6 +96,6 @@ def _model(program: HorizonProgram, dx: Array, d: Array) -> float:
     """The merit that the program promises for the whole step: no gaps are left."""
     plan, ready = program.plan, program.plan.condensed
     v = _stage_values(program, dx, d)[:, :, None]
-    end = ready.L @ (plan.x[-1] - plan.objective.x_goal + dx[-1])
+    end = ready.L @ (plan.x[-1] - plan.goal + dx[-1])
     z = (ready.bounded @ v)[1:, :, 0].ravel()
     return float(((ready.residual @ v) ** 2).sum() + end @ end) + program.charge(z)

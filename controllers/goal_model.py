@@ -21,6 +21,18 @@ if TYPE_CHECKING:
 HELD = 1e-4  # largest rate of a goal that counts as an equilibrium, in the states' units per second
 
 
+def require_held(model: LinearModel) -> None:
+    """EquilibriumError where the model's point is no equilibrium."""
+    moves = np.abs(model.f0)
+    if moves.max(initial=0.0) > HELD:
+        worst = model.states[int(np.argmax(moves))]
+        raise EquilibriumError(
+            f"the model's point is no equilibrium: {worst.name} changes by {moves.max():.3g} {worst.unit}/s there; "
+            "linearise at one, or follow a nominal with TVLQR",
+            float(moves.max()),
+        )
+
+
 def goal_model(scene: Charged) -> tuple[LinearModel, np.ndarray]:
     """The model (nx states) and d(goal)/dt (nx,). EquilibriumError where a state that is left in does not stay."""
     model = scene.plant.feedback_model(*scene.target)

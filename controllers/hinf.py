@@ -68,6 +68,8 @@ def peak(A: Array, B: Array, C: Array, D: Array, dt: float | None = None) -> Pea
             best = max(best, found)
             break
         best = found
+    else:
+        raise PliantError(f"the norm is not found to {TOLERANCE:g} in {MOST_ROUNDS} rounds: scale the states")
     value, omega = float(best[0]), float(best[1])
     if dt is not None:
         omega = 2 * np.arctan(omega) / dt

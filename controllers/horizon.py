@@ -83,7 +83,7 @@ class Horizon:
         np.multiply(np.sqrt(self.damping), self._hold, out=self._held)
         _fill(ready.bounded, nx, z, bounded)
         with np.errstate(over="ignore", invalid="ignore"):
-            ready.form(self.x[-1] - self.objective.x_goal)
+            ready.form(self.x[-1] - self.goal)
             return bool(np.isfinite(ready.S.sum() + ready.Zd.sum()))
 
     def hold(self, rough: bool) -> None:
@@ -96,10 +96,14 @@ class Horizon:
 
     @property
     def roughness(self) -> float:
-        """What the gaps F(x_k, u_k) - x_{k+1} would cost by the regulator's cost-to-go, over the plan's cost."""
+        """What the gaps F(x_k, u_k) - x_{k+1} would cost by the regulator's cost-to-go, over the plan's cost.
+
+        Not a number where the plan is no motion.
+        """
         nx = self.plant.nx
-        gaps = self.condensed.dynamics[:, :, nx] @ self._price.T
-        return float(np.vdot(gaps, gaps) / max(self.condensed.S[nx, nx], 1e-300))
+        with np.errstate(over="ignore", invalid="ignore"):
+            gaps = self.condensed.dynamics[:, :, nx] @ self._price.T
+            return float(np.vdot(gaps, gaps) / max(self.condensed.S[nx, nx], 1e-300))
 
     def move(self, e: Array, d: Array) -> None:
         """Change the plan by du = d (N nu,) and what follows from it and dx_0 = e (nx,)."""
@@ -112,10 +116,15 @@ class Horizon:
         self.u[-1] = tail
         self.t += self.objective.dt
 
+    @property
+    def goal(self) -> Array:
+        """The goal (nx,) at the end of the plan."""
+        return self.objective.goal_at(self.t + self.N * self.objective.dt)
+
     def cost(self) -> float:
         """The plan's cost, its terminal term included."""
-        end = self.x[-1] - self.objective.x_goal
-        return self.objective.cost(self.x, self.u) + (0.0 if self.P is None else float(end @ self.P @ end))
+        end = self.x[-1] - self.goal
+        return self.objective.cost(self.x, self.u, self.t) + (0.0 if self.P is None else float(end @ self.P @ end))
 
 
 def _fill(stages: Array, nx: int, value: Array, slopes: Array) -> None:

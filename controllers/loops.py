@@ -76,7 +76,7 @@ def law_of(controller: Any) -> LinearLaw:
     if isinstance(controller, LQG):
         return _lqg(controller)
     K = getattr(controller, "K", None)
-    if K is None:
+    if K is None or np.ndim(K) != 2:  # none, or one for each time
         raise PliantError(f"{type(controller).__name__}: {NO_LIMIT}")
     K = require_finite(f"{type(controller).__name__}.K", K, (-1, -1))
     reads, dt = tuple(controller.reads), controller.dt

@@ -93,18 +93,21 @@ class LQG:
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from the sensors' y (ns,) at time t [s]."""
         x = self.filter.step(reading("LQG.y", y, len(self.filter.sensors)), self.u)
-        self.u = self.law.act(t, self._seen(x))
-        return self.u
+        u = self.law.act(t, self._seen(x))
+        self.u = u.copy()  # the caller may change what it gets
+        return u
 
     def _wanted(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """(C, y0) of what the law reads, about the nominal; None where it reads the model's states in their order."""
+        """(C, y0) of what the law reads, about the nominal; None where it reads the model's states in their order,
+        under their names or others."""
         model, reads = self.filter.model, tuple(self.law.reads)
-        if reads == model.state_names or len(reads) == len(getattr(self.law, "x0", ())) == len(model.states):
+        known = names(model.states + model.outputs)
+        missing = [name for name in reads if name not in known]
+        renamed = len(missing) == len(reads) == len(getattr(self.law, "x0", ())) == len(model.states)
+        if reads == model.state_names or renamed:
             return None
         if isinstance(model, LTVModel):
             raise ValueError(f"LQG.law.reads = {reads} must be the states {model.state_names} along a nominal")
-        known = names(model.states + model.outputs)
-        missing = [name for name in reads if name not in known]
         if missing:
             raise ValueError(f"LQG.law.reads = {missing[0]!r} must be one of {', '.join(known)}")
         at = [known.index(name) for name in reads]

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from pliant.controllers import riccati
-from pliant.controllers.controller import reading, saturation
-from pliant.controllers.goal_model import goal_model
+from pliant.controllers.controller import moment, reading, saturation
+from pliant.controllers.goal_model import goal_model, require_held
+from pliant.controllers.weights import signal_rows, weight_matrices
 from pliant.plants.parameters import require_finite
-from pliant.plants.signals import index
 
 if TYPE_CHECKING:
     from pliant.plants.linear import LinearModel
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @final
 @dataclass(eq=False)
 class LQR:
-    """Made by `design` or `for_plant`. It reads the states of its model, then the integrated outputs."""
+    """Made by `design`, `for_plant` or `for_scene`. It reads the states of its model, then the integrated outputs."""
 
     K: np.ndarray  # (nu, nx + ni)
     P: np.ndarray  # (nx + ni, nx + ni)
@@ -71,9 +71,9 @@ class LQR:
         """
         if model.dt is not None:
             raise ValueError(f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones")
-        Q, R, N = _weights(model, Q, R)
+        Q, R, N = weight_matrices("LQR", model, Q, R)
         wanted = dict(integral or {})
-        Ci, Di, target = _integrated(model, tuple(wanted))
+        Ci, Di, target = signal_rows(model, tuple(wanted), "LQR.integral: state or output")
         weight = np.diag([float(v) for v in wanted.values()]) if wanted else np.zeros((0, 0))
         for name, value in wanted.items():
             if not 0 < value < np.inf:
@@ -122,8 +122,9 @@ class LQR:
         integral: Mapping[str, float] | None = None,
         limits: Any = None,
     ) -> LQR:
-        """`design` on the plant's linear model about the equilibrium (x0, u0)."""
+        """`design` on the plant's linear model about the equilibrium (x0, u0); EquilibriumError where it is none."""
         model = plant.linearize(x0, u0)
+        require_held(model)
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 
     @classmethod
@@ -150,14 +151,17 @@ class LQR:
         y = reading("LQR.y", y, len(self.reads))
         if self.drift is not None:
             y = y.copy()
-            y[: len(self.x0)] -= self.drift * t
+            y[: len(self.x0)] -= self.drift * moment("LQR", t)
         if not len(self.target):
             u = self.u0 - self.K.dot(y - self.x0)
             return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
         error = y[self.picks] - self.target
-        if self.dt is None and self._last is not None:
-            self._integrate(y, (t - self._last) * error)
-        self._last = t
+        if self.dt is None:
+            last = t if self._last is None else self._last
+            if not t >= last:
+                raise ValueError(f"LQR.t = {t!r} must be >= {last!r}, the time of the last act; `reset` starts again")
+            self._integrate(y, (t - last) * error)
+            self._last = t
         u = self._free(y)
         if self.dt is not None:
             self._integrate(y, self.dt * error)
@@ -181,49 +185,6 @@ class LQR:
         u = self._free(y) + push.sum(axis=1)
         excess = u - np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
         self.xi = self.xi + np.where(excess @ push > 0, 0.0, change)
-
-
-def _weights(model: LinearModel, Q: Any, R: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Q (nx, nx), R (nu, nu), N (nx, nu) from arrays or names; a weight on an output is one on C x + D u."""
-    nx, nu = len(model.states), len(model.inputs)
-    N = np.zeros((nx, nu))
-    if isinstance(R, Mapping):
-        weight = np.zeros(nu)
-        for name, value in R.items():
-            weight[index(model.inputs, name, "LQR.R: input")] = value
-        for name, value in zip(model.input_names, weight):
-            if not value > 0:
-                raise ValueError(f"LQR.R[{name!r}] = {value:g} must be > 0")
-        R = np.diag(weight)
-    R = require_finite("LQR.R", R, (nu, nu)).copy()
-    if not isinstance(Q, Mapping):
-        return require_finite("LQR.Q", Q, (nx, nx)), R, N
-    total = np.zeros((nx, nx))
-    for name, value in Q.items():
-        if not 0 <= value < np.inf:
-            raise ValueError(f"LQR.Q[{name!r}] = {value!r} must be >= 0")
-        c, d, _ = _row(model, name, "LQR.Q: state or output")
-        total += value * np.outer(c, c)
-        N += value * np.outer(c, d)
-        R += value * np.outer(d, d)
-    return total, R, N
-
-
-def _row(model: LinearModel, name: str, kind: str) -> tuple[np.ndarray, np.ndarray, float]:
-    """(c, d, nominal value) of the state or output called `name` = c x + d u."""
-    if name in model.state_names:
-        i = model.state_names.index(name)
-        return np.eye(len(model.states))[i], np.zeros(len(model.inputs)), float(model.x0[i])
-    i = index(model.states + model.outputs, name, kind) - len(model.states)
-    return model.C[i], model.D[i], float(model.y0[i])
-
-
-def _integrated(model: LinearModel, wanted: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """C (ni, nx), D (ni, nu) and nominal values (ni,) of the signals to integrate."""
-    rows = [_row(model, name, "LQR.integral: output") for name in wanted]
-    nx, nu = len(model.states), len(model.inputs)
-    C, D = (np.array([row[i] for row in rows]).reshape(-1, n) for i, n in ((0, nx), (1, nu)))
-    return C, D, np.array([row[2] for row in rows])
 
 
 def _picks(model: LinearModel, wanted: tuple[str, ...]) -> np.ndarray:

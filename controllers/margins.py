@@ -24,6 +24,7 @@ from pliant.plants.errors import PliantError
 from .hinf import Array, Peak, peak
 from .loops import Loop
 
+NOTHING = 1e-14  # sensitivity that rounding leaves where the loop integrates
 POINTS = 1500  # of the grid, from FAR below the slowest to FAR above the fastest pole
 FAR = 1e3
 CROWD = np.concatenate([-np.geomspace(30, 1e-2, 24), [0.0], np.geomspace(1e-2, 30, 24)])  # in half-widths of a pole
@@ -152,7 +153,8 @@ def _channel(sensitivity: Loop, disk: float, grid: Array) -> Channel:
 
     def L(omega: float | Array) -> Array:
         S = sensitivity.at(np.atleast_1d(omega))[:, 0, 0]
-        return np.where(S == 0, np.inf, 1 / np.where(S == 0, 1.0, S) - 1)
+        none = np.abs(S) <= NOTHING
+        return np.where(none, np.inf, 1 / np.where(none, 1.0, S) - 1)
 
     values = L(grid)
     size = np.log(np.maximum(np.abs(values), 1e-300))

@@ -6,19 +6,21 @@
 xi, mu count from a goal, a nominal motion or an estimated steady target. P is the cost to go without limits, so that
 without active limits the first input is that of LQR or of its time-varying kin, to rounding. Inputs obey their limits
 exactly; the limits of signals are soft, so that there always is a plan, and what the plan exceeds them by is recorded.
+Should the solver fail, that is recorded, and the last plan goes on; past its end, the unlimited law within the limits.
 `mpc_design` and `mpc_along` build everything; an act is one product, and a solve where the unlimited plan breaks one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
 
 from pliant.plants.parameters import require_choice
 
-from .controller import reading
+from .controller import moment, reading
 from .last_plan import LastPlan
 from .predicted_limits import Limits, Step, excess
 from .record import Record
@@ -173,14 +175,14 @@ class MPC:
         return made
 
     def reset(self) -> None:
-        """Forget the last input (then u0), the plan, the disturbance and the record."""
+        """Forget the last input (then u0, or the limit next to it), the plan, the disturbance and the record."""
         self.record.clear()
         for step in self._steps:
             step.solver.forget()
         if self._estimator is not None:
             self._estimator.reset()
         if self._last is not None:
-            self._last[:] = self._u0
+            self._last[:] = np.minimum(np.maximum(self._u0, self._low), self._high)
         self.plan.forget()
         self._at, self._multipliers = NEVER, self._shift
 
@@ -188,16 +190,18 @@ class MPC:
         """Bring tracked signals to other values, by name; they start at those of the model's point."""
         for name, value in values.items():
             require_choice("MPC", "aim", name, self.tracked)
+            if not np.isfinite(value):
+                raise ValueError(f"MPC.aim[{name!r}] = {value!r} must be finite")
             self._reference[list(self.tracked).index(name)] = value - self.tracked[name]
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]."""
         y = reading("MPC.y", y, self._ny)
         if self._drift is not None:
-            y = y - self._drift * t
+            y = y - self._drift * moment("MPC", t)
         at = 0
         if self._latest:
-            at = min(max(int((t - self._start) / self.dt + 0.5), 0), self._latest)
+            at = min(max(int((moment("MPC", t) - self._start) / self.dt + 0.5), 0), self._latest)
         step = self._steps[at]
         known = y if self._known is None else self._knowledge(y)
         rows, lower, upper = self._rows, self._lower, self._upper
@@ -263,6 +267,9 @@ class MPC:
         if self._estimator is not None:
             self._estimator.go_on(u - self._u0)
         return u
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # solver and estimate are not to be shared
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy aims at the same values, and is otherwise as after `reset`."""

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.parameters import require_finite
-
 from . import riccati
 from .condensed import Laws, laws, predict
 from .goal_model import goal_model
-from .mpc_design import Limited, check_horizon, limits_of, penalty_at, signals_of
+from .mpc_design import Limited, check_horizon, check_penalty, check_weights, limits_of, penalty_at
 from .predicted_limits import Step, Window, build, soft_names
+from .weights import signal_rows, weight_matrices
 
 if TYPE_CHECKING:
     from pliant.plants.linear import LinearModel
@@ -34,8 +33,6 @@ def follower(
     reads: Sequence[str] | None,
 ) -> dict[str, Any]:
     """What `MPC.along` says, as the arguments of MPC: weights (Q, R, P)."""
-    from .lqr import _weights
-
     Q, R, P = weights
     limits, rates, bounds, terminal, penalty = limited
     h = np.diff(ltv.t)
@@ -43,6 +40,7 @@ def follower(
     if np.abs(h - dt).max() > 1e-6 * dt:
         raise ValueError(f"MPC.along: ltv.t has steps from {h.min():.6g} to {h.max():.6g} s, must be equal")
     check_horizon(horizon, blocks, terminal)
+    check_penalty(penalty)
     n, nodes, nx = horizon + terminal, len(ltv.t), len(ltv.states)
     own = tuple(reads) if reads is not None else ltv.state_names
     if len(own) != nx:
@@ -55,13 +53,14 @@ def follower(
         for part, end in ((own_A, last.A), (own_B, last.B), (own_c, last.f0))
     )
     where = [*range(nodes), *[nodes - 1] * n]  # of each step in the nominal
-    costs = [tuple(dt * M for M in _weights(model, Q, R)) for model in models]
+    costs = [tuple(dt * M for M in weight_matrices("MPC", model, Q, R)) for model in models]
     Qs, Rs, Ns = (np.array([costs[k][i] for k in where]) for i in range(3))
     if P is None:
         P = riccati.dlqr(last.A, last.B, Qs[-1], Rs[-1], Ns[-1], names=ltv.state_names, dt=dt).P
-    found = laws(A, B, c, Qs, Rs, Ns, require_finite("MPC.P", P, (nx, nx)))
+    P = check_weights(Qs[-1], Rs[-1], Ns[-1], P)
+    found = laws(A, B, c, Qs, Rs, Ns, P)
     bounded = limits_of(models[0], limits, rates, bounds, dt)
-    signals = [signals_of(model, bounds or {}) for model in models]
+    signals = [signal_rows(model, bounds or {}, "MPC.bounds: state or output") for model in models]
     C, D, z = (np.array([signals[k][i] for k in [*where, nodes - 1]]) for i in range(3))
     u, x = ltv.u[where], ltv.x
 

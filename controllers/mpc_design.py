@@ -11,10 +11,12 @@ from pliant.plants.parameters import require_choice, require_count, require_fini
 
 from . import riccati
 from .condensed import laws, predict
-from .controller import saturation
+from .controller import each, ends, saturation
 from .disturbance import KINDS, Estimator, Target
 from .penalty import sufficient_penalty
 from .predicted_limits import Limits, Step, Window, build, soft_names
+from .riccati_checks import weight_matrix
+from .weights import signal_rows, weight_matrices
 
 if TYPE_CHECKING:
     from pliant.plants.linear import LinearModel
@@ -40,14 +42,17 @@ def regulator(
     track, disturbance, time, noise = free_of_offset
     A, B, Q, R, N, dt = _sampled(model, Q, R, N, dt)
     check_horizon(horizon, blocks, terminal)
+    check_penalty(penalty)
     nx, nu = B.shape
     n = horizon + terminal
     if P is None:
         P = riccati.dlqr(A, B, Q, R, N, names=model.state_names, dt=dt).P
+    P = check_weights(Q, R, N, P)
     As, Bs, cs, Qs, Rs, Ns = (np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(nx), Q, R, N))
-    found = laws(As, Bs, cs, Qs, Rs, Ns, require_finite("MPC.P", P, (nx, nx)))
+    found = laws(As, Bs, cs, Qs, Rs, Ns, P)
     motion = predict(As, Bs, cs, found, horizon, blocks)
-    bounded, (C, D, z0) = limits_of(model, limits, rates, bounds, dt), signals_of(model, bounds or {})
+    bounded = limits_of(model, limits, rates, bounds, dt)
+    C, D, z0 = signal_rows(model, bounds or {}, "MPC.bounds: state or output")
     reads = tuple(reads) if reads is not None else model.state_names
     extra: dict[str, Any] = {}
     seen, y0 = None, model.x0
@@ -91,13 +96,23 @@ def check_horizon(horizon: int, blocks: Sequence[int] | None, terminal: int) -> 
         raise ValueError(f"MPC.blocks = {tuple(blocks)} must be lengths >= 1 that add up to the horizon, {horizon}")
 
 
+def check_penalty(penalty: float | None) -> None:
+    if penalty is not None and not 0 < penalty < np.inf:
+        raise ValueError(f"MPC.penalty = {penalty!r} must be > 0, or None")
+
+
+def check_weights(Q: np.ndarray, R: np.ndarray, N: np.ndarray, P: Any) -> np.ndarray:
+    """P (nx, nx), symmetric; ValueError unless P >= 0, R > 0 and the cost of a step is never negative."""
+    weight_matrix("MPC.R", R, len(R), definite=True)
+    weight_matrix("MPC: [[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), len(Q) + len(R), definite=False)
+    return weight_matrix("MPC.P", P, len(Q), definite=False)
+
+
 def _sampled(
     model: LinearModel, Q: Any, R: Any, N: Any, dt: float | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
     """A, B, Q, R, N of a step, and its length."""
-    from .lqr import _weights
-
-    Q, R, cross = _weights(model, Q, R)
+    Q, R, cross = weight_matrices("MPC", model, Q, R)
     N = cross if N is None else cross + require_finite("MPC.N", N, cross.shape)
     off = float(np.abs(model.f0).max(initial=0.0)) * (model.dt or dt or 1.0)
     if off > LARGEST_RATE * (1 + float(np.abs(model.x0).max(initial=0.0))):
@@ -114,16 +129,6 @@ def _sampled(
     return *riccati.sampled(model.A, model.B, Q, R, N, dt=dt), dt
 
 
-def signals_of(model: LinearModel, wanted: Mapping[str, Any] | Sequence[str]) -> tuple[np.ndarray, ...]:
-    """C (nb, nx), D (nb, nu) and values at the model's point (nb,) of states or outputs by name."""
-    from .lqr import _row
-
-    rows = [_row(model, name, "MPC: state or output") for name in wanted]
-    nx, nu = len(model.states), len(model.inputs)
-    C, D = (np.array([row[i] for row in rows], dtype=float).reshape(-1, n) for i, n in ((0, nx), (1, nu)))
-    return C, D, np.array([row[2] for row in rows], dtype=float)
-
-
 def limits_of(model: LinearModel, limits: Any, rates: Any, bounds: Mapping[str, Any] | None, dt: float) -> Limits:
     low, high = saturation("MPC", limits, model.input_names)
     change = np.full(len(low), np.inf)
@@ -132,14 +137,12 @@ def limits_of(model: LinearModel, limits: Any, rates: Any, bounds: Mapping[str, 
             require_choice("MPC", "rates", name, model.input_names)
             change[model.input_names.index(name)] = value
     elif rates is not None:
-        change[:] = rates
+        change[:] = each("MPC.rates", rates, len(change))
     if not (change > 0).all():
         raise ValueError(f"MPC.rates = {rates!r} must be > 0")
     bounds = dict(bounds or {})
-    for name, (a, b) in bounds.items():
-        if not a < b:
-            raise ValueError(f"MPC.bounds[{name!r}] = ({a!r}, {b!r}) must be lowest < highest")
-    floor, ceiling = (np.array([pair[i] for pair in bounds.values()], dtype=float) for i in (0, 1))
+    found = [ends(f"MPC.bounds[{name!r}]", value) for name, value in bounds.items()]
+    floor, ceiling = (np.array([one[i] for one in found], dtype=float) for i in (0, 1))
     return Limits(model.input_names, low, high, change * dt, tuple(bounds), floor, ceiling)
 
 
@@ -177,12 +180,12 @@ def _offset_free(
             raise ValueError(f"MPC.reads = {reads} must be {len(A)} names, one for each state of the model")
         C, y0 = np.eye(len(A)), model.x0
     else:
-        C, D, y0 = signals_of(model, reads)
+        C, D, y0 = signal_rows(model, reads, "MPC.reads: state or output")
         if D.any():
             direct = [name for name, row in zip(reads, D) if row.any()]
             raise ValueError(f"MPC.reads {direct} depend on the input at once: read signals that do not")
     estimator = Estimator(kind, A, B, C, dt, time, noise)
-    H, D, z0 = signals_of(model, track)
+    H, D, z0 = signal_rows(model, track, "MPC.track: state or output")
 
     def seen(names: Sequence[str]) -> np.ndarray:
         """The disturbance in signals: that of the reading of the same name."""

@@ -191,7 +191,7 @@ class NMPC:
             plan.move(e, d)
         else:
             plan.x[:] = y  # the plan was no motion: begin again from what was measured, with its inputs
-        tail = plan.u[-1] if self.law is None else goal.u_goal - self.law.K @ (plan.x[-1] - goal.x_goal)
+        tail = plan.u[-1] if self.law is None else goal.u_goal - self.law.K @ (plan.x[-1] - plan.goal)
         plan.shift(np.minimum(np.maximum(tail, self._program.lowest), self._program.highest))
         self._program.linearize(close=True)
         self.record.damped += plan.damping > 0
@@ -204,9 +204,9 @@ class NMPC:
         """
         x = require_finite("NMPC.x", x, (self.objective.plant.nx,))
         plan = self.horizon
+        plan.t = t
         if not self._ready:
             self._line(x)
-        plan.t = t
         self._ready = True
         steps, change = converge(self._program, x, limit, tolerance)
         if not change <= tolerance:
@@ -219,7 +219,7 @@ class NMPC:
     def _line(self, x: Array) -> None:
         """A first guess: the straight line from x to the goal, under the goal's input."""
         plan, goal = self.horizon, self.objective
-        plan.x[:] = x + np.linspace(0.0, 1.0, plan.N + 1)[:, None] * (goal.x_goal - x)
+        plan.x[:] = x + np.linspace(0.0, 1.0, plan.N + 1)[:, None] * (plan.goal - x)
         plan.u[:] = goal.u_goal
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -63,6 +63,8 @@ def rigid_nominal(scene: Charged) -> Trajectory:
 
 def nodes(nominal: Motion | Trajectory, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """t (T+1,), x (T+1, nx) and inputs (T, nu) held in between, from a motion on the same times or any others."""
+    if not 0 < dt < np.inf:
+        raise ValueError(f"TVLQR.dt = {dt!r} must be > 0 [s]")
     T = round((nominal.t[-1] - nominal.t[0]) / dt)
     if T < 1:
         raise ValueError(f"the nominal takes {nominal.t[-1] - nominal.t[0]:g} s, must be at least dt = {dt:g} s")

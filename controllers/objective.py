@@ -19,7 +19,7 @@ from pliant.plants.functions import NumericFunction, function
 from pliant.plants.parameters import require_finite
 from pliant.plants.signals import index
 
-from .controller import saturation
+from .controller import ends, saturation
 
 if TYPE_CHECKING:
     from pliant.plants.plant import Plant
@@ -55,14 +55,15 @@ class Objective:
             index(plant.inputs, name, f"{owner}.effort: input")
             if not 0 < value < np.inf:
                 raise ValueError(f"{owner}.effort[{name!r}] = {value!r} must be > 0")
-        for name, (low, high) in self.bounds.items():
+        for name, between in self.bounds.items():
             index(self.signals, name, f"{owner}.bounds: state or output")
-            if not low < high:
-                raise ValueError(f"{owner}.bounds[{name!r}] = ({low!r}, {high!r}) must be lowest < highest")
+            ends(f"{owner}.bounds[{name!r}]", between)
         for name, value in self.goal_rates.items():
             index(plant.states, name, f"{owner}.goal_rates: state")
             if not np.isfinite(value):
                 raise ValueError(f"{owner}.goal_rates[{name!r}] = {value!r} must be finite")
+        if not self.weights and not self.effort:
+            raise ValueError(f"{owner}.weights, effort are empty, must name at least one signal")
         names = [s.name for s in plant.inputs]
         object.__setattr__(self, "limits", saturation(owner, self.limits, names))
 
@@ -82,6 +83,15 @@ class Objective:
             bounds={name: (-value, value) for name, value in scene.bounds},
             goal_rates=dict(scene.goal_rates),
         )
+
+    @cached_property
+    def drift(self) -> np.ndarray:
+        """d/dt of the goal (nx,)."""
+        return np.array([float(self.goal_rates.get(s.name, 0.0)) for s in self.plant.states])
+
+    def goal_at(self, t: float) -> np.ndarray:
+        """The goal (nx,) at t [s]."""
+        return self.x_goal + t * self.drift
 
     @property
     def signals(self) -> tuple[Any, ...]:
@@ -119,10 +129,10 @@ class Objective:
         r = self._residual(*values, batch=batch)[0]
         return (r**2).sum(axis=-1)
 
-    def cost(self, x: Any, u: Any) -> float:
-        """J of states x (N+1, nx) or (N, nx) and the inputs u (N, nu) held from each to the next."""
+    def cost(self, x: Any, u: Any, t0: float = 0.0) -> float:
+        """J of states x (N+1, nx) or (N, nx) and the inputs u (N, nu) held from each to the next, from t0 [s] on."""
         u = np.asarray(u, dtype=float)
-        t = self.dt * np.arange(len(u))
+        t = t0 + self.dt * np.arange(len(u))
         return float(self.dt * self.rate(np.asarray(x, dtype=float)[: len(u)], u, t).sum())
 
     def quadratic(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -142,7 +142,7 @@ class Kalman:
         if sensors is None:
             modelled = names(model.states + model.outputs)
             sensors = [s for s in sensors_of(plant) if s.output in modelled]
-        made = cls.design(model, sensors, W or process_noise(scene), dt=scene.dt, delay=delay)
+        made = cls.design(model, sensors, process_noise(scene) if W is None else W, dt=scene.dt, delay=delay)
         x, u = scene.initial
         values = dict(zip(known, np.concatenate([x, plant.measure(x, u)])))
         made.start = np.array([values[name] for name in model.state_names])
@@ -195,11 +195,12 @@ class Kalman:
 
         With the first sample only the feedthrough of u counts.
         """
-        y = reading("Kalman.y", y, len(self.sensors))
+        y, nu = reading("Kalman.y", y, len(self.sensors)), self.u0.shape[1]
+        given = None if u is None else reading("Kalman.u", u, nu)
         self.k += 1
         i = self._entry
         step, x = self.steps[i], self._x
-        du = np.zeros(self.u0.shape[1]) if u is None else u - self.u0[i]
+        du = np.zeros(nu) if given is None else given - self.u0[i]
         if self.k:
             x = step.A @ x + step.B @ du + step.c
         base = self.y0[min(max(self.k - self.delay, 0), len(self.y0) - 1)] if self.delay else self.y0[i]

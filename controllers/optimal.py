@@ -24,6 +24,7 @@ from pliant.plants.trajectory import Trajectory
 
 from . import interior_point
 from .objective import Objective
+from .riccati_checks import weight_matrix
 from .transcription import Transcription
 
 if TYPE_CHECKING:
@@ -77,7 +78,8 @@ def optimal(
     """The motion of least cost over `steps` periods of objective.dt from x0 (nx,).
 
     substeps: RK4 steps a period, at constant disturbances w (nw,) and parameters p (np,).
-    terminal: None; P (nx, nx), a weight on the last state's deviation from the goal; or "goal", x_N = x_goal.
+    terminal: None; P (nx, nx) >= 0, a weight on the last state's deviation from the goal; or "goal", x_N = goal. A goal
+    that moves is meant where it is then.
     at: {k: {state or output: value}}, equalities at t = k dt, 1 <= k <= steps.
     reference: {weighted state or output: values (steps,)} that take the place of the goal's in the cost.
     guess: a Motion, or a pair x (steps+1, nx), u (steps, nu); None: the straight line to the goal.
@@ -88,13 +90,16 @@ def optimal(
     require_count("optimal", "steps", steps, 1, 100_000)
     require_choice("optimal", "solver", solver, ("ipopt", "fatrop"))
     require_choice("optimal", "hessian", hessian, HESSIANS)
+    require_count("optimal", "iterations", iterations, 1, 1_000_000)
+    if not 0 < tolerance < np.inf:
+        raise ValueError(f"optimal.tolerance = {tolerance!r} must be > 0")
     x0 = require_finite("optimal.x0", x0, (plant.nx,))
     w = np.zeros(plant.nw) if w is None else require_finite("optimal.w", w, (plant.nw,))
     p = plant.nominal_parameters if p is None else require_finite("optimal.p", p, (len(plant.varied),))
     at_goal = isinstance(terminal, str)
     if at_goal:
         require_choice("optimal", "terminal", terminal, ("goal",))
-    P = None if at_goal or terminal is None else require_finite("optimal.terminal", terminal, (plant.nx, plant.nx))
+    P = None if at_goal or terminal is None else weight_matrix("optimal.terminal", terminal, plant.nx, definite=False)
     problem = Transcription(
         objective, x0, steps, substeps, P, at_goal, w, p, exact=hessian == "exact", at=at, reference=reference
     )
@@ -119,7 +124,7 @@ def driven(scene: Charged) -> tuple[np.ndarray, np.ndarray] | None:
     x = np.empty((scene.steps + 1, scene.plant.nx))
     x[0] = scene.initial[0]
     for k in range(scene.steps):
-        x[k + 1] = step(x[k : k + 1], u[k])[0]
+        x[k + 1] = step(x[k : k + 1], u[k], t=k * scene.dt)[0]
     return (x, u) if np.isfinite(x).all() else None
 
 
@@ -127,7 +132,7 @@ def _start(problem: Transcription, guess: Any) -> np.ndarray:
     N, plant, objective = problem.N, problem.plant, problem.objective
     if guess is None:
         s = np.linspace(0.0, 1.0, N + 1)[:, None]
-        guess = problem.x0 + s * (objective.x_goal - problem.x0), np.tile(objective.u_goal, (N, 1))
+        guess = problem.x0 + s * (problem.goal - problem.x0), np.tile(objective.u_goal, (N, 1))
     x, u = (guess.x, guess.u) if isinstance(guess, Motion) else guess
     x = require_finite("optimal.guess x", x, (N + 1, plant.nx))
     return problem.pack(x, require_finite("optimal.guess u", u, (N, plant.nu)))

@@ -15,6 +15,7 @@ from pliant.plants.errors import PliantError
 from pliant.plants.motion import minimum_jerk
 from pliant.plants.parameters import require_finite
 
+from .controller import ends
 from .goal_model import goal_model
 from .objective import Objective
 from .optimal import Motion, optimal
@@ -61,9 +62,13 @@ def plan(
         raise ValueError("plan.weights must name the signals that the path gives")
     limits = np.array(scene.limits, dtype=float)
     allowed: dict[str, tuple[float, float]] = {name: (-value, value) for name, value in scene.bounds}
-    allowed |= {n: v if isinstance(v, tuple) else (-v, v) for n, v in (bounds or {}).items()}
+    for name, value in (bounds or {}).items():
+        one = np.ndim(value) == 0
+        low, high = ends(f"plan.bounds[{name!r}]", (-value, value) if one else value)  # type: ignore[operator]
+        allowed[name] = (low, high)
     names = [s.name for s in plant.inputs]
-    x_goal, u_goal = scene.target
+    _, u_goal = scene.target
+    x_goal = Objective.of(scene).goal_at(time)
     x0 = scene.initial[0] if x0 is None else require_finite("plan.x0", x0, (plant.nx,))
     rigid = rigid_motion(plant, x0, x_goal, u_goal, time, steps)
     reference: dict[str, np.ndarray] = {}
@@ -83,7 +88,7 @@ def plan(
         limits=(-(1 - reserve) * limits, (1 - reserve) * limits),
         bounds=allowed,
     )
-    at = {steps: _rest(scene)}
+    at = {steps: _rest(scene, time)}
     for moment, values in (via or {}).items():
         k = round(moment / dt)
         if not 1 <= k < steps:
@@ -100,10 +105,10 @@ def plan(
     )
 
 
-def _rest(scene: Charged) -> dict[str, float]:
-    """What the end must be: every state or output that a law about the goal has to hold, where it then is."""
-    model, _ = goal_model(scene)
-    return dict(zip(model.state_names, model.x0.tolist()))
+def _rest(scene: Charged, time: float) -> dict[str, float]:
+    """What the end must be: every state or output that a law about the goal has to hold, where it is at `time` [s]."""
+    model, drift = goal_model(scene)
+    return dict(zip(model.state_names, (model.x0 + time * drift).tolist()))
 
 
 def rigid_motion(

@@ -14,7 +14,7 @@ class Record:
     names: tuple[str, ...] = ()  # of the soft limits
     calls: int = 0
     limited: int = 0  # acts that a limit changed
-    failures: int = 0  # acts without a solution: the plan of an earlier act went on
+    failures: int = 0  # acts without a solution: the last plan went on, past its end the unlimited law within limits
     violations: int = 0  # acts whose prediction exceeds a soft limit
     unreached: int = 0  # acts whose tracked signals the limits keep from their values
     worst: np.ndarray = field(init=False)  # (len(names),) largest excess over the horizon of any act [its unit]

@@ -12,6 +12,8 @@ from pliant.plants.motion import minimum_jerk
 from pliant.plants.parameters import require_finite
 from pliant.plants.signals import index, read_only
 
+from .controller import moment
+
 if TYPE_CHECKING:
     from pliant.plants.plant import Plant
 
@@ -47,6 +49,7 @@ class RestToRest:
         return self.time + (0.0 if self.shaper is None else self.shaper.duration)
 
     def __call__(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        t = moment("RestToRest", t)
         way = rate = acceleration = 0.0
         for start, share in self._impulses:  # type: ignore[attr-defined]
             s, ds, dds = minimum_jerk((t - start) / self.time)
@@ -65,6 +68,16 @@ class Follow:
     rates: np.ndarray
     accelerations: np.ndarray
 
+    def __post_init__(self) -> None:
+        if not 0 < self.dt < np.inf:
+            raise ValueError(f"Follow.dt = {self.dt!r} must be > 0 [s]")
+        positions = read_only("Follow.positions", self.positions, (-1, -1))
+        if not len(positions):
+            raise ValueError("Follow.positions are empty, must hold at least one row")
+        object.__setattr__(self, "positions", positions)
+        for name in ("rates", "accelerations"):
+            object.__setattr__(self, name, read_only(f"Follow.{name}", getattr(self, name), positions.shape))
+
     @property
     def end(self) -> np.ndarray:
         """The last position (n,)."""
@@ -72,7 +85,7 @@ class Follow:
 
     def __call__(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         last = len(self.positions) - 1
-        k = min(max(round(t / self.dt), 0), last)
+        k = min(max(round(moment("Follow", t) / self.dt), 0), last)
         late = t - k * self.dt if k == last else 0.0
         return self.positions[k] + late * self.rates[k], self.rates[k], self.accelerations[k]
 
@@ -87,7 +100,7 @@ class Joints(NamedTuple):
 def joints(plant: Plant) -> Joints:
     """The coordinate that each input drives: the rigid plant's own, or a spacecraft's attitude and hinges.
 
-    PliantError where there is not one for each input: forces at a tip, thrusters, wheels about skew axes.
+    PliantError where there is not one for each input: forces at a tip in the plane, thrusters, wheels about skew axes.
     """
     known = {s.name for s in plant.states + plant.outputs}
     rigid = plant.ladder()[0]

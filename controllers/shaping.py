@@ -27,7 +27,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from pliant.plants.errors import PliantError
-from pliant.plants.parameters import require_choice
+from pliant.plants.parameters import require_choice, require_count
 from pliant.plants.signals import read_only
 
 if TYPE_CHECKING:
@@ -120,8 +120,12 @@ def shaper_for(
 
     Of a model those count that oscillate with a damping ratio below 0.2; the `most` slowest where given.
     """
+    if most is not None:
+        require_count("shaper_for", "most", most, 1, 1000)
     if hasattr(modes, "eigenvalues") and hasattr(modes, "modes"):
         modes = light(modes.eigenvalues, most)
+    elif not isinstance(modes, Iterable):
+        raise ValueError(f"shaper_for.modes = {modes!r} must be a linear model, or a sequence of modes or frequencies")
     found = [_read(mode) for mode in modes]
     if not found:
         raise ValueError("shaper_for.modes must hold at least one mode that oscillates")

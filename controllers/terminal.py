@@ -14,6 +14,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.controllers import riccati
+from pliant.controllers.goal_model import HELD
 from pliant.plants.errors import EquilibriumError, PliantError
 from pliant.plants.integrate import step_limit
 from pliant.plants.parameters import require_choice, require_finite
@@ -22,7 +23,6 @@ from pliant.plants.sensitivities import StepSensitivities
 if TYPE_CHECKING:
     from .objective import Objective
 
-DRIFT = 1e-6  # largest change of a state that is seen over a period at the goal, of the largest there or of 1
 UNSEEN = 1e-12  # of the largest slope: below it a state does not act on another
 MARGIN = 0.9  # of the largest stable step
 DEARER = 1.01  # largest ratio of costs of the regulators designed on a coarse and on a fine prediction
@@ -138,12 +138,12 @@ def _period(objective: Objective, substeps: int) -> _Period:
             break
         seen = more
     k = np.flatnonzero(seen)
-    drift = (end - objective.x_goal)[k] / max(1.0, np.abs(objective.x_goal[k]).max(initial=0.0))
-    if np.abs(drift).max(initial=0.0) > DRIFT:
+    drift = (end - objective.goal_at(objective.dt))[k]
+    if np.abs(drift).max(initial=0.0) > HELD * objective.dt:
         worst = int(np.argmax(np.abs(drift)))
         raise EquilibriumError(
             f"the goal is no equilibrium: {objective.plant.states[k[worst]].name} changes by {drift[worst]:.3g} in a "
-            "control period; a regulator about it, and its cost-to-go, need a goal at rest",
+            "control period; a regulator about it, and its cost-to-go, need a goal at rest, or its goal_rates",
             float(np.abs(drift[worst])),
         )
     return _Period(A[np.ix_(k, k)], B[k], Q[np.ix_(k, k)], R, N[k], k)

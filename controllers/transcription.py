@@ -48,6 +48,7 @@ class Transcription:
         self.objective, self.x0, self.N, self.P, self.exact, self.at_goal = objective, x0, N, P, exact, at_goal
         self.nx, self.nu, self.nz = plant.nx, plant.nu, plant.nx + plant.nu
         self.t, self._given = objective.dt * np.arange(N + 1), (w, p)
+        self.goal = objective.goal_at(self.t[-1])
         self.periods = HeldSteps(plant, objective.dt, substeps, self.t[:-1], w, p)
         self.charge = StageTerms(objective, objective.residual_expression)
         self._shift = _shift(objective, reference or {}, N)
@@ -65,6 +66,9 @@ class Transcription:
         self._last_rows = np.flatnonzero(~entered.any(axis=1))
         for k, values in self._at.items():
             require_count("optimal", "at step", k, 1, N)
+            for name, value in values.items():
+                if not np.isfinite(value):
+                    raise ValueError(f"optimal.at[{k}][{name!r}] = {value!r} must be finite")
             for name in values if k == N else ():
                 if self._output_names.index(name) not in self._last_rows:
                     raise ValueError(f"optimal.at[{N}]: {name} depends on the input, which ends before")
@@ -150,7 +154,7 @@ class Transcription:
         r, _ = self._kept("charge", z, self._charged)
         value = self.objective.dt * float((r**2).sum())
         if self.P is not None:
-            error = z[-self.nx :] - self.objective.x_goal
+            error = z[-self.nx :] - self.goal
             value += float(error @ self.P @ error)
         return value
 
@@ -158,7 +162,7 @@ class Transcription:
         """The objective's gradient (size,)."""
         r, J = self._kept("charge", z, self._charged)
         slope = 2 * self.objective.dt * np.einsum("kri,kr->ki", J, r)
-        error = z[-self.nx :] - self.objective.x_goal
+        error = z[-self.nx :] - self.goal
         end = np.zeros(self.nx) if self.P is None else (self.P + self.P.T) @ error
         return np.concatenate([slope.ravel()[self.nx :], end])
 
@@ -170,7 +174,7 @@ class Transcription:
     def _gather(self, ends: Array, x: Array, u: Array) -> Array:
         limited = self.outputs.values(self.t[:-1], x[:-1], u, *self._given)[0]
         stages = np.hstack([x[1:] - ends, limited])
-        goal = x[-1] - self.objective.x_goal if self.at_goal else np.zeros(0)
+        goal = x[-1] - self.goal if self.at_goal else np.zeros(0)
         return np.concatenate([stages.ravel(), self._at_end(x[-1])[0][self._last_rows], goal])
 
     def _at_end(self, x: Array) -> list[Array]:
@@ -235,5 +239,7 @@ def _shift(objective: Objective, reference: Mapping[str, Any], N: int) -> Array:
         require_choice("optimal", "reference", name, names)
         values = require_finite(f"optimal.reference[{name!r}]", values, (N,))
         away = values - goal[index(objective.signals, name, "signal")]
+        if name in objective.goal_rates:
+            away = away - objective.goal_rates[name] * objective.dt * np.arange(N)
         shift[:, names.index(name)] = np.sqrt(objective.weights[name]) * away
     return shift

@@ -23,7 +23,7 @@ import numpy as np
 from pliant.plants.parameters import require_choice, require_finite
 
 from . import riccati
-from .controller import reading, saturation
+from .controller import moment, reading, saturation
 from .funnel import Funnel
 from .goal_model import goal_model
 from .nominals import NOMINALS, nodes, nominal_for, rests
@@ -63,6 +63,8 @@ class TVLQR:
     index: str = "time"  # or "phase"
     slowest: float = 0.25  # nodes that the phase moves on by in a period, at least
     fastest: float = 2.0  # at most
+    start: float = 0.0  # [s] time of the first node
+    drift: np.ndarray | None = None  # (nx,) d/dt of a goal that goes on moving after the end
     phase: float = field(init=False, default=0.0)  # nodes since `reset`
 
     def __post_init__(self) -> None:
@@ -107,7 +109,7 @@ class TVLQR:
         regulator = riccati.dtvlqr(A, B, Q, R, N, c, end=end)
         names = tuple(s.name for s in plant.states)
         bounds = saturation("TVLQR", limits, [s.name for s in plant.inputs])
-        return cls._about(regulator, A, B, c, x, u, dt, names, hold, bounds, index)
+        return cls._about(regulator, A, B, c, x, u, dt, names, hold, bounds, index, float(t[0]))
 
     @classmethod
     def design(
@@ -136,7 +138,8 @@ class TVLQR:
         u = (ltv.u[:-1] + ltv.u[1:]) / 2
         bounds = saturation("TVLQR", limits, ltv.input_names)
         names = ltv.state_names
-        return cls._about(regulator, found.A, found.B, found.c, ltv.x, u, dt, names, hold, bounds, index)
+        A, B, c, start = found.A, found.B, found.c, float(ltv.t[0])
+        return cls._about(regulator, A, B, c, ltv.x, u, dt, names, hold, bounds, index, start)
 
     @classmethod
     def for_scene(
@@ -155,6 +158,10 @@ class TVLQR:
         to rest, else "optimal". reserve: share of the limits that "plan" and "optimal" leave to the feedback. effort: a
         factor on what the inputs cost. After the end the regulator about the goal takes over.
         """
+        if not 0 <= reserve < 1:
+            raise ValueError(f"TVLQR.for_scene.reserve = {reserve!r} must be >= 0 and < 1")
+        if not 0 < effort < np.inf:
+            raise ValueError(f"TVLQR.for_scene.effort = {effort!r} must be > 0")
         plant, about = scene.plant, Objective.of(scene)
         held = goal_model(scene)[0].state_names  # EquilibriumError where the goal cannot be held
         nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
@@ -169,7 +176,7 @@ class TVLQR:
         period = HeldSteps(plant, scene.dt, scene.substeps, goal[0], *given).slopes(*goal[1:]).slope[0]
         K, P = steady_law(period, *last, names=[s.name for s in plant.states], held=held, dt=scene.dt)
         high = np.array(scene.limits, dtype=float)
-        return cls.along(
+        made = cls.along(
             plant,
             nominal,
             Q,
@@ -178,10 +185,12 @@ class TVLQR:
             dt=scene.dt,
             substeps=scene.substeps,
             end=P,
-            hold=(K, about.x_goal, about.u_goal),
+            hold=(K, about.goal_at(t[-1]), about.u_goal),
             limits=(-high, high),
             index=index,
         )
+        made.drift = about.drift if about.drift.any() else None
+        return made
 
     @classmethod
     def _about(
@@ -197,6 +206,7 @@ class TVLQR:
         hold: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
         limits: tuple[np.ndarray, np.ndarray],
         index: str,
+        start: float,
     ) -> TVLQR:
         """The law's own nominal x*, u*: the linear loop from the nominal's start."""
         e, moved, fed = np.zeros_like(x), x.copy(), np.vstack([u, u[-1:]])
@@ -207,15 +217,17 @@ class TVLQR:
         moved += e
         last, handover, fed[-1] = regulator.K[-1], None, fed[-2]
         if hold is not None:
-            handover = moved[-1] - hold[1]
-            last, moved[-1], fed[-1] = hold
+            shapes = last.shape, x.shape[1:], u.shape[1:]
+            held = [require_finite(f"TVLQR.hold[{i}]", *pair) for i, pair in enumerate(zip(hold, shapes))]
+            handover = moved[-1] - held[1]
+            last, moved[-1], fed[-1] = held
         K = np.concatenate([regulator.K, last[None]])
-        return cls(dt, names, x, moved, fed, regulator, K, limits, handover, index)
+        return cls(dt, names, x, moved, fed, regulator, K, limits, handover, index, start=start)
 
     @cached_property
     def funnel(self) -> Funnel:
         """Where no input reaches a limit; see Funnel. By time only: the phase may jump."""
-        t = self.dt * np.arange(len(self.x))
+        t = self.start + self.dt * np.arange(len(self.x))
         return Funnel.about(t, self.x, self.u, self.K, self.regulator.P, self.limits, self.handover)
 
     def cost_to_go(self, k: int, x: Any) -> float:
@@ -229,11 +241,13 @@ class TVLQR:
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from the states y (nx,) at time t [s]."""
         y = reading("TVLQR.y", y, len(self.reads))
-        last = len(self._gains) - 1
+        t, last = moment("TVLQR", t), len(self._gains) - 1
         if self.index == "time":
-            k = min(max(int(t / self.dt + 1e-6), 0), last)
+            k = min(max(int((t - self.start) / self.dt + 1e-6), 0), last)
         else:
             k = min(self._nearest(y), last)
+        if k == last and self.drift is not None:
+            y = y - self.drift * (t - self.start - last * self.dt)
         u = self._offsets[k] - self._gains[k].dot(y)
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.controllers import LQR
+from pliant.controllers import LQR, Controller
 from pliant.controllers.spillover import case_of
 from pliant.envs.scenes import Scene
 from pliant.plants import EquilibriumError, Plant, PliantError, Trajectory, parameters
@@ -169,23 +169,29 @@ def _loop(scene: Scene, law: LQR | Following, name: str, plant: Plant) -> Loop:
         loop = dataclasses.replace(
             loop, stable=stable, radius=radius, worst_mode=worst, spillover=lacking and not stable
         )
-        motion = _run(played, law)
+        motion = run(played, law)
     except PliantError as failure:
         return dataclasses.replace(loop, failure=f"{type(failure).__name__}: {failure}")
-    told = driven_to_goal(scene)
-    goal = scene.goal_values(told) + scene.goal_drift(told) * motion.t[-1]
-    ended = np.array([motion[name][-1] for name in told])
     at_limit = np.isclose(np.abs(motion.u[:-1]), np.array(scene.limits), rtol=1e-9).any(axis=1)
     return dataclasses.replace(
         loop,
         cost=played.cost(motion),
-        final_error=float(np.abs(ended - goal).max()),
+        final_error=end_error(scene, motion),
         saturated=float(at_limit.mean()),
         motion=motion,
     )
 
 
-def _run(scene: Scene, law: LQR | Following) -> Trajectory:
+def end_error(scene: Scene, motion: Trajectory) -> float:
+    """Largest distance from the goal at the motion's end of the signals `driven_to_goal` [their unit]."""
+    told = driven_to_goal(scene)
+    goal = scene.goal_values(told) + scene.goal_drift(told) * motion.t[-1]
+    ended = np.array([motion[name][-1] for name in told])
+    return float(np.abs(ended - goal).max())
+
+
+def run(scene: Scene, law: Controller) -> Trajectory:
+    """The scene under a controller that reads the true signals; raises what simulation or controller raise."""
     plant, x0 = scene.plant, scene.initial[0]
     fastest = np.abs(np.linalg.eigvals(plant.jacobians(*scene.target)[0])).max(initial=0.0)
     # An explicit method of order 8 takes steps of about 5 over the fastest rate

@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from pliant.controllers import LQR, Feedback
+from pliant.controllers import LQR, Feedback, hinf
 from pliant.controllers.hinf import peak
 from pliant.controllers.loops import Loop, law_of, loop
 from pliant.controllers.lqg import LQG
@@ -242,3 +242,12 @@ def test_no_margins_of_what_is_not_stable_or_has_no_linear_form():
     with pytest.raises(ValueError, match="state or output 'z' must be one of x, v"):
         loop(DOUBLE, Feedback([[1.0]], ("z",)))
     assert "phase" in str(margins(loop(DOUBLE, Feedback([[1.0, 1.0]], ("x", "v")))))
+
+
+def test_a_norm_that_is_not_found_is_not_told(monkeypatch):
+    A, B = np.array([[0.0, 1.0], [-1.0, -1e-3]]), np.array([[0.0], [1.0]])
+    C, D = np.array([[1.0, 0.0]]), np.zeros((1, 1))
+    assert peak(A, B, C, D).value == pytest.approx(1e3, rel=1e-5)  # 1 / (2 zeta) at the resonance, zeta = 5e-4
+    monkeypatch.setattr(hinf, "MOST_ROUNDS", 0)
+    with pytest.raises(PliantError, match="the norm is not found"):
+        peak(A, B, C, D)
