@@ -7,18 +7,23 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from pliant.envs.scenes import Scene
 from pliant.plants import Plant, Trajectory
-from pliant.plants.signals import names
+from pliant.plants.signals import Signal, names
 
 from . import shapes
 from .figures_chart import ladder, settings, speed_accuracy
+from .figures_control import controllers
 from .figures_models import eigenvalues, frozen
+from .stability_figures import evidence
 from .style import COLOURS, INK, QUIET, WIDTH, inline, panels, save, styled
 
 __all__ = [
+    "controllers",
     "eigenvalues",
+    "evidence",
     "frozen",
     "histories",
     "inline",
@@ -44,6 +49,7 @@ UNITS = {  # in the order of the panels
 DEFLECTED = {"m": "deflections", "m/s": "rates of deflection"}
 APART = 30.0  # ratio of the peaks of signals that are not drawn in one panel
 ROUNDING = 1e-9  # of the largest peak, below which a signal is no more than that
+LONG_LABEL = 18  # characters of a label above which it has two lines
 MANY = 6  # panels above which there are two columns
 
 
@@ -54,11 +60,11 @@ def words(name: str) -> str:
 
 def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list[str]]]:
     """Names of the goal's states and of the outputs by unit and size, without what the tip's path shows; the inputs."""
-    outputs, told = scene.plant.outputs, {*dict(scene.goal), *dict(scene.goal_rates), *scene.weighted}
-    shown = {*names(outputs), *(s.name.removeprefix("body_") for s in outputs)}
-    signals = [s for s in scene.plant.states if s.name in told and s.name not in shown and "quaternion" not in s.name]
+    outputs, signals = scene.plant.outputs, _told_states(scene)
     on_the_path = scene.compare if len(scene.compare) >= 2 else ()
     signals += [s for s in outputs if s.name not in on_the_path]
+    zero = still(scene, motions)
+    signals = [s for s in signals if s.name not in zero]
     found = []
     for unit, label in UNITS.items():
         own = [[s.name] for s in signals if s.unit == unit and s.name in scene.compare]  # else it may hide
@@ -66,13 +72,27 @@ def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list
         for chosen in (*own, *_alike(rest, motions)):
             bent = all("deflection" in name for name in chosen) or (unit == "m" and shapes.in_space(scene.plant))
             found.append((f"{DEFLECTED.get(unit, label) if bent else label} [{unit}]", chosen))
-    units = {s.unit for s in scene.plant.inputs}
-    found.append((f"inputs [{units.pop()}]" if len(units) == 1 else "inputs", list(names(scene.plant.inputs))))
+    inputs = [s for s in scene.plant.inputs if s.name not in zero]
+    for unit in dict.fromkeys(s.unit for s in inputs):
+        found.append((f"inputs [{unit}]", [s.name for s in inputs if s.unit == unit]))
     return found
 
 
+def _told_states(scene: Scene) -> list[Signal]:
+    """The states that goal or cost name and that are no outputs already."""
+    outputs, told = scene.plant.outputs, {*dict(scene.goal), *dict(scene.goal_rates), *scene.weighted}
+    shown = {*names(outputs), *(s.name.removeprefix("body_") for s in outputs)}
+    return [s for s in scene.plant.states if s.name in told and s.name not in shown and "quaternion" not in s.name]
+
+
+def still(scene: Scene, motions: Sequence[Trajectory]) -> tuple[str, ...]:
+    """What would be drawn but is zero throughout every motion."""
+    signals = names((*_told_states(scene), *scene.plant.outputs, *scene.plant.inputs))
+    return tuple(name for name in signals if not any(np.any(m[name]) for m in motions))
+
+
 def _alike(chosen: list[str], motions: Sequence[Trajectory]) -> list[list[str]]:
-    """The signals in groups whose peaks are of one size, largest first; what is always zero is in the first.
+    """The signals in groups whose peaks are of one size, largest first; what is only rounding is in the first.
 
     A signal that another one equals throughout is left out.
     """
@@ -100,7 +120,7 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
     groups = _groups(scene, [motion for _, motion in motions])
     columns = 1 if len(groups) <= MANY else 2
     rows = -(-len(groups) // columns)
-    figure, axes = panels(rows, columns, height=1.7, width=WIDTH * (1.0 if columns == 1 else 1.4), sharex=True)
+    figure, axes = panels(rows, columns, height=1.45, width=WIDTH * (1.0 if columns == 1 else 1.4), sharex=True)
     for ax in axes[len(groups) :]:
         ax.remove()
         axes[len(groups) - 2].tick_params(labelbottom=True)
@@ -121,15 +141,14 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
             if name in limits and limits[name] < 1.3 * shown:
                 for sign in (-1, 1):
                     ax.axhline(sign * limits[name], color=COLOURS[i], lw=0.8, ls=(0, (5, 2)), alpha=0.7)
-        ax.set_ylabel(label)
+        ax.set_ylabel(label if len(label) <= LONG_LABEL else label.replace(" [", "\n["))
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     for ax in axes[-columns:]:
         ax.set_xlabel("time [s]")
     axes[0].set_title(title)
     if len(motions) > 1:
-        for k, (name, _) in enumerate(motions):
-            axes[-1].plot([], [], styles[k % len(styles)], color=INK, label=name)
-        axes[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        lines = [Line2D([], [], color=INK, ls=styles[k % len(styles)], label=n) for k, (n, _) in enumerate(motions)]
+        figure.legend(handles=lines, loc="outside lower center", ncols=min(len(lines), 4))
     return figure
 
 
@@ -137,6 +156,7 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
 def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
     """The path of the tip in the plane, for each motion."""
     figure, (ax,) = panels(1, height=3.2, width=6.4)
+    figure.set_layout_engine("compressed")  # else the legend beside equal axes is cut off
     x, y = scene.compare[:2]
     for i, (name, motion) in enumerate(motions):
         ax.plot(motion[x], motion[y], color=COLOURS[i], label=name, lw=1.6 - 0.2 * i)
@@ -161,7 +181,12 @@ def stroboscopic(
     cases: Sequence[tuple[str, Plant, Trajectory]], *, count: int = 16, until: float | None = None
 ) -> Figure:
     """The arm's shape at `count` times, early ones faint, side by side for each case; with the tip's path."""
-    figure, axes = panels(1, len(cases), height=3.6, sharex=True, sharey=True)
+    ends = np.concatenate([shapes.lines(plant, motion.x[::10]).reshape(-1, 2) for _, plant, motion in cases])
+    wide, high = np.ptp(ends, axis=0)
+    flat = 1.2 + WIDTH / len(cases) * high / max(wide, 1e-9)
+    height = 3.6 if shapes.whirls(cases[0][1], cases[0][2]) else min(3.6, flat)
+    figure, axes = panels(1, len(cases), height=height, sharex=True, sharey=True)
+    figure.set_layout_engine("compressed")
     for ax, (name, plant, motion) in zip(axes, cases):
         last = len(motion.t) if until is None else int(np.searchsorted(motion.t, until * (1 + 1e-9))) + 1
         picks = np.unique(np.linspace(0, min(last, len(motion.t)) - 1, count).round().astype(int))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -37,7 +37,8 @@ def speed_accuracy(chart: Chart) -> Figure:
     if front:
         ax.step(*zip(*front), where="post", color=INK, lw=1.2, zorder=1)
     ax.axvline(chart.tolerance, color=COLOURS[7], lw=1.2, ls="--")
-    ax.text(chart.tolerance, 1.01, "tolerance", color=COLOURS[7], ha="center", transform=ax.get_xaxis_transform())
+    aside: Any = {"ha": "right", "va": "top", "rotation": 90, "transform": ax.get_xaxis_transform()}
+    ax.text(chart.tolerance, 0.99, "tolerance ", color=COLOURS[7], **aside)
     ax.set_xscale("log")
     ax.set_yscale("log")
     beyond = f", from {highest:g} {chart.unit} at the edge" if any(error == highest for error, _, _ in rows) else ""

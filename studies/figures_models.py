@@ -14,6 +14,7 @@ from .style import COLOURS, INK, MARKERS, panels, styled
 
 SMALL = 1e-2  # of the usual range, below which eigenvalues would all be drawn at zero
 NOTHING = 1e-6  # real parts below this share of the largest eigenvalue are rounding
+ROUNDED = 1e-12  # and these are rounding even where all that is told apart from zero is small
 
 
 class Plain(LogFormatter):
@@ -43,10 +44,11 @@ def eigenvalues(sets: Sequence[tuple[str, np.ndarray]], *, title: str = "Eigenva
         )
     ax.axvline(0, color=INK, lw=0.8)
     every = np.concatenate([np.asarray(values) for _, values in sets])
-    across, up = _linear_up_to(every.real, 0.1), _linear_up_to(every.imag, 1.0)
+    told = np.where(np.abs(every.real) > ROUNDED * np.abs(every).max(initial=0.0), every.real, 0.0)
+    across, up = _linear_up_to(told, 0.1), _linear_up_to(every.imag, 1.0)
     ax.set_xscale("symlog", linthresh=across)
     ax.set_yscale("symlog", linthresh=up)
-    ax.set_xlim(2 * min(every.real.min(), -0.5 * across), 3 * max(every.real.max(), across))
+    ax.set_xlim(2 * min(told.min(), -0.5 * across), 3 * max(told.max(), across))
     ax.set_ylim(-0.4 * up, 2 * max(every.imag.max(), up))
     ax.set_xlabel("real part [1/s]")
     ax.set_ylabel("imaginary part [rad/s]")

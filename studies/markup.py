@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from html import escape
 from typing import Any
+
+SHORT = 20  # characters that a cell keeps on one line
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[Any]], *, marked: Sequence[int] = ()) -> str:
@@ -22,7 +25,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[Any]], *, marked: Sequenc
 def _cell(value: Any) -> str:
     if value is None or isinstance(value, (int, float)):
         return f'<td class="n">{number(value)}</td>'
-    return f"<td>{escape(str(value))}</td>"
+    text = str(value)
+    return f'<td class="s">{escape(text)}</td>' if len(text) <= SHORT else f"<td>{escape(text)}</td>"
 
 
 def number(value: float | int | None) -> str:
@@ -33,8 +37,9 @@ def number(value: float | int | None) -> str:
 
 
 def paragraph(text: str, kind: str = "") -> str:
-    """One escaped paragraph, of a css class where `kind` is given."""
-    return f'<p class="{kind}">{escape(text)}</p>\n' if kind else f"<p>{escape(text)}</p>\n"
+    """One escaped paragraph, of a css class where `kind` is given; `words` in backticks are code."""
+    inner = re.sub(r"`([^`]*)`", r"<code>\1</code>", escape(text))
+    return f'<p class="{kind}">{inner}</p>\n' if kind else f"<p>{inner}</p>\n"
 
 
 def details(summary: str, body: str) -> str:
@@ -65,6 +70,8 @@ def millimetres(value: float) -> str:
     """A length in m as millimetres or micrometres (metres from ten on) with two or three digits."""
     if not math.isfinite(value):
         return "no result"
+    if value > 1e6:
+        return "> 1000 km"
     if value >= 10.0:
         return f"{value:.3g} m"
     if value >= 1e-4:

@@ -1,4 +1,4 @@
-"""One scene, everything: motion, linear models, LQR in closed loop, chart, choice of a model."""
+"""One scene, everything: motion, linear models, stability, controllers in closed loop, chart, choice of a model."""
 
 from __future__ import annotations
 
@@ -17,15 +17,17 @@ from pliant.plants.signals import Signal, names
 from . import files, machine, points, tables
 from .chart import Chart, chart
 from .closed_loop import Following, Loop, closed_loop, dearer
+from .comparison import Contest, compare
 from .fidelity import Choice, choose
+from .judgement import Judgement, judge
 from .motions import Motions, Progress, share, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-CHART_BUDGET = 16.0  # [s], less on a machine so slow or busy that the whole would take long
-WHOLE = 45.0  # [s] that a report should take at most
-AFTER = 0.8  # what comes after the chart, as a share of what comes before it
+CHART_BUDGET = 8.0  # [s] beside the reference, less on a machine so slow or busy that the whole would take long
+WHOLE = 40.0  # [s] that a report should take at most
+AFTER = 0.4  # what comes after the chart, as a share of what comes before it
 RTOL = 1e-9
 FINER, NODES = 10, 4_000  # times a control period, and in all, of the motion that is linearised along
 PERTURBATIONS = (0.03, 0.003)  # of a coordinate [its unit], to test the LTV model
@@ -47,6 +49,8 @@ class Findings:
     law: LQR | Following | None
     no_law: str  # why there is none, in the failure's words
     loops: tuple[Loop, ...]  # none without a law
+    judgement: Judgement  # of stability along the motion
+    contests: tuple[Contest, ...]  # controllers side by side, none without inputs
     chart: Chart
     choice: Choice
     scene_error: float  # of the scene's own plant against the finest variant
@@ -96,7 +100,7 @@ def report(scene: Scene, out: str | Path, *, progress: Progress | None = None, b
 
 
 def study(scene: Scene, *, progress: Progress | None = None, budget: float | None = None) -> Findings:
-    """Simulate, linearise, close the loop, chart and choose."""
+    """Simulate, linearise, judge, close the loop, compare, chart and choose."""
     told, motions, began = progress or silent, Motions(scene), clock.perf_counter()
     told(0.0, "open loop")
     nominal = _nominal(scene)
@@ -111,13 +115,18 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     law: LQR | Following | None = None
     no_law, loops = "", tuple[Loop, ...]()
     try:
-        law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.3))
+        law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.22))
     except PliantError as failure:
         no_law = f"{type(failure).__name__}: {failure}"
+    told(0.22, "stability")
+    judgement = judge(scene, progress=share(progress, 0.22, 0.27))
+    contests = compare(scene, law, loops, progress=share(progress, 0.27, 0.35)) if scene.plant.nu else ()
+    told(0.35, "reference")
+    _ = motions.shown_convergence  # before the chart, whose budget is for what it measures
     if budget is None:
         spent = clock.perf_counter() - began
-        budget = min(CHART_BUDGET, max(0.25 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
-    measured = chart(scene, budget=budget, motions=motions, progress=share(progress, 0.3, 0.85))
+        budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
+    measured = chart(scene, budget=budget, motions=motions, progress=share(progress, 0.4, 0.85))
     choice = choose(scene, measured=measured, motions=motions, progress=share(progress, 0.85, 1.0))
     return Findings(
         scene=scene,
@@ -131,6 +140,8 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         law=law,
         no_law=no_law,
         loops=loops,
+        judgement=judgement,
+        contests=contests,
         chart=measured,
         choice=choice,
         scene_error=motions.difference(scene.plant, motions.reference),
@@ -241,9 +252,14 @@ def figures_of(found: Findings) -> dict[str, Figure]:
     if found.law is not None:
         sets.append(("LQR, sampled", np.log(found.law.poles.astype(complex)) / scene.dt))
     drawn["eigenvalues"] = figures.eigenvalues(sets)
-    drawn["frozen_eigenvalues"] = figures.frozen(found.along)
+    if found.judgement.found is not None:
+        drawn["stability"] = figures.evidence(found.judgement.found, title="Along the motion", height=1.6)
+    else:
+        drawn["frozen_eigenvalues"] = figures.frozen(found.along)
     if runs:
         drawn["closed_loop"] = figures.histories(scene, runs, title="LQR in closed loop")
+    if any(contest.motion is not None for contest in found.contests):
+        drawn["controllers"] = figures.controllers(scene, found.contests)
     drawn["speed_accuracy"] = figures.speed_accuracy(found.chart)
     drawn["settings"] = figures.settings(found.chart)
     drawn["ladder"] = figures.ladder(found.choice)

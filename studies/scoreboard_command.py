@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -34,8 +34,8 @@ def scoreboard(
 
     runs, found = QUICK if quick else (seeds, BOUNDS if bounds is None else bounds)
     words = ["pliant", "scoreboard", *(scenes or ()), *(["--quick"] if quick else [])]
-    given = {"--seeds": None if quick or seeds == 64 else seeds, "--controllers": controllers, "--bounds": bounds}
-    given |= {"--seed": seed or None, "--out": out}
+    given: dict[str, Any] = {"--seeds": None if quick or seeds == 64 else seeds, "--controllers": controllers}
+    given |= {"--bounds": bounds, "--seed": seed or None, "--out": out}
     command = shlex.join([*words, *(w for key, value in given.items() if value is not None for w in (key, str(value)))])
     chosen = [name.strip() for name in controllers.split(",")] if controllers else None
     with bar("scoreboard") as tell:

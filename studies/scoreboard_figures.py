@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +17,7 @@ from .style import COLOURS, INK, MARKERS, QUIET, styled
 if TYPE_CHECKING:
     from .scoreboard import Scoreboard
     from .scoreboard_work import Line
+    from .scores import Row
 
 CEILING = 30.0  # ratios above are drawn at the edge, with their number
 CASES = ("exact", "finer", "varied", "delayed")
@@ -29,7 +30,8 @@ def scene_figure(board: Scoreboard, scene: str) -> Figure:
     rows = [row for row in board.rows if row.scene == scene]
     ranked = _ranked(board, scene)
     figure = Figure(figsize=(11.0, max(4.2, 1.2 + 0.42 * len(ranked))), layout="constrained")
-    left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.15))
+    parts: Any = figure.subfigures(1, 2, width_ratios=(1.0, 1.15))
+    left, right = parts
     ax = left.subplots()
     places = {name: i for i, name in enumerate(ranked)}
     for k, case in enumerate(CASES):
@@ -59,10 +61,9 @@ def scene_figure(board: Scoreboard, scene: str) -> Figure:
     return figure
 
 
-def _mark(ax: Axes, y: float, row: object, colour: str, marker: str) -> None:
-    median, low, high = (getattr(row, n) for n in ("ratio_median", "ratio_low", "ratio_high"))
-    failures, runs = row.failures, row.runs
-    if median is None:
+def _mark(ax: Axes, y: float, row: Row, colour: str, marker: str) -> None:
+    median, low, high, failures, runs = row.ratio_median, row.ratio_low, row.ratio_high, row.failures, row.runs
+    if median is None or low is None or high is None:
         return
     shown = min(median, CEILING)
     ax.plot([min(low, CEILING), min(high, CEILING)], [y, y], color=colour, linewidth=2.0, alpha=0.5)
@@ -78,7 +79,7 @@ def _ranked(board: Scoreboard, scene: str) -> list[str]:
     return sorted(found, key=lambda name: found[name].ratio or found[name].cost or np.inf)
 
 
-def _motions(figure: object, board: Scoreboard, scene: str, ranked: list[str]) -> None:
+def _motions(figure: Any, board: Scoreboard, scene: str, ranked: list[str]) -> None:
     played = board.scenes[scene]
     near = [name for name in ranked if (board.row(scene, "finer", name).ratio or 1.0) <= CLOSE]
     lines = [(name, board.lines[scene, name]) for name in ("bound", *near) if (scene, name) in board.lines]
@@ -86,11 +87,11 @@ def _motions(figure: object, board: Scoreboard, scene: str, ranked: list[str]) -
         return
     signals = _chosen(lines[0][1], deflections(played))
     drive = int(np.argmax(np.ptp(lines[0][1].u, axis=0) / np.array(played.limits)))
-    axes = figure.subplots(len(signals) + 1, 1, sharex=True)  # type: ignore[attr-defined]
+    axes = figure.subplots(len(signals) + 1, 1, sharex=True)
     units = {s.name: s.unit for s in played.signals}
     order = list(dict.fromkeys(row.controller for row in board.rows))
     for name, line in lines:
-        style = {"color": COLOURS[order.index(name) % len(COLOURS)]} if name in order else {}
+        style: dict[str, Any] = {"color": COLOURS[order.index(name) % len(COLOURS)]} if name in order else {}
         style = style or {"color": INK, "linewidth": 2.4}
         for ax, signal in zip(axes, signals):
             ax.plot(line.t, line.signals[signal], label=name, alpha=0.9, **style)
@@ -105,7 +106,7 @@ def _motions(figure: object, board: Scoreboard, scene: str, ranked: list[str]) -
     left_out = f", ratio up to {CLOSE:g}" if len(near) < len(ranked) else ""
     axes[0].set_title(f"Motions on the finer plant{left_out}")
     handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right upper", fontsize=7.5)  # type: ignore[attr-defined]
+    figure.legend(handles, labels, loc="outside right upper", fontsize=7.5)
 
 
 def _chosen(line: Line, bent: Sequence[str]) -> list[str]:

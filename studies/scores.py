@@ -124,7 +124,7 @@ def summarise(
     settled = [s.settling for s in scores if s.settling is not None]
     middle = float(np.median(settled)) if settled else None
     failed = [s.failure for s in scores if s.failure]
-    ratios: dict[str, float] = {}
+    ratios: dict[str, Any] = {}
     if known.any():
         low, mid, high = np.quantile(single, [0.1, 0.5, 0.9], method="nearest")
         ratios = {

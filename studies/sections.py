@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import points, shapes
+from . import points, sections_control, shapes
 from .chart import Row
-from .closed_loop import driven_to_goal
-from .markup import details, duration, measured, paragraph, pictures, table
+from .markup import details, measured, paragraph, pictures, table
 
 if TYPE_CHECKING:
     from .report import Findings
 
 FRAMES = 76  # of the arm that the slider moves
+ROUNDED = 1e-12  # of the largest eigenvalue, below which a real part is rounding
 LINEAR = 1e-5  # error of a prediction against its size, below which it is the integrator's
 
 
@@ -31,7 +31,9 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
         ("Modes and frequencies", _modes(found)),
         ("The linear model at the goal", _goal(found) + drawn("eigenvalues")),
         ("The linear model along the motion", _along(found) + drawn("frozen_eigenvalues")),
-        ("LQR in closed loop", _loops(found) + drawn("closed_loop")),
+        ("Stability along the motion", sections_control.stability(found) + drawn("stability")),
+        ("LQR in closed loop", sections_control.loops(found) + drawn("closed_loop")),
+        ("Controllers in closed loop", sections_control.controllers(found) + drawn("controllers")),
         ("Speed against accuracy", _chart(found) + drawn("speed_accuracy") + _front(found) + drawn("settings")),
         ("The smallest model", _choice(found) + drawn("ladder")),
         ("Versions and machine", table(("what", "value"), list(found.machine.items()))),
@@ -48,26 +50,33 @@ def _answer(found: Findings) -> str:
         text += paragraph(more, "warning")
     else:
         text += paragraph(f"{own}, within the tolerance of {tolerance}.")
+    text += paragraph(sections_control.verdict(found))
+    costs = paragraph(sections_control.contest(found)) if sections_control.contest(found) else ""
     if found.law is None:
-        return text + paragraph(f"There is no LQR about the goal. {found.no_law}.", "warning")
+        return text + paragraph(f"There is no LQR about the goal. {found.no_law}.", "warning") + costs
     stable = [loop for loop in found.loops if loop.stable]
     words = f"The LQR designed on it is stable on {len(stable)} of {len(found.loops)} plants"
-    if found.loops[0].cost is not None:
+    if found.loops[0].cost is not None and not costs:
         words += f"; on the design plant it costs {found.loops[0].cost:.4g}"
     text += paragraph(f"{words}.")
     for loop in found.loops:
         if not loop.stable:
             text += paragraph(f"On {loop.name}: {loop.verdict}.", "warning")
-    return text
+    return text + costs
 
 
 def _motion(found: Findings) -> str:
     """The arm that a slider moves, open loop and under LQR."""
+    from . import figures
+
     scene = found.scene
     inputs = f"the torques that take the rigid plant along a minimum-jerk motion of {scene.move_time:g} s"
     if scene.drive is not None:
         inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
     text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
+    zero = figures.still(scene, [found.nominal])
+    if zero:
+        text += paragraph(f"Zero throughout and not drawn: {', '.join(zero)}.")
     whirls = shapes.whirls(scene.plant, found.open_loop)
     if whirls:
         text += paragraph("The hub turns more than once: shapes are drawn as seen from it.")
@@ -98,9 +107,18 @@ def _motion(found: Findings) -> str:
 
 
 def _modes(found: Findings) -> str:
+    modes = found.goal.modes()
+    nothing = ROUNDED * max(abs(m.eigenvalue) for m in modes)
     rows = [
-        (m.number, m.frequency_hz, m.damping_ratio, m.eigenvalue.real, m.eigenvalue.imag, m.dominant_state)
-        for m in found.goal.modes()
+        (
+            m.number,
+            m.frequency_hz,
+            m.damping_ratio if abs(m.eigenvalue.real) > nothing else 0.0,
+            m.eigenvalue.real if abs(m.eigenvalue.real) > nothing else 0.0,
+            m.eigenvalue.imag,
+            m.dominant_state,
+        )
+        for m in modes
     ]
     head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
     space = shapes.in_space(found.scene.plant)
@@ -142,10 +160,11 @@ def _goal(found: Findings) -> str:
 
 
 def _along(found: Findings) -> str:
+    frozen = "" if found.judgement.found else "Frozen eigenvalues describe it only where it is slow against them. "
     text = paragraph(
-        "The linear time-varying model along the open-loop motion. Frozen eigenvalues describe the motion only "
-        "where it is slow against them. To test the model, the motion is started off the nominal and its deviation "
-        f"in {', '.join(found.scene.compare)} is compared with the prediction; the error should fall with power 2 "
+        f"The linear time-varying model along the open-loop motion. {frozen}To test the model, the motion is "
+        "started off the nominal and its deviation in "
+        f"{', '.join(found.scene.compare)} is compared with the prediction; the error should fall with power 2 "
         "of the perturbation."
     )
     rows, linear = [], all(error <= LINEAR * predicted for _, error, predicted in found.ltv_errors)
@@ -171,41 +190,6 @@ def _along(found: Findings) -> str:
     return text + table(head, rows)
 
 
-def _loops(found: Findings) -> str:
-    scene = found.scene
-    cost = f"The open-loop motion costs {scene.cost(found.open_loop):.4g}."
-    if found.law is None:
-        return paragraph(f"No LQR: {found.no_law}.", "warning") + paragraph(cost)
-    limits = ", ".join(f"{v:g} {s.unit}" for v, s in zip(scene.limits, scene.plant.inputs))
-    start = "started at rest at the start" if scene.start_at_rest else "started at the start"
-    text = paragraph(
-        f"One LQR, designed from the scene's cost on {scene.plant.label} at the goal, sampled every "
-        f"{duration(scene.dt)}, limited to {limits}, {start}. It reads the true states of its design model. {cost}"
-    )
-    if scene.goal_rates:
-        moved = " and ".join(f"{name} by {rate:g} 1/s" for name, rate in scene.goal_rates)
-        text += paragraph(
-            f"The goal moves, {moved}: the regulator reads deviations from where the goal then is, with the gain of "
-            "t = 0, and what is said of stability is of the loop frozen there."
-        )
-    rows = [
-        (
-            loop.name,
-            loop.states,
-            loop.cost,
-            loop.final_error,
-            f"{loop.saturated:.0%}" if loop.saturated is not None else "–",
-            loop.verdict,
-            loop.worst_mode if loop.stable else "",
-        )
-        for loop in found.loops
-    ]
-    told = driven_to_goal(scene)
-    units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in told))
-    head = ("run on", "states", "cost", f"end error [{units}]", "at a limit", "about the goal", "least damped mode")
-    return text + table(head, rows)
-
-
 def _chart(found: Findings) -> str:
     chart = found.chart
     ref = chart.reference
@@ -217,6 +201,8 @@ def _chart(found: Findings) -> str:
         f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
     )
     fast = chart.fastest()
+    if not chart.measured:
+        return text + paragraph("No setting was measured: see below why.", "warning")
     if fast is None:
         return text + paragraph(f"No setting is within {measured(chart.tolerance, chart.unit)}.", "warning")
     return text + paragraph(

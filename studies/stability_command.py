@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
     from pliant.plants.stability import Verdict
 
+    from .motions import Progress
+
 POINTS = 401  # nodes of the nominal at least
 ROUNDING = 1e-12  # of the largest entry of A
 PLACE = ("p_x", "p_y", "p_z", "position_x", "position_y", "position_z")
@@ -65,16 +67,26 @@ def stability(
 
 def verdict_of(scene: Scene, **options: Any) -> tuple[Verdict, LTVModel]:
     """The verdict along the scene's nominal motion, and the model; options as in `assess`. See `left_out`."""
-    from pliant.plants.stability import assess
-
     with bar(f"stability {scene.name}") as tell:
-        motion = _nominal(scene, lambda t: tell(0.7 * min(t / scene.duration, 1.0), f"{t:.2f} s"))
-        tell(0.7, "linear model")
-        model = _linear(scene.plant, lambda **own: scene.plant.linearize_along(motion, **own))
+        model = model_along(scene, tell)
         tell(0.8, "verdict")
-        found = assess(model, **_parts(scene.plant, model), **options)
+        found = verdict_along(scene, model, **options)
         tell(1.0, found.verdict)
     return found, model
+
+
+def model_along(scene: Scene, tell: Progress) -> LTVModel:
+    """The linear model along the scene's nominal motion; what `tell` raises ends it."""
+    motion = _nominal(scene, lambda t: tell(0.7 * min(t / scene.duration, 1.0), f"{t:.2f} s"))
+    tell(0.7, "linear model")
+    return _linear(scene.plant, lambda **own: scene.plant.linearize_along(motion, **own))
+
+
+def verdict_along(scene: Scene, model: LTVModel, **options: Any) -> Verdict:
+    """`assess` of that model, told what has no part in its stability."""
+    from pliant.plants.stability import assess
+
+    return assess(model, **_parts(scene.plant, model), **options)
 
 
 def verdict_at_goal(scene: Scene) -> Verdict | None:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pliant.plants.stability import Floquet, FrozenTime, Growth, Verdict
 
-from .figures_models import Plain
+from .figures_models import ROUNDED, Plain
 from .style import COLOURS, INK, QUIET, panels, styled
 
 if TYPE_CHECKING:
@@ -26,8 +26,11 @@ FILL = {
 
 
 @styled
-def evidence(verdict: Verdict, *, title: str = "Stability") -> Figure:
-    """Frozen roots over time, the growth curve with its windows, and the multipliers of a periodic model."""
+def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3) -> Figure:
+    """Frozen roots over time, the growth curve with its windows, and the multipliers of a periodic model.
+
+    Each panel `height` [in] high.
+    """
     frozen: FrozenTime | None = verdict.evidence.get("frozen_time")
     grown: Growth | None = verdict.evidence.get("growth")
     cycle: Floquet | None = verdict.evidence.get("floquet")
@@ -41,7 +44,7 @@ def evidence(verdict: Verdict, *, title: str = "Stability") -> Figure:
         drawers.append((_multipliers, cycle))
     if not drawers:
         drawers.append((_roots, np.zeros(0) if roots is None else roots))
-    figure, axes = panels(len(drawers), height=2.3)
+    figure, axes = panels(len(drawers), height=height)
     for ax, (draw, result) in zip(axes, drawers):
         draw(ax, result)
         if draw in (_frequencies, _real_parts, _growth):
@@ -60,7 +63,7 @@ def _frequencies(ax: Axes, frozen: FrozenTime) -> None:
         ax.set_yscale("log")
         ax.set_ylim(0.7 * np.nanmin(found), 1.4 * np.nanmax(found))
         _plain(ax)
-    ax.set_ylabel("frozen frequency [Hz]")
+    ax.set_ylabel("frozen frequency\n[Hz]")
 
 
 def _plain(ax: Axes) -> None:
@@ -76,9 +79,12 @@ def _real_parts(ax: Axes, frozen: FrozenTime) -> None:
     ax.plot(frozen.t, frozen.rightmost, color=COLOURS[1], lw=1.4, label="rightmost")
     ax.axhline(0, color=INK, lw=0.8)
     near = max(1e-2 * float(np.abs(frozen.eigenvalues).max()), 1e-9)
-    if np.abs(frozen.eigenvalues.real).max() > 3 * near:
+    size = float(np.abs(frozen.eigenvalues.real).max())
+    if size > 3 * near:
         ax.set_yscale("symlog", linthresh=near)
-    ax.set_ylabel("frozen real part [1/s]")
+    elif size < ROUNDED * np.abs(frozen.eigenvalues).max():
+        ax.set_ylim(-near, near)
+    ax.set_ylabel("frozen real part\n[1/s]")
     ax.set_xlabel("time [s]")
     ax.legend(loc="best")
 
@@ -101,7 +107,7 @@ def _multipliers(ax: Axes, cycle: Floquet) -> None:
         if mask.any():
             ax.plot(cycle.multipliers.real[mask], cycle.multipliers.imag[mask], "x", color=colour, ms=6, label=name)
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_ylabel("Floquet multipliers")
+    ax.set_ylabel("Floquet\nmultipliers")
     ax.set_xlabel(f"period {cycle.period:.4g} s")
     ax.legend(loc="best")
 

@@ -96,10 +96,14 @@ def save(figure: Figure, path: str | Path) -> None:
         raise ValueError(f"picture {str(path)!r} must end with one of {', '.join(known)}")
     with matplotlib.rc_context(RC):
         figure.savefig(path, dpi=DPI, facecolor="white")
+    figure.set_layout_engine("none")  # done
 
 
 def inline(figure: Figure) -> str:
-    """The figure as an svg element for a page: no links, its ink in the page's text colour."""
+    """The figure as an svg element for a page: no links, its ink in the page's text colour.
+
+    A figure that has been saved keeps the layout that it got there, which takes most of the drawing's time.
+    """
     buffer = io.StringIO()
     with matplotlib.rc_context(RC):
         figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})

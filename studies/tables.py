@@ -10,6 +10,7 @@ from pliant.envs.scenes import Scene
 from pliant.plants import LinearModel, Trajectory
 from pliant.plants.signals import names
 
+from .comparison import HORIZON
 from .points import residual
 
 if TYPE_CHECKING:
@@ -74,6 +75,8 @@ def tables_of(found: Findings) -> dict[str, Any]:
             "open_loop_cost": scene.cost(found.open_loop),
             "loops": [loop.to_json() for loop in found.loops],
         },
+        "stability": found.judgement.to_json(),
+        "controllers": {"horizon": HORIZON, "runs": [contest.to_json() for contest in found.contests]},
         "speed_accuracy": found.chart.to_json(),
         "choice": found.choice.to_json(),
         "machine": found.machine,

@@ -19,7 +19,9 @@ SECTIONS = (
     "Modes and frequencies",
     "The linear model at the goal",
     "The linear model along the motion",
+    "Stability along the motion",
     "LQR in closed loop",
+    "Controllers in closed loop",
     "Speed against accuracy",
     "The smallest model",
     "Versions and machine",
@@ -48,7 +50,7 @@ def test_every_section_is_made(made):
     for title in SECTIONS:
         assert text.count(f"<h2>{title}</h2>") == 1
     pictures = {path.stem for path in folder.glob("*.png")}
-    wanted = {"motion", "shapes", "eigenvalues", "frozen_eigenvalues", "speed_accuracy", "settings", "ladder"}
+    wanted = {"motion", "shapes", "eigenvalues", "stability", "speed_accuracy", "settings", "ladder"}
     assert wanted <= pictures and ("closed_loop" in pictures) == (scene.name not in NO_LAW)
     assert text.count("<figure") == len(pictures)
 
@@ -148,6 +150,8 @@ def test_panels_part_signals_of_different_size():
     shown = figures.histories(scene, [("", motion)]).axes
     legends = [{text.get_text() for text in ax.get_legend().get_texts()} for ax in shown]
     assert {"slider x"} in legends and {"mid deflection"} in legends and {"crank angle rate"} in legends
+    assert figures.still(scene, [motion]) == ("crank_acceleration",)  # the crank turns steadily: no panel for that
+    assert not any("crank acceleration" in legend for legend in legends)
     assert {"crank pin x", "crank pin y", "axial force", "guide force"} in legends
 
 

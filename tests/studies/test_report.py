@@ -2,6 +2,7 @@ import json
 import platform
 import re
 import sys
+from html import unescape
 
 import pytest
 from typer.testing import CliRunner
@@ -10,6 +11,9 @@ from pliant.envs import scenes
 from pliant.plants import Trajectory
 from pliant.studies import report
 from pliant.studies.cli import app
+from pliant.studies.files import dumps
+from pliant.studies.markup import measured, paragraph
+from pliant.studies.stability_command import verdict_of
 
 SLEW = scenes.get("single-link-slew")
 TABLES = {
@@ -17,6 +21,8 @@ TABLES = {
     "linearization",
     "linearization_along",
     "closed_loop",
+    "stability",
+    "controllers",
     "speed_accuracy",
     "choice",
     "machine",
@@ -27,8 +33,9 @@ FIGURES = {
     "shapes",
     "tip_path",
     "eigenvalues",
-    "frozen_eigenvalues",
+    "stability",
     "closed_loop",
+    "controllers",
     "speed_accuracy",
     "settings",
     "ladder",
@@ -77,6 +84,33 @@ def test_tables_say_what_was_computed(folder):
     assert motion.t.tolist() == pytest.approx(SLEW.times.tolist())
 
 
+def test_stability_is_what_the_command_says(folder):
+    found = json.loads((folder / "stability.json").read_text())
+    verdict, _ = verdict_of(SLEW)
+    told = json.loads(dumps(verdict.to_json()))
+    assert {key: found[key] for key in told} == told and found["reason"] is None
+    assert found["at_the_goal"]["verdict"] == "marginal"  # a hub that is free to turn
+    text = unescape((folder / "report.html").read_text(encoding="utf-8"))
+    answer = text[text.index("<h2>The answer") : text.index("<h2>The motion")]
+    plain = answer.replace("<code>", "`").replace("</code>", "`")
+    assert f"Stability along the motion is undecided: {verdict.why}." in plain
+    assert all(words in text for _, _, words in verdict.rows())
+    assert "<code>pliant stability single-link-slew</code>" in text
+
+
+def test_controllers_are_played_on_two_plants(folder):
+    found = json.loads((folder / "controllers.json").read_text())
+    runs = {(run["controller"], run["states"]): run for run in found["runs"]}
+    assert found["horizon"] == 20
+    assert list(runs) == [(name, n) for n in (6, 14) for name in ("LQR", "MPC", "trained policy")]
+    loops = json.loads((folder / "closed_loop.json").read_text())["loops"]
+    assert runs["LQR", 6]["cost"] == pytest.approx(loops[0]["cost"], rel=1e-12)
+    assert runs["LQR", 14]["cost"] == pytest.approx(loops[-1]["cost"], rel=1e-12)
+    assert all(run["failure"] == "" and run["peak"] < 0.3 for run in found["runs"])
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert f"LQR {runs['LQR', 6]['cost']:.4g}, MPC {runs['MPC', 6]['cost']:.4g}, trained policy" in text
+
+
 def test_page_is_self_contained(folder):
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "http" not in text and "url(" not in text.replace("url(#", "") and "@import" not in text
@@ -111,3 +145,8 @@ def test_other_files_are_not_replaced(tmp_path):
     with pytest.raises(ValueError, match="must be a folder"):
         report(SLEW, tmp_path / "thesis.txt")
     assert (tmp_path / "thesis.txt").read_text() == "years of work"
+
+
+def test_lengths_and_code_as_people_read_them():
+    assert [measured(value, "m") for value in (9.4e20, 12.0, 2e-3, 3e-6)] == ["> 1000 km", "12 m", "2 mm", "3 µm"]
+    assert paragraph("see `pliant <x>`") == "<p>see <code>pliant &lt;x&gt;</code></p>\n"

@@ -13,7 +13,7 @@ from pliant.studies.closed_loop import Following, closed_loop, driven_to_goal, r
 from pliant.studies.figures_space import snapshots
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
-PICTURES = {"motion", "shapes", "eigenvalues", "frozen_eigenvalues", "closed_loop", "speed_accuracy", "ladder"}
+PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder"}
 
 
 @pytest.fixture(scope="module", params=SHORT)
@@ -32,7 +32,7 @@ def test_every_section_is_made(made):
     scene, folder, text = made
     pictures = {path.stem for path in folder.glob("*.png")}
     assert pictures >= PICTURES and "tip_path" not in pictures
-    assert text.count("<figure") == len(pictures) and text.count("<h2>") == 9
+    assert text.count("<figure") == len(pictures) and text.count("<h2>") == 11
     assert '<div id="arm">' not in text and "homogeneous box" in text
     assert ("The goal moves, hinge1_1 by 0.0011 1/s and hinge2_1 by -0.0011 1/s" in text) == bool(scene.goal_rates)
     assert "millimetres" not in text and ("attitude_y [1]" in text) == (scene.name == "spacecraft-orbit")
@@ -119,3 +119,13 @@ def test_rounding_has_no_panel_of_its_own():
 def test_words_for_the_goal(name, says):
     """A spin is no rest, and sunlight bends the panels of a goal that moves on as it should."""
     assert points.words(scenes.get(name).goal_model).startswith(says)
+
+
+def test_what_stays_zero_is_named_and_not_drawn():
+    scene = scenes.get("spacecraft-slew", duration=5.0)
+    motion = scene.open_loop(rtol=1e-7, atol=1e-9)
+    shown = figures.histories(scene, [("", motion)]).axes
+    drawn = {text.get_text().replace(" ", "_") for ax in shown for text in ax.get_legend().get_texts()}
+    zero = figures.still(scene, [motion])
+    assert {"tip1_x", "torque_x"} & set(zero) and not drawn & set(zero)
+    assert all(np.abs(line.get_ydata()).max() > 0 for ax in shown for line in ax.lines if len(line.get_ydata()) > 2)
