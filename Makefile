@@ -22,7 +22,7 @@ report: $(VENV)/ready
 	$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
 
 test: $(VENV)/ready-to-learn
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4
 
 $(VENV)/bench: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[bench]" \
