@@ -155,6 +155,7 @@ class NativeFunction(NumericFunction):
     def __init__(self, function: ca.Function, points: Sequence[Array], *, matrices: bool = False) -> None:
         super().__init__(function, matrices=matrices)
         self._kernel = map_kernel(function, points)
+        self._used = [k for k in range(function.n_in()) if function.numel_in(k)]
         self._work: dict[int, Workspace] = {}
         self._lock = threading.Lock()  # the workspaces are shared
         ends = np.cumsum([r * c for r, c in self._shapes]).tolist()
@@ -177,8 +178,8 @@ class NativeFunction(NumericFunction):
                 if len(self._work) >= 8:
                     self._work.pop(next(iter(self._work)))
                 work = self._work[size] = self._kernel.workspace(size)
-            for k, value in enumerate(values):
-                work.set(k, value)
+            for k in self._used:
+                work.set(k, values[k])
             work.run(threads=available() if size >= FEW else 1)
             rows = work.all_outputs[:, :size].T.copy()  # (B, all rows); every output is a slice of its columns
         if batch is None:
