@@ -72,7 +72,8 @@ class Horizon:
         x_next, _, _ = self.steps(self.x[:-1], self.u, t=t)
         if close:
             self.x[-1] = x_next[-1]
-        _fill(ready.dynamics, nx, x_next - self.x[1:], self.steps.S)
+        with np.errstate(over="ignore", invalid="ignore"):  # of a plan that has run away: said by False
+            _fill(ready.dynamics, nx, x_next - self.x[1:], self.steps.S)
         stage = self._stage
         for k, value in enumerate((t, self.x[:-1], self.u)):
             stage.set(k, value)
