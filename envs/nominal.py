@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pliant.plants import FlexibleSpacecraft, Plant
+from pliant.plants.motion import minimum_jerk
 from pliant.plants.rotations import product
 from pliant.plants.spacecraft import Environment
 
@@ -16,16 +17,6 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 Input = Callable[[float], Array]
-
-
-def minimum_jerk(s: Array | float) -> tuple[Any, Any, Any]:
-    """The quintic from 0 to 1 over s in [0, 1], end rates and accelerations zero, and its two derivatives."""
-    s = np.clip(s, 0.0, 1.0)
-    return (
-        10 * s**3 - 15 * s**4 + 6 * s**5,
-        30 * s**2 - 60 * s**3 + 30 * s**4,
-        60 * s - 180 * s**2 + 120 * s**3,
-    )
 
 
 def let_go(plant: Plant, t: float) -> Array:

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from pliant.plants import LinearModel, Plant, Signal, Trajectory
+from pliant.plants.motion import minimum_jerk
 from pliant.plants.parameters import quantity, validate
 from pliant.plants.signals import index
 
-from .nominal import minimum_jerk, minimum_jerk_input
+from .nominal import minimum_jerk_input
 from .scene_checks import check
 
 if TYPE_CHECKING:

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pliant.plants import FlexibleSpacecraft, Plant
+from pliant.plants.motion import minimum_jerk
 from pliant.plants.parameters import require_choice
 from pliant.plants.spacecraft import Environment, Hinge, Hub, Orbit, Sun, Surface, Wheel
 
-from .nominal import let_go, minimum_jerk
+from .nominal import let_go
 from .scene import Scene
 from .spacecraft_parts import ALONG_Y, AXES, FLAT, UPRIGHT, panels, turned
 
