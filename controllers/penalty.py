@@ -3,7 +3,7 @@
 A linear price above the largest multiplier of the problem with hard limits leaves its solution as it is: "Soft
 Constraints and Exact Penalty Functions in Model Predictive Control" (Kerrigan and Maciejowski 2000). The largest
 over all states is itself hard to find; here it is taken over states that random inputs within the limits reach, and
-the same nearer to the reference where no input within the limits keeps the bounded signals in theirs.
+the same nearer to the reference, since far ones may have no input that keeps the bounded signals in theirs.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .predicted_limits import Step
 
 MARGIN = 10.0  # price against the largest multiplier found
 SAMPLES = 60
-HALVINGS = 8  # of a state for which the hard problem has no solution
+HALVINGS = 8  # scales at which each drawn state is tried: far ones may have no solution under hard limits
 
 
 def sufficient_penalty(

@@ -15,7 +15,7 @@ import scipy.linalg as sla
 
 from pliant.controllers import riccati
 from pliant.controllers.goal_model import HELD
-from pliant.plants.errors import EquilibriumError, PliantError
+from pliant.plants.errors import EquilibriumError, UncontrollableError
 from pliant.plants.integrate import step_limit
 from pliant.plants.parameters import require_choice, require_finite
 from pliant.plants.sensitivities import StepSensitivities
@@ -79,7 +79,7 @@ def fewest_substeps(objective: Objective, *starts: np.ndarray) -> int:
     try:
         while n < MOST and any(_dearer(objective, n, x) > DEARER for x in starts):
             n += 1
-    except PliantError:
+    except (EquilibriumError, UncontrollableError):
         pass  # no regulator about this goal: there is nothing to compare
     return n
 
@@ -112,7 +112,7 @@ def end_of(objective: Objective, wanted: Any, substeps: int, horizon: int) -> tu
             raise ValueError(f"NMPC.terminal has eigenvalue {lowest:.4g}, must be >= 0")
     try:
         found = regulator(objective, substeps)
-    except PliantError:
+    except (EquilibriumError, UncontrollableError):
         return P, None
     needed = wanted_horizon(found, objective.dt)
     if P is None and horizon * objective.dt < needed:

@@ -120,8 +120,8 @@ def _constant(model: LinearModel, states: Sequence[str] | None, coordinates: str
     words["marginal"] = f"{count} of {len(lam)} eigenvalues on the imaginary axis, the others decay"
     reasons = dict.fromkeys(METHODS[1:], "the model is constant: its eigenvalues decide")
     evidence: dict[str, Any] = {"eigenvalues": lam}
-    frozen = frozen_time(model, states=states, coordinates=coordinates)
-    return Verdict(verdict, "eigenvalues", -rate, (), words[verdict], reasons, evidence, frozen.coordinates)
+    said = coordinates or said_coordinates(model, states)
+    return Verdict(verdict, "eigenvalues", -rate, (), words[verdict], reasons, evidence, said)
 
 
 def _beside(

@@ -63,6 +63,7 @@ def frozen_time(
     said = coordinates or said_coordinates(model, states)
     keep = kept(model, states)
     if isinstance(model, LinearModel):
+        _require_continuous("frozen_time", model)
         values = _ordered(model.A[np.ix_(keep, keep)][None])
         return FrozenTime(np.zeros(1), values, (), said)
     times, found = [], []
@@ -146,6 +147,7 @@ def slow_variation(
     """Whether A(t) varies slowly enough, at its nodes and midway between, for its frozen roots to decide."""
     keep = kept(model, states)
     if isinstance(model, LinearModel):
+        _require_continuous("slow_variation", model)
         worst = float(np.linalg.eigvals(model.A[np.ix_(keep, keep)]).real.max(initial=-np.inf))
         return SlowVariation(True, 0.0, max(-worst, 0.0), 0.0, np.inf, 0.0, "A is constant: its roots decide")
     pieces = as_pieces(model).pieces
@@ -213,3 +215,9 @@ def _lyapunov(A: np.ndarray, lam: np.ndarray, V: np.ndarray, Q: np.ndarray) -> n
     for k in np.flatnonzero(~(miss <= 1e-8 * np.maximum(np.abs(Q).max(axis=(1, 2)), 1e-300))):
         P[k] = sla.solve_continuous_lyapunov(A[k].T, -Q[k])
     return (P + P.transpose(0, 2, 1)) / 2
+
+
+def _require_continuous(method: str, model: LinearModel) -> None:
+    """ValueError for a sampled model: its eigenvalues are in the z plane."""
+    if model.dt is not None:
+        raise ValueError(f"{method}: model.dt = {model.dt:g} must be None (continuous time); assess takes sampled ones")

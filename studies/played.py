@@ -146,7 +146,7 @@ def _open_loop(scene: Scene, substeps: int) -> tuple[np.ndarray, np.ndarray]:
     x = np.array(scene.initial[0], ndmin=2)
     states, limits = [x[0].copy()], np.array(scene.limits)
     for t in scene.times[:-1]:
-        x = step(x, np.clip(scene.nominal_input(float(t)), -limits, limits))
+        x = step(x, np.clip(scene.nominal_input(float(t)), -limits, limits), t=float(t))
         states.append(x[0].copy())
     motion = np.array(states)
     if not np.isfinite(motion).all():

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from pliant.plants import LTVModel, TwoLinkArm
+from pliant.plants import LTVModel, SingleLinkArm, TwoLinkArm
 from pliant.plants.certificate import _verified
 from pliant.plants.floquet import periodic_path
 from pliant.plants.growth import chain
@@ -281,10 +281,9 @@ def test_slow_variation_in_closed_form():
     t = np.linspace(0.0, 2.0, 401)
     model = model_of(t, (-1.0 - 0.5 * np.sin(t))[:, None, None])
     slow = slow_variation(model)
-    mean = abs(np.mean(-1.0 - 0.5 * np.sin(np.sort(np.r_[t, (t[1:] + t[:-1]) / 2]))))  # Q is scaled by it
     a, da = -1.0 - 0.5 * np.sin(t), -0.5 * np.cos(t)
     assert slow.used == pytest.approx(max(0.0, (da / (2 * a**2)).max()), abs=1e-6)
-    assert slow.bound == pytest.approx(2 * (a**2).min(), rel=1e-6) and mean > 1
+    assert slow.bound == pytest.approx(2 * (a**2).min(), rel=1e-6)
     assert slow and slow.inside == 1 - slow.used
 
 
@@ -389,3 +388,13 @@ def test_a_nominal_at_rest_is_a_constant_model():
     A = np.broadcast_to(np.array([[0.0, 1.0], [-4.0, -0.4]]), (11, 2, 2))
     found = assess(model_of(np.linspace(0.0, 0.1, 11), A), periodic=False)
     assert (found.verdict, found.method) == ("stable", "eigenvalues") and found.margin == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("method", [frozen_time, slow_variation])
+def test_sampled_models_have_no_frozen_roots_in_the_s_plane(method):
+    """|z| decides there, not the real part: assess knows, the methods for continuous time refuse."""
+    arm = SingleLinkArm.textbook()
+    sampled = arm.linearize(np.zeros(arm.nx)).discretize(0.01)
+    with pytest.raises(ValueError, match=r"model\.dt = 0\.01 must be None"):
+        method(sampled)
+    assert assess(sampled).verdict in ("marginal", "unstable")
