@@ -22,9 +22,9 @@ from sampling import TIME, Case, Row, Sampler, ratio, time_of
 from tip_error import COARSE, END, FINE, TIMES, Array, away, between, checked
 
 from pliant.plants import LargeDeflectionBeam
-from pliant.plants.batch import Workspace
-from pliant.plants.native import NativeWarning
-from pliant.plants.stepping import step_kernel
+from pliant.plants.integration.batch_stepper import step_kernel
+from pliant.plants.native.batch_kernels import Workspace
+from pliant.plants.native.kernel_loader import NativeWarning
 
 GROUP = "cantilever"
 

@@ -17,9 +17,10 @@ from sampling import RATE, SHARE, Case, Sampler, rate_of
 
 import pliant.envs  # noqa: F401  registers the environments
 from pliant.envs import Scene, scenes
-from pliant.envs.env import PlantEnv
-from pliant.envs.vector import PlantVectorEnv
-from pliant.plants import StabilityLimitError, kernels
+from pliant.envs.environments.env import PlantEnv
+from pliant.envs.environments.vector_env import PlantVectorEnv
+from pliant.plants import StabilityLimitError
+from pliant.plants.native import kernel_templates
 
 GROUP, SINGLE_GROUP, OUTSIDE = "environments", "single environment", "outside the kernel"
 SCENE = "two-link-reach"
@@ -63,15 +64,15 @@ def path_of(name: str) -> Iterator[Scene]:
     """The scene under a name of its own, whose kernels are made for one of the four paths."""
     scene = dataclasses.replace(scenes.get(SCENE), name=f"{SCENE}, {name}")
     double = np.dtype(np.float64)
-    before, whole = os.environ.get("PLIANT_NATIVE"), kernels.LANES[double]
+    before, whole = os.environ.get("PLIANT_NATIVE"), kernel_templates.LANES[double]
     try:
         if name == MACHINE:
             os.environ["PLIANT_NATIVE"] = "0"
         elif name == SCALAR:
-            kernels.LANES[double] = 1
+            kernel_templates.LANES[double] = 1
         yield scene
     finally:
-        kernels.LANES[double] = whole
+        kernel_templates.LANES[double] = whole
         os.environ.pop("PLIANT_NATIVE", None)
         if before is not None:
             os.environ["PLIANT_NATIVE"] = before
@@ -152,7 +153,7 @@ def outside(name: str, lanes: int, threads: int) -> Sampler:
 
 def as_vec_env(lanes: int, threads: int) -> Sampler:
     """The environment as Stable-Baselines3 sees it: same-step reset, a list of infos."""
-    from pliant.envs.sb3 import PlantVecEnv
+    from pliant.envs.environments.sb3_env import PlantVecEnv
 
     env = PlantVecEnv(SCENE, lanes, randomise=True, threads=threads)
     env.seed(0)

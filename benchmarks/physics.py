@@ -8,8 +8,8 @@ import numpy as np
 from sampling import TIME, Case, Sampler, rate_of, time_of
 
 from pliant.plants import TwoLinkArm
-from pliant.plants.batch import BatchKernel, random_points
-from pliant.plants.stepping import step_kernel, step_reference
+from pliant.plants.integration.batch_stepper import step_kernel, step_reference
+from pliant.plants.native.batch_kernels import BatchKernel, random_points
 
 GROUP, JACOBIANS = "physics", "jacobians"
 MACHINE, SCALAR, DOUBLE, SINGLE = (

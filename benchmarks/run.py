@@ -32,8 +32,8 @@ import stability
 import startup
 import table
 
-from pliant.plants import compiler, native
-from pliant.studies import console, machine
+from pliant.plants.native import compiler, kernel_loader
+from pliant.studies.common import console, machine
 
 HERE = Path(__file__).parent
 PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
@@ -64,7 +64,9 @@ def about(rows: Sequence[sampling.Row]) -> dict[str, str]:
     try:
         tools = compiler.toolchain()
         made = f"{tools.version}, {tools.width}-bit vectors"
-        made += "" if native.wanted() else "; not used, PLIANT_NATIVE=0: every row of Pliant is the virtual machine"
+        made += (
+            "" if kernel_loader.wanted() else "; not used, PLIANT_NATIVE=0: every row of Pliant is the virtual machine"
+        )
     except compiler.CompileError:
         made = "none: the virtual machine runs"
     others = [value for row in rows for value in row.others]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from sampling import Progress
 
-from pliant.envs.vector import PlantVectorEnv
+from pliant.envs.environments.vector_env import PlantVectorEnv
 
 SCENE, LANES, THREADS = "two-link-reach", 1024, 2
 STEPS, QUICK = 100_000_000, 2_000_000  # environment steps

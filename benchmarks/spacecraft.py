@@ -10,7 +10,9 @@ import numpy as np
 from sampling import TIME, Case, Row, Sampler, time_of
 
 from pliant.plants import Beam
-from pliant.plants.spacecraft import Appendage, FlexibleSpacecraft, Hub
+from pliant.plants.spacecraft.appendage import Appendage
+from pliant.plants.spacecraft.hub import Hub
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 GROUP = "spacecraft"
 COUNTS = (1, 2, 5, 10, 20)

@@ -10,7 +10,7 @@ from sampling import TIME, Case
 
 from pliant.plants import LTVModel
 from pliant.plants.stability import assess
-from pliant.studies.stability_map import map_stability
+from pliant.studies.stability.parameter_map import map_stability
 
 GROUP = "stability"
 VERDICT = "assess, 20 states, 2,000 steps of a period"

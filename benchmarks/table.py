@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 from sampling import RATE, SHARE, Row
 
-from pliant.studies import style
+from pliant.studies.figures import style
 
 if TYPE_CHECKING:
     from asked import Check

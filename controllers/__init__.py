@@ -3,26 +3,29 @@
 if __name__ != "pliant.controllers":
     raise ImportError("this folder is installed as pliant.controllers: write `import pliant.controllers`")
 
-from . import riccati, rl, sensors
-from .computed_torque import ComputedTorque
-from .controller import Controller, Feedback
-from .delay import Predictive, delayed
-from .loops import loop
-from .lqg import LQG
-from .lqr import LQR
-from .margins import Margins, margins
-from .mpc import MPC
-from .nmpc import NMPC
-from .objective import Objective
-from .observer import Kalman
-from .optimal import Motion, optimal
-from .pd import PD
-from .plan import plan
-from .policy import Policy
-from .sensors import Sensor, sensors_of
-from .shaping import Shaper, shape, shaper_for
-from .spillover import Spillover, spillover
-from .tvlqr import TVLQR
+from pliant.controllers import learning as rl
+from pliant.controllers import riccati
+from pliant.controllers.analysis.loops import loop
+from pliant.controllers.analysis.margins import Margins, margins
+from pliant.controllers.analysis.spillover import Spillover, spillover
+from pliant.controllers.base.controller import Controller, Feedback
+from pliant.controllers.base.objective import Objective
+from pliant.controllers.estimation import sensors
+from pliant.controllers.estimation.kalman import Kalman
+from pliant.controllers.estimation.sensors import Sensor, sensors_of
+from pliant.controllers.joint_control.computed_torque import ComputedTorque
+from pliant.controllers.joint_control.input_shaping import Shaper, shape, shaper_for
+from pliant.controllers.joint_control.pd import PD
+from pliant.controllers.learning.policy import Policy
+from pliant.controllers.linear_quadratic.delay import Predictive, delayed
+from pliant.controllers.linear_quadratic.lqg import LQG
+from pliant.controllers.linear_quadratic.lqr import LQR
+from pliant.controllers.linear_quadratic.tvlqr import TVLQR
+from pliant.controllers.mpc.mpc import MPC
+from pliant.controllers.nmpc.nmpc import NMPC
+from pliant.controllers.optimal_control.optimal import Motion, optimal
+from pliant.controllers.optimal_control.plan import plan
+from pliant.plants.core import moved
 
 __all__ = [
     "LQG",
@@ -56,3 +59,26 @@ __all__ = [
     "shaper_for",
     "spillover",
 ]
+
+moved.serve(
+    __name__,
+    {
+        "base": "controller playable=scene_protocol weights=quadratic_weights goal_model objective "
+        "record=solver_record reference=joint_reference",
+        "riccati": "riccati_checks=checks time_varying_riccati=time_varying intervals=ltv_discretisation",
+        "estimation": "sensors process_noise filtering=kalman_gains observer=kalman",
+        "solvers": "qp=least_distance_qp soft_program=soft_qp sparse_blocks=block_sparsity interior_point "
+        "hinf=hinf_norm",
+        "optimal_control": "optimal plan transcription=multiple_shooting shooting=shooting_derivatives "
+        "stage_terms=stage_derivatives nominals=nominal_motions",
+        "linear_quadratic": "lqr lqg tvlqr funnel period_cost delay",
+        "analysis": "loops margins spillover",
+        "joint_control": "pd computed_torque collocated=collocation shaping=input_shaping",
+        "learning": "rl=train run=training_callback lanes=training_env policy actor=sb3_export checkpoint "
+        "torch_threads",
+        "mpc": "mpc_design=design mpc_along=ltv_design condensed=condensed_prediction "
+        "predicted_limits=constraints penalty=exact_penalty last_plan=fallback_plan "
+        "disturbance=offset_free",
+        "nmpc": "horizon horizon_program=horizon_qp condensing gauss_newton terminal=terminal_cost",
+    },
+)

@@ -3,10 +3,22 @@
 if __name__ != "pliant.envs":
     raise ImportError("this folder is installed as pliant.envs: write `import pliant.envs`")
 
-from . import scenes
-from .env import PlantEnv, environment_id, register
-from .scene import Scene
+from pliant.envs import scenes
+from pliant.envs.environments.env import PlantEnv, environment_id, register
+from pliant.envs.scenes.scene import Scene
+from pliant.plants.core import moved
 
 register()
 
 __all__ = ["PlantEnv", "Scene", "environment_id", "scenes"]
+
+moved.serve(
+    __name__,
+    {
+        "scenes": "scene scene_checks=checks nominal=nominal_inputs arm_scenes=arms beam_scenes=beams "
+        "mechanism_scenes=mechanisms spacecraft_scenes=spacecraft spacecraft_parts",
+        "rendering": "render=planar render_space=spatial space_scenery=spacecraft_geometry",
+        "simulation": "step=control_period kernel=control_kernel start=episode_start",
+        "environments": "env vector=vector_env sb3=sb3_env",
+    },
+)

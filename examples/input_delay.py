@@ -3,10 +3,10 @@
 import dataclasses
 
 from pliant.controllers import LQR, Predictive
-from pliant.controllers.delay import delay_margin
+from pliant.controllers.linear_quadratic.delay import delay_margin
 from pliant.envs import scenes
-from pliant.studies.played import finer, play
-from pliant.studies.rollout import nominal, rollout
+from pliant.studies.closed_loop.evaluation_scene import finer, play
+from pliant.studies.closed_loop.rollout import nominal, rollout
 
 scene = scenes.get("two-link-reach")
 lqr = LQR.for_scene(scene)  # designed on two modes a link

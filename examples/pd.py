@@ -3,7 +3,7 @@
 import numpy as np
 
 from pliant.controllers import PD, ComputedTorque
-from pliant.controllers.collocated import loop_eigenvalues
+from pliant.controllers.joint_control.collocation import loop_eigenvalues
 from pliant.envs import scenes
 
 scene = scenes.get("two-link-reach")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pliant.controllers.shaping import shape, shaper_for
+from pliant.controllers.joint_control.input_shaping import shape, shaper_for
 from pliant.plants import SingleLinkArm
 
 arm = SingleLinkArm.textbook()

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pliant.plants import SliderCrank
-from pliant.plants.cycles import floquet_multipliers, steady_cycle
+from pliant.plants.slider_crank.steady_cycles import floquet_multipliers, steady_cycle
 
 plant = SliderCrank.textbook()  # 144 rpm, 20 N, r = 55 mm, l = 280 mm
 cycle = steady_cycle(plant)

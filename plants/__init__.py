@@ -3,9 +3,14 @@
 if __name__ != "pliant.plants":
     raise ImportError("this folder is installed as pliant.plants: write `import pliant.plants`")
 
-from . import beams
-from .beams import Beam, Material, Payload
-from .errors import (
+from pliant.plants import beams
+from pliant.plants.arms.single_link import SingleLinkArm
+from pliant.plants.arms.two_link import TwoLinkArm
+from pliant.plants.arms.two_link_paper_terms import Terms, paper_terms
+from pliant.plants.beams.payload import Payload
+from pliant.plants.beams.section import Beam, Material
+from pliant.plants.core import moved
+from pliant.plants.core.errors import (
     EquilibriumError,
     InfeasibleError,
     IntegrationError,
@@ -14,32 +19,21 @@ from .errors import (
     StabilityLimitError,
     UncontrollableError,
 )
-from .integrate import step_limit
-from .lagrange import LagrangianPlant
-from .large_beam import LargeDeflectionBeam
-from .linear import LinearModel
-from .ltv import LTVModel
-from .plant import Plant
-from .signals import Signal
-from .single_link import SingleLinkArm
-from .slider_crank import SliderCrank
-from .spacecraft import (
-    Appendage,
-    Environment,
-    FlexibleSpacecraft,
-    Hinge,
-    Hub,
-    ModalData,
-    Orbit,
-    Sun,
-    Surface,
-    Thruster,
-    Wheel,
-)
-from .trajectory import Trajectory
-from .transfer import TransferMatrices
-from .two_link import TwoLinkArm
-from .two_link_terms import Terms, paper_terms
+from pliant.plants.core.signals import Signal
+from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.dynamics.plant import Plant
+from pliant.plants.integration.step_maps import step_limit
+from pliant.plants.large_deflection.large_beam import LargeDeflectionBeam
+from pliant.plants.large_deflection.transfer_matrices import TransferMatrices
+from pliant.plants.linear.lti import LinearModel
+from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.slider_crank.plant import SliderCrank
+from pliant.plants.spacecraft.appendage import Appendage, Hinge
+from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 __all__ = [
     "Appendage",
@@ -79,3 +73,32 @@ __all__ = [
     "paper_terms",
     "step_limit",
 ]
+
+moved.serve(
+    __name__,
+    {
+        "core": "errors parameters signals functions=casadi_functions trajectory rotations=quaternions "
+        "motion=minimum_jerk explicit=runge_kutta_tableaux",
+        "linear": "ltv modal=modal_analysis second_order magnus piecewise=piecewise_ltv",
+        "beams": "basis=shape_functions modes=euler_bernoulli_modes ritz=legendre_ritz rotating=rotating_beam "
+        "offset_payload=offset_payload_roots payload_modes=offset_payload_modes "
+        "beam_elements=reference_finite_elements planar=elastic_link frame_elements=pinned_rod",
+        "native": "cache=kernel_cache compiler codegen=scalar_codegen sums=expression_graph packing=slp_packing "
+        "wide=slp_codegen kernels=kernel_templates threads=thread_pool batch=batch_kernels",
+        "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation",
+        "dynamics": "plant lagrange=lagrangian implicit=residual_jacobians equilibrium handover=python_control "
+        "sensitivities=step_sensitivities",
+        "arms": "single_link frames=link_frames two_link two_link_terms=two_link_paper_terms",
+        "large_deflection": "large_beam strain=tangent_field spatial_strain=spatial_tangent_field "
+        "substructure=sub_beam_chain spatial_chain=spatial_sub_beam_chain sections=cross_sections "
+        "transfer=transfer_matrices",
+        "stability": "assessment verdict floquet period=periodicity path=state_matrix_path frozen=frozen_time "
+        "growth=transition_growth certificate=lyapunov_certificate",
+        "slider_crank": "slider_crank_rigid=rigid_kinematics cycles=steady_cycles",
+        "modal_data": "structural=component_modes",
+        "spacecraft": "spacecraft_equations=layout spacecraft_linear=linearisation spacecraft_feedback=feedback_model "
+        "hub appendage environment_loads=environment",
+        "spacecraft_perturbation": "perturbation perturbation_fields=position_fields perturbation_printed="
+        "printed_equations",
+    },
+)

@@ -3,11 +3,32 @@
 if __name__ != "pliant.studies":
     raise ImportError("this folder is installed as pliant.studies: write `import pliant.studies`")
 
+from pliant.plants.core import moved
+from pliant.studies.fidelity.choice import choose
+
 # Eager, because these functions share the names of their modules: a later import would put the module
 # in their place. The modules themselves import what draws only where they draw.
-from .chart import chart
-from .fidelity import choose
-from .report import report
-from .scoreboard import scoreboard
+from pliant.studies.fidelity.speed_accuracy import chart
+from pliant.studies.report.report import report
+from pliant.studies.scoreboard.scoreboard import scoreboard
 
 __all__ = ["chart", "choose", "report", "scoreboard"]
+
+moved.serve(
+    __name__,
+    {
+        "common": "files=atomic_files machine motions=reference_motions points=operating_point markup=formatting "
+        "console",
+        "closed_loop": "rollout played=evaluation_scene scores contestants comparison bound=optimal_bound",
+        "fidelity": "chart=speed_accuracy stiffening mode_count",
+        "figures": "style shapes=arm_outline figures_models=linear_models figures_chart=speed_accuracy "
+        "figures_control=controllers figures_space=spacecraft stability_figures=stability "
+        "scoreboard_figures=scoreboard",
+        "papers": "paper_figures=registry single_link_figures=single_link large_beam_figures=large_beam "
+        "slider_crank_figures=slider_crank",
+        "stability": "stability_map=parameter_map judgement stability_command=verdicts",
+        "report": "page sections sections_control=control_sections tables=json_tables",
+        "scoreboard": "scoreboard_work=tasks scoreboard_table=tables",
+        "commands": "cli scoreboard_command=scoreboard doctor train",
+    },
+)

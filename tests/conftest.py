@@ -12,7 +12,10 @@ import numpy as np
 import pytest
 
 from pliant.plants import LargeDeflectionBeam, Payload, SingleLinkArm, SliderCrank, TwoLinkArm
-from pliant.plants.spacecraft import Environment, FlexibleSpacecraft, Hinge, Hub, Orbit, Thruster, Wheel
+from pliant.plants.spacecraft.appendage import Hinge
+from pliant.plants.spacecraft.environment import Environment, Orbit
+from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 ARM = TwoLinkArm.textbook()
 LINK = SingleLinkArm.textbook()

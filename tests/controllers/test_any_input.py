@@ -28,12 +28,12 @@ from pliant.controllers import (
     optimal,
     plan,
 )
-from pliant.controllers.objective import Objective
-from pliant.controllers.reference import Follow, RestToRest
-from pliant.controllers.shaping import shaper_for
+from pliant.controllers.base.joint_reference import Follow, RestToRest
+from pliant.controllers.base.objective import Objective
+from pliant.controllers.joint_control.input_shaping import shaper_for
 from pliant.envs import scenes
 from pliant.plants import LargeDeflectionBeam, LinearModel, Trajectory
-from pliant.plants.errors import EquilibriumError, PliantError
+from pliant.plants.core.errors import EquilibriumError, PliantError
 
 SLEW = scenes.get("single-link-slew")
 MODEL = SLEW.plant.linearize(*SLEW.target)

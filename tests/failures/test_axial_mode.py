@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.plants import SliderCrank, StabilityLimitError, step_limit
-from pliant.plants.integrate import stepper
+from pliant.plants.integration.step_maps import stepper
 
 BENT = dataclasses.replace(SliderCrank.textbook(), modes=1, axial_modes=0)
 STRETCHED = dataclasses.replace(BENT, axial_modes=1)

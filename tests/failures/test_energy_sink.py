@@ -8,7 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.plants.spacecraft import FlexibleSpacecraft
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), translation=False)
 SPIN = 0.8  # [rad/s], below the booms' whirling at 0.994

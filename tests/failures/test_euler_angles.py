@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 
-from pliant.plants.rotations import quaternion
-from pliant.plants.spacecraft import FlexibleSpacecraft
+from pliant.plants.core.quaternions import quaternion
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="rigid", translation=False)
 

@@ -8,7 +8,9 @@ Lagrange: k1 > k3 > 0.
 import numpy as np
 import pytest
 
-from pliant.plants.spacecraft import Environment, FlexibleSpacecraft, Hub, Orbit
+from pliant.plants.spacecraft.environment import Environment, Orbit
+from pliant.plants.spacecraft.hub import Hub
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 RATE = 1e-3
 

@@ -12,14 +12,14 @@ import pytest
 import scipy.linalg as sla
 
 from pliant.controllers import LQR, Predictive, delayed
-from pliant.controllers.delay import delay_margin, predictive_gain, radius
-from pliant.controllers.loops import loop
-from pliant.controllers.margins import margins
+from pliant.controllers.analysis.loops import loop
+from pliant.controllers.analysis.margins import margins
+from pliant.controllers.linear_quadratic.delay import delay_margin, predictive_gain, radius
 from pliant.envs import scenes
 from pliant.plants import LinearModel
-from pliant.studies.bound import bound
-from pliant.studies.played import finer, play
-from pliant.studies.rollout import nominal, rollout
+from pliant.studies.closed_loop.evaluation_scene import finer, play
+from pliant.studies.closed_loop.optimal_bound import bound
+from pliant.studies.closed_loop.rollout import nominal, rollout
 
 REACH, SLEW = scenes.get("two-link-reach"), scenes.get("single-link-slew")
 

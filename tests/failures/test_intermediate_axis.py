@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.plants.spacecraft import FlexibleSpacecraft
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear", translation=False)
 RIGID = dataclasses.replace(CRAFT, kinematics="rigid")

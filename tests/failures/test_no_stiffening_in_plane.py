@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.plants import Beam, SingleLinkArm, beams
-from pliant.plants.beams import rotating_frequencies
+from pliant.plants.beams.rotating_beam import rotating_frequencies
 
 CRITICAL = 3.5160152685
 UNIT = Beam(length=1.0, area=1.0, I_y=1.0, I_z=1.0, J=2.0, density=1.0, E=1.0, G=1.0)

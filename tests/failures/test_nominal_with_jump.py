@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from pliant.plants import LTVModel
-from pliant.plants.piecewise import PiecewiseLTV
+from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 from pliant.plants.stability import assess, floquet, frozen_time, growth, lyapunov, slow_variation
 
 

@@ -9,11 +9,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.controllers.loops import loop
-from pliant.controllers.lqg import LQG
-from pliant.controllers.margins import margins
-from pliant.controllers.sensors import Sensor, encoder
-from pliant.controllers.spillover import growth, spillover
+from pliant.controllers.analysis.loops import loop
+from pliant.controllers.analysis.margins import margins
+from pliant.controllers.analysis.spillover import growth, spillover
+from pliant.controllers.estimation.sensors import Sensor, encoder
+from pliant.controllers.linear_quadratic.lqg import LQG
 from pliant.plants import SingleLinkArm
 
 DT = 0.005

@@ -3,16 +3,16 @@
 import numpy as np
 import scipy.linalg
 
-from pliant.plants import ritz
-from pliant.plants.beams import rotating_frequencies
+from pliant.plants.beams import legendre_ritz
+from pliant.plants.beams.rotating_beam import rotating_frequencies
 
 SHEAR, ROTARY, MASS, INERTIA, OMEGA = 1 / 2000, 0.01, 0.5, 0.2, 3.0
 
 
 def squares(xi_33):
     """Lowest omega^2 of the rotating Timoshenko beam with Xi_33 of Eq (16) times this factor."""
-    shapes = ritz.StrainShapes.unit(20, 20)
-    m, tip, turn = ritz.matrices(shapes), shapes(1.0), shapes.rotation(1.0)
+    shapes = legendre_ritz.StrainShapes.unit(20, 20)
+    m, tip, turn = legendre_ritz.matrices(shapes), shapes(1.0), shapes.rotation(1.0)
     moving = m.mass + MASS * np.outer(tip, tip)
     turning = ROTARY * m.rotary + INERTIA * np.outer(turn, turn)
     K = m.bending + m.shearing / SHEAR + OMEGA**2 * (m.tension_beam + MASS * m.tension_uniform - moving)

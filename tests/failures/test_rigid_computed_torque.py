@@ -9,9 +9,9 @@ import dataclasses
 
 import numpy as np
 
-from pliant.controllers.collocated import loop_eigenvalues, rigid_inertia, rows
-from pliant.controllers.computed_torque import PATIENCE, ComputedTorque
-from pliant.controllers.pd import PD
+from pliant.controllers.joint_control.collocation import loop_eigenvalues, rigid_inertia, rows
+from pliant.controllers.joint_control.computed_torque import PATIENCE, ComputedTorque
+from pliant.controllers.joint_control.pd import PD
 from pliant.envs import scenes
 
 

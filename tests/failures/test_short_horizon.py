@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.controllers import NMPC, Objective
-from pliant.controllers.terminal import HorizonWarning
+from pliant.controllers.nmpc.terminal_cost import HorizonWarning
 from pliant.envs import scenes
 
 SCENES = [scenes.get("two-link-reach"), scenes.get("single-link-slew")]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pliant.plants import EquilibriumError
-from pliant.plants.slider_crank import SliderCrank
-from pliant.plants.slider_crank_rigid import RigidSliderCrank
+from pliant.plants.slider_crank.plant import SliderCrank
+from pliant.plants.slider_crank.rigid_kinematics import RigidSliderCrank
 
 PLANT = SliderCrank.textbook()
 FREE = dataclasses.replace(PLANT, crank_speed=None, kinematics="rigid")

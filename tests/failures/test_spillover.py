@@ -7,7 +7,7 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import IntegrationError, MassMatrixError
-from pliant.studies.closed_loop import closed_loop, dearer, regulator
+from pliant.studies.closed_loop.closed_loop import closed_loop, dearer, regulator
 
 SCENE = scenes.get("two-link-reach")
 CHEAP = dataclasses.replace(SCENE, dt=0.005, effort=tuple((name, weight / 100) for name, weight in SCENE.effort))

@@ -5,7 +5,7 @@ import math
 import mpmath as mp
 import numpy as np
 
-from pliant.plants import modes
+from pliant.plants.beams import euler_bernoulli_modes
 
 XI = np.linspace(0.0, 1.0, 41)
 
@@ -24,7 +24,7 @@ def exact(k):
 
 
 def test_textbook_form_loses_all_digits_before_mode_15_and_ours_none():
-    phi = modes.shapes("clamped-free", 15)
+    phi = euler_bernoulli_modes.shapes("clamped-free", 15)
     for k in (12, 14, 15):
         printed = np.abs(textbook(np, phi.roots[k - 1], XI) - exact(k)).max()
         assert printed > {12: 0.01, 14: 1.0, 15: 1.0}[k]  # the shape itself nowhere exceeds 2
@@ -32,7 +32,7 @@ def test_textbook_form_loses_all_digits_before_mode_15_and_ours_none():
 
 
 def test_textbook_characteristic_equation_is_noise_where_ours_still_finds_roots():
-    beta = modes.roots("clamped-free", 15)[-1]
+    beta = euler_bernoulli_modes.roots("clamped-free", 15)[-1]
     near = beta * (1 + np.linspace(-1, 1, 9) * 1e-15)
     assert np.abs(np.cos(near) * np.cosh(near) + 1).max() > 1e3
     assert abs(beta - 14.5 * math.pi) < 1e-13

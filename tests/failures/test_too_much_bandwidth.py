@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from pliant.controllers import LQR
-from pliant.controllers.loops import closed_loop
-from pliant.controllers.spillover import spillover
+from pliant.controllers.analysis.loops import closed_loop
+from pliant.controllers.analysis.spillover import spillover
 from pliant.plants import SingleLinkArm
 
 DT = 0.002

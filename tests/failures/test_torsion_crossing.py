@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from pliant.plants.beams import OffsetPayload, loaded_roots
+from pliant.plants.beams.euler_bernoulli_modes import loaded_roots
+from pliant.plants.beams.offset_payload_roots import OffsetPayload
 
 BENDING = loaded_roots(3, 1.0, 0.1)
 

@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.plants import (
-    Beam,
-    LinearModel,
-    Material,
-    Payload,
-    SingleLinkArm,
-    Trajectory,
-    TwoLinkArm,
-    beams,
-    step_limit,
-)
+from pliant.plants import Beam, LinearModel, Material, Payload, SingleLinkArm, Trajectory, TwoLinkArm, beams, step_limit
 
 ARM, LINK = TwoLinkArm.textbook(), SingleLinkArm.textbook()
 STRIP = ARM.link1

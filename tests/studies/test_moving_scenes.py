@@ -8,10 +8,13 @@ from typer.testing import CliRunner
 
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError, UncontrollableError
-from pliant.studies import figures, points, report, shapes
-from pliant.studies.cli import app
-from pliant.studies.closed_loop import closed_loop, regulator, variations
-from pliant.studies.stiffening import stiffening_needed
+from pliant.studies import report
+from pliant.studies.closed_loop.closed_loop import closed_loop, regulator, variations
+from pliant.studies.commands.cli import app
+from pliant.studies.common import operating_point
+from pliant.studies.fidelity.stiffening import stiffening_needed
+from pliant.studies.figures import arm_outline
+from pliant.studies.figures import motion as figures
 
 SECTIONS = (
     "The answer",
@@ -129,7 +132,7 @@ def test_linearize_says_where():
     ):
         scene = scenes.get(name)
         model = scene.plant.linearize(*(scene.target if at == "goal" else scene.initial))
-        assert says in points.words(model)
+        assert says in operating_point.words(model)
         result = CliRunner().invoke(app, ["linearize", name, "--at", at])
         assert result.exit_code == 0 and says[:14] in " ".join(result.stdout.split())
 
@@ -137,8 +140,8 @@ def test_linearize_says_where():
 def test_shapes_are_seen_from_a_hub_that_whirls():
     scene = scenes.get("spin-up", duration=10.0)
     motion = scene.open_loop(rtol=1e-6, atol=1e-8)
-    assert shapes.whirls(scene.plant, motion)
-    seen = shapes.lines(scene.plant, motion.x[::50], 5, from_hub=True)
+    assert arm_outline.whirls(scene.plant, motion)
+    seen = arm_outline.lines(scene.plant, motion.x[::50], 5, from_hub=True)
     np.testing.assert_allclose(seen[:, -1, 1], motion["tip_deflection"][::50], atol=1e-9)
     assert (seen[:, -1, 0] > 9.9).all()
 

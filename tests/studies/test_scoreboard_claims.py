@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from pliant.envs import scenes
-from pliant.studies.contestants import CONTESTANTS, VARIANTS
-from pliant.studies.scoreboard_table import short
+from pliant.studies.closed_loop.contestants import CONTESTANTS, VARIANTS
+from pliant.studies.scoreboard.tables import short
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "scoreboard"

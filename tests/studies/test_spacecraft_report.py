@@ -8,9 +8,11 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError, Trajectory
-from pliant.studies import figures, points, report
-from pliant.studies.closed_loop import Following, closed_loop, driven_to_goal, regulator
-from pliant.studies.figures_space import snapshots
+from pliant.studies import report
+from pliant.studies.closed_loop.closed_loop import Following, closed_loop, driven_to_goal, regulator
+from pliant.studies.common import operating_point
+from pliant.studies.figures import motion as figures
+from pliant.studies.figures.spacecraft import snapshots
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
 PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder"}
@@ -51,7 +53,7 @@ def test_linear_model_along_the_motion_predicts(made):
     scene, folder, _ = made
     found = table(folder, "linearization_along")
     (_, first, size), (_, second, _) = (e.values() for e in found["prediction_errors"])
-    assert found["perturbed"] in points.coordinates(scene.plant) and size > 1e-6
+    assert found["perturbed"] in operating_point.coordinates(scene.plant) and size > 1e-6
     assert first < 0.1 * size and first / second > 50  # second order or higher
 
 
@@ -118,7 +120,7 @@ def test_rounding_has_no_panel_of_its_own():
 )
 def test_words_for_the_goal(name, says):
     """A spin is no rest, and sunlight bends the panels of a goal that moves on as it should."""
-    assert points.words(scenes.get(name).goal_model).startswith(says)
+    assert operating_point.words(scenes.get(name).goal_model).startswith(says)
 
 
 def test_what_stays_zero_is_named_and_not_drawn():

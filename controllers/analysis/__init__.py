@@ -1,0 +1,1 @@
+"""Linear loops, their margins, spillover on finer plants."""

@@ -1,0 +1,161 @@
+"""The motion that a joint is to make: minimum jerk from rest to rest, shaped where asked, or a constant rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, final
+
+import numpy as np
+
+from pliant.plants.core.errors import PliantError
+from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.signals import index, read_only
+
+from .controller import moment
+
+if TYPE_CHECKING:
+    from pliant.controllers.joint_control.input_shaping import Shaper
+    from pliant.plants.dynamics.plant import Plant
+
+    from .scene_protocol import Charged
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class RestToRest:
+    """From `begin` to `end` (n,) in `time` [s] plus the shaper's duration: call it for position, rate, acceleration."""
+
+    begin: np.ndarray
+    end: np.ndarray
+    time: float
+    shaper: Shaper | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("begin", "end"):
+            object.__setattr__(self, name, read_only(f"RestToRest.{name}", getattr(self, name), (-1,)))
+        if self.begin.shape != self.end.shape:
+            raise ValueError(f"RestToRest.end has shape {self.end.shape}, must be {self.begin.shape} as begin")
+        if not 0 < self.time < np.inf:
+            raise ValueError(f"RestToRest.time = {self.time!r} must be > 0 [s]")
+        impulses = [(0.0, 1.0)]
+        if self.shaper is not None:
+            impulses = list(zip(self.shaper.times.tolist(), self.shaper.amplitudes.tolist()))
+        object.__setattr__(self, "_impulses", impulses)
+
+    @property
+    def duration(self) -> float:
+        """[s] until `end` is reached."""
+        return self.time + (0.0 if self.shaper is None else self.shaper.duration)
+
+    def __call__(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        t = moment("RestToRest", t)
+        way = rate = acceleration = 0.0
+        for start, share in self._impulses:  # type: ignore[attr-defined]
+            s, ds, dds = minimum_jerk((t - start) / self.time)
+            way, rate, acceleration = way + share * s, rate + share * ds, acceleration + share * dds
+        span = self.end - self.begin
+        return self.begin + way * span, rate / self.time * span, acceleration / self.time**2 * span
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Follow:
+    """A sampled motion: positions, rates, accelerations (nt, n) every `dt` [s]. At its end it goes on at its rate."""
+
+    dt: float
+    positions: np.ndarray
+    rates: np.ndarray
+    accelerations: np.ndarray
+
+    def __post_init__(self) -> None:
+        if not 0 < self.dt < np.inf:
+            raise ValueError(f"Follow.dt = {self.dt!r} must be > 0 [s]")
+        positions = read_only("Follow.positions", self.positions, (-1, -1))
+        if not len(positions):
+            raise ValueError("Follow.positions are empty, must hold at least one row")
+        object.__setattr__(self, "positions", positions)
+        for name in ("rates", "accelerations"):
+            object.__setattr__(self, name, read_only(f"Follow.{name}", getattr(self, name), positions.shape))
+
+    @property
+    def end(self) -> np.ndarray:
+        """The last position (n,)."""
+        return self.positions[-1]
+
+    def __call__(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        last = len(self.positions) - 1
+        k = min(max(round(moment("Follow", t) / self.dt), 0), last)
+        late = t - k * self.dt if k == last else 0.0
+        return self.positions[k] + late * self.rates[k], self.rates[k], self.accelerations[k]
+
+
+class Joints(NamedTuple):
+    """Where each input acts, by names of states or outputs."""
+
+    positions: tuple[str, ...]
+    rates: tuple[str, ...]
+
+
+def joints(plant: Plant) -> Joints:
+    """The coordinate that each input drives: the rigid plant's own, or a spacecraft's attitude and hinges.
+
+    PliantError where there is not one for each input: forces at a tip in the plane, thrusters, wheels about skew axes.
+    """
+    known = {s.name for s in plant.states + plant.outputs}
+    rigid = plant.ladder()[0]
+    turns = tuple(s.name.removesuffix("_rate") for s in rigid.states if s.name.endswith("_rate"))
+    found = Joints(turns, tuple(f"{name}_rate" for name in turns))
+    if "body_rate_x" in known:
+        pairs = [_driven(plant, s.name) for s in plant.inputs]
+        found = Joints(tuple(p for p, _ in pairs), tuple(r for _, r in pairs))
+    elif rigid.nx != 2 * plant.nu:
+        found = Joints((), ())
+    if len(set(found.positions)) != plant.nu or not {*found.positions, *found.rates} <= known:
+        raise PliantError(
+            f"{type(plant).__name__} has {plant.nu} inputs {tuple(s.name for s in plant.inputs)} and the rigid "
+            f"coordinates {turns}: no joint for each input, so name the positions and rates yourself"
+        )
+    return found
+
+
+def _driven(plant: Any, name: str) -> tuple[str, str]:
+    """Position and rate of what an input of a spacecraft drives; empty names where it is not one coordinate."""
+    word, _, rest = name.partition("_")
+    if word.startswith("hinge"):
+        joint = name.rpartition("_")[0]
+        return joint, f"{joint}_rate"
+    axis = rest
+    if word.startswith("wheel"):
+        direction = plant.hub.wheels[int(word.removeprefix("wheel")) - 1].axis
+        axis = "xyz"[int(np.argmax(direction))] if max(direction) == 1.0 else ""
+    return (f"attitude_{axis}", f"body_rate_{axis}") if axis and word != "thrust" else ("", "")
+
+
+def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
+    """From rest to rest in the scene's move_time; where the goal moves, the rigid plant under the nominal inputs."""
+    if scene.goal_at_rest:
+        return RestToRest(*ends(scene, at.positions), scene.move_time)
+    rigid, (x, _) = scene.plant.ladder()[0], scene.initial
+    known = dict(zip((s.name for s in scene.plant.states), x))
+    start = np.array([known.get(s.name, 0.0) for s in rigid.states])
+    missing = {*at.positions, *at.rates} - {s.name for s in rigid.states}
+    if missing:
+        raise PliantError(
+            f"the goal of scene {scene.name!r} moves, and {sorted(missing)} are no states to follow there"
+        )
+    motion = rigid.simulate(start, scene.nominal_input, scene.times)
+    moving = motion.derivative()[:, [index(rigid.states, name, "state") for name in at.rates]]
+    positions, rates = (np.stack([motion[name] for name in names], axis=1) for names in at)
+    return Follow(scene.dt, positions, rates, moving)
+
+
+def ends(scene: Charged, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Values of the named states or outputs at the scene's start and goal, each (n,)."""
+    return values_of(scene.plant, *scene.initial, names), values_of(scene.plant, *scene.target, names)
+
+
+def values_of(plant: Plant, x: Any, u: Any, names: tuple[str, ...]) -> np.ndarray:
+    """Of the named states or outputs (n,) at x (nx,), u (nu,)."""
+    places = [index(plant.states + plant.outputs, name, "state or output") for name in names]
+    return np.concatenate([require_finite("x", x, (plant.nx,)), plant.measure(x, u)])[places]

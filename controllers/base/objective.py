@@ -1,0 +1,151 @@
+"""What a motion is charged and what it may not do: shared by planning, predictive control and the bound.
+
+J = sum over control periods of dt |r(x, u)|^2, r = [sqrt(weight_i) (z_i - z_i,goal); sqrt(effort_j) (u_j - u_j,goal)],
+z any states or outputs by name. Since J is a sum of squares, 2 r'r has the Gauss-Newton Hessian 2 (dr/dz)'(dr/dz),
+which is exact where z is linear in x and u.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.signals import index
+
+from .controller import ends, saturation
+
+if TYPE_CHECKING:
+    from pliant.plants.dynamics.plant import Plant
+
+    from .scene_protocol import Charged
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Objective:
+    """A goal (x, u), weights by name of state or output, efforts by name of input, limits and bounds."""
+
+    plant: Plant
+    x_goal: np.ndarray  # (nx,)
+    u_goal: np.ndarray  # (nu,)
+    weights: Mapping[str, float]  # of the squared deviation of a state or output from its value at the goal
+    effort: Mapping[str, float]  # of the squared deviation of an input
+    dt: float  # [s] control period
+    limits: Any = None  # of the inputs: a pair (lowest, highest), or {input: (lowest, highest)}
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # lowest, highest of a state or output
+    goal_rates: Mapping[str, float] = field(default_factory=dict)  # d/dt of states of a goal that moves, from t = 0 on
+
+    def __post_init__(self) -> None:
+        plant, owner = self.plant, "Objective"
+        if not 0 < self.dt < np.inf:
+            raise ValueError(f"{owner}.dt = {self.dt!r} must be > 0")
+        for name, size in (("x_goal", plant.nx), ("u_goal", plant.nu)):
+            object.__setattr__(self, name, require_finite(f"{owner}.{name}", getattr(self, name), (size,)).copy())
+        for name, value in self.weights.items():
+            index(self.signals, name, f"{owner}.weights: state or output")
+            if not 0 <= value < np.inf:
+                raise ValueError(f"{owner}.weights[{name!r}] = {value!r} must be >= 0")
+        for name, value in self.effort.items():
+            index(plant.inputs, name, f"{owner}.effort: input")
+            if not 0 < value < np.inf:
+                raise ValueError(f"{owner}.effort[{name!r}] = {value!r} must be > 0")
+        for name, between in self.bounds.items():
+            index(self.signals, name, f"{owner}.bounds: state or output")
+            ends(f"{owner}.bounds[{name!r}]", between)
+        for name, value in self.goal_rates.items():
+            index(plant.states, name, f"{owner}.goal_rates: state")
+            if not np.isfinite(value):
+                raise ValueError(f"{owner}.goal_rates[{name!r}] = {value!r} must be finite")
+        if not self.weights and not self.effort:
+            raise ValueError(f"{owner}.weights, effort are empty, must name at least one signal")
+        names = [s.name for s in plant.inputs]
+        object.__setattr__(self, "limits", saturation(owner, self.limits, names))
+
+    @classmethod
+    def of(cls, scene: Charged) -> Self:
+        """The cost, limits and bounds of a scene (pliant.envs.Scene) about its goal."""
+        high = np.array(scene.limits, dtype=float)
+        x, u = scene.target
+        return cls(
+            plant=scene.plant,
+            x_goal=x,
+            u_goal=u,
+            weights=dict(scene.weights),
+            effort=dict(scene.effort),
+            dt=scene.dt,
+            limits=(-high, high),
+            bounds={name: (-value, value) for name, value in scene.bounds},
+            goal_rates=dict(scene.goal_rates),
+        )
+
+    @cached_property
+    def drift(self) -> np.ndarray:
+        """d/dt of the goal (nx,)."""
+        return np.array([float(self.goal_rates.get(s.name, 0.0)) for s in self.plant.states])
+
+    def goal_at(self, t: float) -> np.ndarray:
+        """The goal (nx,) at t [s]."""
+        return self.x_goal + t * self.drift
+
+    @property
+    def signals(self) -> tuple[Any, ...]:
+        """What weights and bounds may name."""
+        return self.plant.states + self.plant.outputs
+
+    @cached_property
+    def residual_expression(self) -> ca.SX:
+        """r (nr,) in the plant's symbols (t, x, u, w, p)."""
+        t, x, u, _, _ = self.plant.symbols
+        z0 = np.concatenate([self.x_goal, self.plant.measure(self.x_goal, self.u_goal)])
+        drift = np.array([self.goal_rates.get(s.name, 0.0) for s in self.signals])
+        z = ca.vertcat(x, self.plant.expressions[1])
+        places = [index(self.signals, name, "signal") for name in self.weights]
+        rows = [np.sqrt(weight) * (z[i] - z0[i] - drift[i] * t) for i, weight in zip(places, self.weights.values())]
+        inputs = [index(self.plant.inputs, name, "input") for name in self.effort]
+        rows += [np.sqrt(value) * (u[j] - self.u_goal[j]) for j, value in zip(inputs, self.effort.values())]
+        return ca.vertcat(*rows)
+
+    @cached_property
+    def bounded_expression(self) -> tuple[ca.SX, np.ndarray, np.ndarray]:
+        """(z (nb,), lowest, highest) of the bounded signals in the plant's symbols."""
+        z = ca.vertcat(self.plant.symbols[1], self.plant.expressions[1])
+        places = [index(self.signals, name, "signal") for name in self.bounds]
+        low, high = (np.array([pair[k] for pair in self.bounds.values()], dtype=float) for k in (0, 1))
+        return ca.vertcat(*[z[i] for i in places]), low, high
+
+    @cached_property
+    def _residual(self) -> NumericFunction:
+        return function("residual", list(self.plant.symbols), [self.residual_expression])
+
+    def rate(self, x: Any, u: Any, t: Any = 0.0) -> Any:
+        """Cost rate r'r [1/s] at x (nx,) or (B, nx), u (nu,) or (B, nu), t [s] or (B,)."""
+        values, batch = self.plant._arguments(x, u, t=t)
+        r = self._residual(*values, batch=batch)[0]
+        return (r**2).sum(axis=-1)
+
+    def cost(self, x: Any, u: Any, t0: float = 0.0) -> float:
+        """J of states x (N+1, nx) or (N, nx) and the inputs u (N, nu) held from each to the next, from t0 [s] on."""
+        u = np.asarray(u, dtype=float)
+        t = t0 + self.dt * np.arange(len(u))
+        return float(self.dt * self.rate(np.asarray(x, dtype=float)[: len(u)], u, t).sum())
+
+    def quadratic(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Q (nx, nx), R (nu, nu), N (nx, nu): the cost rate x'Qx + u'Ru + 2 x'Nu of deviations from the goal."""
+        _, x, u, _, _ = self.plant.symbols
+        r = self.residual_expression
+        slopes = function("slopes", list(self.plant.symbols), [ca.jacobian(r, x), ca.jacobian(r, u)], matrices=True)
+        values, _ = self.plant._arguments(self.x_goal, self.u_goal)
+        X, U = slopes(*values)
+        return X.T @ X, U.T @ U, X.T @ U
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in fields(self)}  # expressions are made again
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)

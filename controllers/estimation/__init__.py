@@ -1,0 +1,1 @@
+"""Sensors, process noise, Kalman gains and the filter."""

@@ -1,0 +1,237 @@
+"""Kalman filter on what a machine's sensors read: steady about a point, or time-varying along a nominal motion.
+
+    predict   dx- = A dx + B du + c          u the input that was held since the last sample
+    correct   dx = dx- + L (y - y0 - C dx- - D du)
+
+The feedthrough D is that of the input held until the sample is taken, since a controller acts after it has read.
+Samples may arrive `delay` periods late: the model then carries the outputs on their way as states.
+
+Process noise   what the model does not know, as white noise of density W [unit^2 s] on a disturbance, an input or the
+                rate of a state, by name. A held disturbance of standard deviation s, new in each period dt, has the
+                density s^2 dt. Noise on the inputs brings the margins of the state feedback back where the plant has
+                no zeros that grow (Doyle and Stein 1979); noise on the rate of a mode's coordinate tells the filter
+                not to trust that mode's frequency.
+Measurement     V = diag(deviation^2) of the sensors at dt; quantisation is taken as noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Self, final
+
+import numpy as np
+
+from pliant.controllers.base.controller import reading
+from pliant.plants.core.errors import PliantError
+from pliant.plants.core.parameters import require_count, require_finite
+from pliant.plants.core.signals import names
+from pliant.plants.linear.lti import LinearModel
+from pliant.plants.linear.ltv import LTVModel
+
+from . import kalman_gains
+from .process_noise import process_noise
+from .sensors import Sensor, covariance, sensors_of
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+
+MOST_DELAY = 16  # samples
+SETTLED = 1e-9  # of the standard deviations: difference of the covariance from the steady one that is let pass
+MOST_STEPS = 100_000  # until then
+
+
+@final
+@dataclass(eq=False)
+class Kalman:
+    """Made by `design`, `along` or `for_scene`. `step(y, u)` once a period; then `estimate` and `covariance`.
+
+    Entry k of `steps` and `gains` serves sample k, the last one all that follow.
+    """
+
+    model: LinearModel | LTVModel
+    sensors: tuple[Sensor, ...]
+    dt: float  # [s]
+    delay: int  # periods that a sample takes to arrive
+    steps: tuple[kalman_gains.Sampled, ...] = field(repr=False)
+    gains: tuple[kalman_gains.Filtered, ...] = field(repr=False)
+    x0: np.ndarray = field(repr=False)  # (n, nx) nominal at the samples
+    u0: np.ndarray = field(repr=False)  # (n, nu) nominal input of the step that ends there
+    y0: np.ndarray = field(repr=False)  # (n, ns) nominal reading under that input
+    start: np.ndarray | None = field(default=None, repr=False)  # (nx,) first estimate, the nominal where None
+
+    def __post_init__(self) -> None:
+        self.reset()
+
+    @classmethod
+    def design(
+        cls,
+        model: LinearModel,
+        sensors: Sequence[Sensor],
+        W: Mapping[str, float],
+        *,
+        dt: float,
+        delay: int = 0,
+        P0: Any = None,
+    ) -> Self:
+        """About the point of a continuous-time linear model; the gain is the steady one.
+
+        W: densities [unit^2 s] by name of disturbance, input or state. P0 (nx, nx): covariance of the first estimate;
+        the gains then start from it and run until they are steady. UncontrollableError names modes that do not decay
+        and that the sensors do not see or the noise does not drive.
+        """
+        if model.dt is not None:
+            raise ValueError(f"Kalman.design: model.dt = {model.dt} must be None (a continuous-time model)")
+        require_count("Kalman", "delay", delay, 0, MOST_DELAY)
+        wide, density = kalman_gains.driven_by(model, W)
+        held, picked = wide.discretize(dt), tuple(s.output for s in sensors)
+        C, D, F = kalman_gains.rows(wide, picked)
+        step = kalman_gains.Sampled(held.A, held.B, held.E, C, D, F, density / dt, covariance(sensors, dt), held.f0)
+        late = kalman_gains.delayed(step, delay)
+        limit = kalman_gains.steady(late, model.state_names, dt)
+        gains = (limit,) if P0 is None else _until(late, limit, _first(step, delay, P0))
+        y0 = np.concatenate([model.x0, model.y0])[_places(model, picked)]
+        n = len(gains)
+        nominal = {"x0": np.tile(model.x0, (n, 1)), "u0": np.tile(model.u0, (n, 1)), "y0": np.tile(y0, (n, 1))}
+        return cls(model, tuple(sensors), float(dt), delay, (late,) * n, gains, **nominal)
+
+    @classmethod
+    def along(
+        cls, ltv: LTVModel, sensors: Sequence[Sensor], W: Mapping[str, float], *, P0: Any, delay: int = 0
+    ) -> Self:
+        """Along a nominal with a node at every sample; P0 (nx, nx) is the covariance of the first estimate.
+
+        The nominal's input is taken as held from node to node. After its end the last step's model and gain stay.
+        """
+        require_count("Kalman", "delay", delay, 0, MOST_DELAY)
+        h = np.diff(ltv.t)
+        dt = float(h.mean())
+        if np.abs(h - dt).max() > 1e-6 * dt:
+            raise ValueError(f"Kalman.along: nodes {h.min():.6g} to {h.max():.6g} s apart must be evenly spaced")
+        wide, density = kalman_gains.driven_by(ltv, W)
+        held, picked = wide.discretize(), tuple(s.output for s in sensors)
+        C, D, F = kalman_gains.rows(wide, picked)
+        V, before = covariance(sensors, dt), np.maximum(np.arange(len(ltv.t)) - 1, 0)
+        plain = [
+            kalman_gains.Sampled(held.A[i], held.B[i], held.E[i], C[k], D[k], F[k], density / dt, V, held.c[i])
+            for k, i in enumerate(before)
+        ]
+        steps = tuple(kalman_gains.delayed(step, delay) for step in plain)
+        gains = [kalman_gains.corrected(steps[0], _first(plain[0], delay, P0))]
+        for step in steps[1:]:
+            gains.append(kalman_gains.after(step, gains[-1].P))
+        y0 = np.concatenate([ltv.x, ltv.y], axis=1)[:, _places(ltv, picked)]
+        y0 = y0 + np.einsum("kij,kj->ki", D, ltv.u[before] - ltv.u)
+        return cls(ltv, tuple(sensors), dt, delay, steps, tuple(gains), x0=ltv.x, u0=ltv.u[before], y0=y0)
+
+    @classmethod
+    def for_scene(
+        cls,
+        scene: Charged,
+        *,
+        sensors: Sequence[Sensor] | None = None,
+        W: Mapping[str, float] | None = None,
+        delay: int = 0,
+    ) -> Self:
+        """About the scene's goal, moving or not; the first estimate is the scene's start.
+
+        sensors None: those that its plant carries and whose outputs are in the model. W None: `process_noise(scene)`.
+        """
+        plant = scene.plant
+        model, known = plant.feedback_model(*scene.target), names(plant.states + plant.outputs)
+        if sensors is None:
+            modelled = names(model.states + model.outputs)
+            sensors = [s for s in sensors_of(plant) if s.output in modelled]
+        made = cls.design(model, sensors, process_noise(scene) if W is None else W, dt=scene.dt, delay=delay)
+        x, u = scene.initial
+        values = dict(zip(known, np.concatenate([x, plant.measure(x, u)])))
+        made.start = np.array([values[name] for name in model.state_names])
+        made.reset()
+        return made
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The plant's outputs that make up y."""
+        return tuple(s.output for s in self.sensors)
+
+    @property
+    def poles(self) -> np.ndarray:
+        """Eigenvalues of the estimation error in the z plane, with the last step's gain."""
+        step, gain = self.steps[-1], self.gains[-1]
+        return np.linalg.eigvals(step.A - gain.L @ step.C @ step.A).astype(complex)
+
+    @property
+    def estimate(self) -> np.ndarray:
+        """Of the model's states (nx,), after the last sample."""
+        i = min(max(self.k, 0), len(self.x0) - 1)
+        return self.x0[i] + self._x[: self.x0.shape[1]]
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Of the estimate's error (nx, nx), after the last sample."""
+        nx = self.x0.shape[1]
+        return self.gains[self._entry].P[:nx, :nx]
+
+    @property
+    def innovation_covariance(self) -> np.ndarray:
+        """(ns, ns), of the last `innovation`."""
+        return self.gains[self._entry].S
+
+    @property
+    def _entry(self) -> int:
+        return min(max(self.k, 0), len(self.gains) - 1)
+
+    def reset(self, x0: Any = None) -> None:
+        """Start again from the estimate x0 (nx,), from `start` where None."""
+        nx, x0 = self.x0.shape[1], self.start if x0 is None else x0
+        dx = np.zeros(nx) if x0 is None else require_finite("Kalman.x0", x0, (nx,)) - self.x0[0]
+        C = kalman_gains.rows(self.model, self.reads)[0]
+        self._x = kalman_gains.resting(C[0] if C.ndim == 3 else C, self.delay) @ dx
+        self.k = -1  # number of the last sample
+        self.innovation = np.zeros(len(self.sensors))
+
+    def step(self, y: np.ndarray, u: np.ndarray | None = None) -> np.ndarray:
+        """The estimate (nx,) after the sample y (ns,). u (nu,): the input held since the last one, nominal where None.
+
+        With the first sample only the feedthrough of u counts.
+        """
+        y, nu = reading("Kalman.y", y, len(self.sensors)), self.u0.shape[1]
+        given = None if u is None else reading("Kalman.u", u, nu)
+        self.k += 1
+        i = self._entry
+        step, x = self.steps[i], self._x
+        du = np.zeros(nu) if given is None else given - self.u0[i]
+        if self.k:
+            x = step.A @ x + step.B @ du + step.c
+        base = self.y0[min(max(self.k - self.delay, 0), len(self.y0) - 1)] if self.delay else self.y0[i]
+        self.innovation = y - base - step.C @ x - step.D @ du
+        self._x = x + self.gains[i].L @ self.innovation
+        return self.estimate
+
+
+def _places(model: LinearModel | LTVModel, wanted: Sequence[str]) -> list[int]:
+    known = names(model.states + model.outputs)
+    return [known.index(name) for name in wanted]
+
+
+def _first(step: kalman_gains.Sampled, delay: int, P0: Any) -> np.ndarray:
+    """Covariance before the first sample, with that of the outputs under way."""
+    nx = len(step.A)
+    P = require_finite("Kalman.P0", P0, (nx, nx))
+    if np.abs(P - P.T).max() > 1e-9 * np.abs(P).max() or np.linalg.eigvalsh(P).min() < -1e-10 * np.abs(P).max():
+        raise ValueError(f"Kalman.P0 has eigenvalue {np.linalg.eigvalsh(P).min():.4g}, must be symmetric and >= 0")
+    T = kalman_gains.resting(step.C, delay)
+    return T @ P @ T.T
+
+
+def _until(
+    step: kalman_gains.Sampled, limit: kalman_gains.Filtered, P: np.ndarray
+) -> tuple[kalman_gains.Filtered, ...]:
+    """Gains from the covariance P before the first sample on until they are those of `limit`, which comes last."""
+    gains = [kalman_gains.corrected(step, P)]
+    scale = np.sqrt(np.outer(np.diag(limit.P), np.diag(limit.P))) + np.finfo(float).tiny
+    while np.abs((gains[-1].P - limit.P) / scale).max() > SETTLED:
+        if len(gains) == MOST_STEPS:
+            raise PliantError(f"the filter's gains are not steady after {MOST_STEPS} samples: take P0 = None")
+        gains.append(kalman_gains.after(step, gains[-1].P))
+    return (*gains, limit)

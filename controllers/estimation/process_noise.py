@@ -1,0 +1,31 @@
+"""What a scene's model does not know, as white noise for a Kalman filter."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+
+ACTUATOR = 0.01  # of an input's limit: standard deviation of what its actuator is off by in a period
+
+
+def process_noise(scene: Charged) -> dict[str, float]:
+    """Densities [unit^2 s] of what is new in every control period, by name of input and disturbance.
+
+    Each actuator is off by 1 % of its limit, and so is each disturbance in an actuator's unit: model error that pushes
+    where none of the actuators does. A gust of at most g is uniform in (-g, g), standard deviation g/sqrt(3). Gusts and
+    model errors last longer in truth, which the filter then tracks late: give them more density.
+    """
+    plant, gusts = scene.plant, dict(getattr(scene, "gusts", ()))
+    found, largest = {}, dict.fromkeys((s.unit for s in plant.inputs), 0.0)
+    for signal, limit in zip(plant.inputs, scene.limits):
+        found[signal.name] = (ACTUATOR * limit) ** 2 * scene.dt
+        largest[signal.unit] = max(largest[signal.unit], limit)
+    for signal in plant.disturbances:
+        deviation = gusts.get(signal.name, 0.0) / np.sqrt(3) or ACTUATOR * largest.get(signal.unit, 0.0)
+        if deviation:
+            found[signal.name] = deviation**2 * scene.dt
+    return found

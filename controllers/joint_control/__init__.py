@@ -1,0 +1,1 @@
+"""Collocated PD, computed torque, command shaping."""

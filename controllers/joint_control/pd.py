@@ -1,0 +1,199 @@
+"""Collocated proportional-derivative control, the baseline that a flexible machine does not make unstable.
+
+u = u_ff(t) + Kp (r - y) + Kd (dr/dt - dy/dt)
+
+y are the joints that the inputs drive, u_ff the rigid plant's inverse dynamics along the reference r. With positive
+definite gains and no sampling, a collocated loop only takes energy out of the elastic modes, however many (Gevarter
+1970, "Basic relations for control of flexible vehicles"). Sampled, Kd must stay below about 2 / dt of what turns at
+once, the bare hub: that limit binds first where links are heavy and hubs are light, so `for_scene` chooses the gains
+on the sampled loop. A shaper on the reference keeps the modes of the closed loop quiet too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from scipy.optimize import minimize
+
+from pliant.controllers.base.controller import reading, saturation
+from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, joints, motion_of, values_of
+from pliant.plants.core.errors import PliantError
+from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.signals import read_only
+
+from .collocation import loop_eigenvalues, rigid_inertia, rows
+from .computed_torque import inverse_dynamics
+from .input_shaping import light, shaper_for
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.plants.core.casadi_functions import NumericFunction
+    from pliant.plants.dynamics.plant import Plant
+    from pliant.plants.linear.lti import LinearModel
+
+SHAPED = 2  # modes of the closed loop that a shaper is made for
+SLOWEST = 0.01  # least Kp / Kd, over 1 / dt: a joint comes home at that rate at least
+STARTS = (0.03, 0.1, 0.3, 1.0)  # of the search for gains: Kd dt over the inertia that turns at once
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PD:
+    """Made by `design` or `for_scene`; it reads the joints' positions, then their rates."""
+
+    Kp: np.ndarray  # (nu, nu)
+    Kd: np.ndarray  # (nu, nu)
+    joints: Joints
+    reference: RestToRest | Follow
+    u0: np.ndarray  # (nu,) held at the reference's end
+    inverse: NumericFunction | None = None  # (positions and rates (2 nu,), accelerations (nu,)) -> u (nu,)
+    limits: Any = None
+    dt: float | None = None
+
+    def __post_init__(self) -> None:
+        n = len(self.joints.positions)
+        for name in ("Kp", "Kd"):
+            object.__setattr__(self, name, read_only(f"PD.{name}", getattr(self, name), (n, n)))
+        object.__setattr__(self, "u0", read_only("PD.u0", self.u0, (n,)))
+        object.__setattr__(self, "limits", saturation("PD", self.limits, [f"u{i + 1}" for i in range(n)]))
+        if len(self.reference.end) != n:
+            raise ValueError(f"PD.reference has {len(self.reference.end)} positions, must have {n}")
+        if self.dt is not None and not 0 < self.dt < np.inf:
+            raise ValueError(f"PD.dt = {self.dt!r} must be > 0 [s]")
+        rest = np.concatenate([self.reference.end, np.zeros(n)])
+        lack = self.u0 - (self.inverse(rest, np.zeros(n))[0] if self.inverse else 0.0)
+        object.__setattr__(self, "_lack", lack)  # what holding the elastic plant takes beyond the rigid one
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        return self.joints.positions + self.joints.rates
+
+    @property
+    def K(self) -> np.ndarray:
+        """(nu, 2 nu): u = .. - K y, for analysis of the loop."""
+        return np.hstack([self.Kp, self.Kd])
+
+    @classmethod
+    def design(
+        cls,
+        plant: Plant,
+        x0: Any,
+        u0: Any,
+        *,
+        bandwidth: float,
+        damping: float = 0.7,
+        reference: RestToRest | Follow | None = None,
+        at: Joints | None = None,
+        limits: Any = None,
+        dt: float | None = None,
+    ) -> PD:
+        """Kp = bandwidth^2 J, Kd = 2 damping bandwidth J with J the rigid inertia at the equilibrium (x0, u0).
+
+        bandwidth [rad/s]; reference: None holds x0; at: names of positions and rates, one an input, None: the plant's
+        joints.
+        """
+        for name, value in (("bandwidth", bandwidth), ("damping", damping)):
+            if not 0 < value < np.inf:
+                raise ValueError(f"PD.{name} = {value!r} must be > 0")
+        at = joints(plant) if at is None else at
+        J = rigid_inertia(plant, x0, u0, at.rates)
+        gains = bandwidth**2 * J, 2 * damping * bandwidth * J
+        return cls._made(plant, x0, u0, *gains, at, reference, limits, dt)
+
+    @classmethod
+    def for_scene(cls, scene: Charged, *, shape: str | None = None) -> PD:
+        """Along the rigid motion of the scene, rest to rest in its move_time; `shape` ("zv", "zvd", ..) shapes that.
+
+        A gain Kp and Kd for each joint, such that the sampled loop about the goal decays fastest. PliantError where
+        none is found that is stable.
+        """
+        plant, (x, u), high = scene.plant, scene.target, np.array(scene.limits)
+        at, model = joints(plant), plant.linearize(x, u)
+        Kp, Kd = fastest_decay(model, at, scene.dt)
+        law = cls._made(plant, x, u, Kp, Kd, at, motion_of(scene, at), (-high, high), scene.dt)
+        return law if shape is None else law.shaped(model, shape)
+
+    @classmethod
+    def _made(
+        cls,
+        plant: Plant,
+        x0: Any,
+        u0: Any,
+        Kp: np.ndarray,
+        Kd: np.ndarray,
+        at: Joints,
+        reference: RestToRest | Follow | None,
+        limits: Any,
+        dt: float | None,
+    ) -> PD:
+        held = values_of(plant, x0, u0, at.positions)
+        rigid = {s.name for s in plant.ladder()[0].states}
+        return cls(
+            Kp=Kp,
+            Kd=Kd,
+            joints=at,
+            reference=RestToRest(held, held, 1.0) if reference is None else reference,
+            u0=require_finite("PD.u0", u0, (plant.nu,)),
+            inverse=inverse_dynamics(plant, at) if rigid == set(at.positions + at.rates) else None,
+            limits=saturation("PD", limits, [s.name for s in plant.inputs]),
+            dt=dt,
+        )
+
+    def shaped(self, model: LinearModel, kind: str = "zvd") -> PD:
+        """This law with its reference shaped for the two slowest lightly damped modes of its loop around `model`.
+
+        Modes slower than the motion itself are left out. ValueError where the reference is not from rest to rest.
+        """
+        if not isinstance(self.reference, RestToRest):
+            raise ValueError("PD.shaped needs a reference from rest to rest, not one that goes on moving")
+        values = loop_eigenvalues(model, self.K, self.reads, self.dt)
+        modes = [s for s in light(values) if abs(s) * self.reference.time > 2 * np.pi][:SHAPED]
+        return replace(self, reference=replace(self.reference, shaper=shaper_for(modes, kind))) if modes else self
+
+    def reset(self) -> None:
+        """Nothing to forget."""
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) from positions and rates y (2 nu,) at time t [s]."""
+        n = len(self.u0)
+        y = reading("PD.y", y, 2 * n)
+        r, dr, ddr = self.reference(t)
+        u = self._lack + self.Kp @ (r - y[:n]) + self.Kd @ (dr - y[n:])  # type: ignore[attr-defined]
+        if self.inverse is not None:
+            u += self.inverse(np.concatenate([r, dr]), ddr)[0]
+        return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+
+
+def fastest_decay(model: LinearModel, at: Joints, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Diagonal Kp, Kd (nu, nu) whose loop, held over dt [s], decays fastest about the model's equilibrium.
+
+    Found by the simplex method from several starts. PliantError where the best loop still grows.
+    """
+    n = len(at.positions)
+    sampled, S = model.discretize(dt), rows(model, at.positions + at.rates)
+    hub = np.abs(np.diag(np.linalg.inv(rows(model, at.rates) @ model.B)))
+
+    def gains(logs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        home, Kd = np.exp(logs).reshape(2, n)
+        return (home + SLOWEST / dt) * Kd, Kd
+
+    def growth(logs: np.ndarray) -> float:
+        K = np.hstack([np.diag(gain) for gain in gains(logs)])
+        radius = np.abs(np.linalg.eigvals(sampled.A - sampled.B @ K @ S)).max()
+        return float(np.log(radius) / dt)
+
+    found = []
+    for share in STARTS:
+        Kd = share / dt * hub
+        start = np.log(np.concatenate([np.full(n, share / dt / 4), Kd]))
+        found.append(minimize(growth, start, method="Nelder-Mead", options={"maxfev": 200 * n}))
+    best = min(found, key=lambda result: result.fun)
+    if not best.fun < 0:
+        raise PliantError(
+            f"PD: no gains found whose loop about the goal is stable at dt = {dt:g} s (the best grows at "
+            f"{best.fun:.3g} 1/s); sample faster, or give more hub inertia"
+        )
+    Kp, Kd = gains(best.x)
+    return np.diag(Kp), np.diag(Kd)

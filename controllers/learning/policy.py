@@ -1,0 +1,196 @@
+"""A trained policy as a controller: a small network from arrays, in NumPy, without what trained it.
+
+Law    u = limits * clip(net(z), -1, 1), or limits * tanh(net(z)) where `squash` says so,
+       z = clip((y - goal - mean) / std, -clip, clip),
+       net = W_n a(.. a(W_1 z + b_1) ..) + b_n with a = tanh or relu.
+
+A policy is two files, NAME.npz (W1, b1, .., mean, std) and NAME.json (the rest). Neither can run code.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self, final
+
+import numpy as np
+
+from pliant.plants.core.parameters import require_choice, require_finite
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Playable
+
+FORMAT = 1
+ACTIVATIONS = ("tanh", "relu")
+FOLDER = Path(__file__).parent / "policies"
+MOST_LAYERS = 100
+WORDS = ("scene", "reads", "goal", "inputs", "limits", "dt", "clip", "activation", "squash", "made")
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Policy:
+    """Made by `load`, `for_scene`, `from_sb3_zip` or training. `act` takes about 10 us for two layers of 64."""
+
+    weights: tuple[np.ndarray, ...]  # (units, inputs) of each layer
+    biases: tuple[np.ndarray, ...]  # (units,) of each layer
+    mean: np.ndarray  # (ny,) of y - goal in training
+    std: np.ndarray  # (ny,), > 0
+    scene: str  # name of the scene that it was trained on
+    reads: tuple[str, ...]  # (ny,) names
+    goal: np.ndarray  # (ny,) values of what it reads at the goal
+    inputs: tuple[str, ...]  # (nu,) names
+    limits: np.ndarray  # (nu,) largest |u|, in the inputs' units
+    dt: float  # [s]
+    clip: float = np.inf  # largest |normalised observation|
+    activation: str = "tanh"
+    squash: bool = False  # the output through tanh instead of being cut off
+    made: Mapping[str, Any] = field(default_factory=dict)  # how: command, seed, steps, cost, versions
+    _shift: np.ndarray = field(init=False, repr=False)
+    _factor: np.ndarray = field(init=False, repr=False)
+    _z: np.ndarray = field(init=False, repr=False)  # room for the normalised observation ..
+    _layers: tuple[Any, ...] = field(init=False, repr=False)  # .. and for each layer's output
+
+    def __post_init__(self) -> None:
+        own = f"Policy of {self.scene!r}"
+        require_choice(own, "activation", self.activation, ACTIVATIONS)
+        ny, nu, layers = len(self.reads), len(self.inputs), len(self.weights)
+        if not 1 <= layers == len(self.biases) <= MOST_LAYERS:
+            raise ValueError(
+                f"{own}: weights and biases of {layers} and {len(self.biases)} layers must be as many, "
+                f"1 to {MOST_LAYERS}"
+            )
+        width, weights, biases = ny, [], []
+        for k, (W, b) in enumerate(zip(self.weights, self.biases), 1):
+            W = require_finite(f"{own}: W{k}", W, (nu if k == layers else -1, width))
+            width = len(W)
+            weights.append(np.ascontiguousarray(W))
+            biases.append(require_finite(f"{own}: b{k}", b, (width,)))
+        values: dict[str, Any] = {"weights": tuple(weights), "biases": tuple(biases)}
+        for name, size in (("mean", ny), ("std", ny), ("goal", ny), ("limits", nu)):
+            values[name] = require_finite(f"{own}: {name}", getattr(self, name), (size,))
+        for name in ("std", "limits"):
+            if not (values[name] > 0).all():
+                raise ValueError(f"{own}: {name} = {values[name]} must be > 0")
+        if not 0 < self.dt < np.inf:
+            raise ValueError(f"{own}: dt = {self.dt!r} must be > 0")
+        if not self.clip > 0:
+            raise ValueError(f"{own}: clip = {self.clip!r} must be > 0")
+        values |= {"reads": tuple(self.reads), "inputs": tuple(self.inputs)}
+        values |= {"_shift": values["goal"] + values["mean"], "_factor": 1 / values["std"], "_z": np.empty(ny)}
+        values["_layers"] = tuple((W, b, np.empty(len(b))) for W, b in zip(weights, biases))
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def reset(self) -> None:
+        """Nothing to forget."""
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) within the limits, from y (len(reads),)."""
+        z = self._z
+        y = np.asarray(y, dtype=float)
+        if y.shape != z.shape or not np.dot(y, y) < np.inf:
+            y = require_finite("Policy.y", y, z.shape)
+        np.subtract(y, self._shift, out=z)
+        np.multiply(z, self._factor, out=z)
+        np.maximum(z, -self.clip, out=z)
+        np.minimum(z, self.clip, out=z)
+        last = len(self._layers) - 1
+        for k, (W, b, h) in enumerate(self._layers):
+            np.dot(W, z, out=h)
+            np.add(h, b, out=h)
+            if k < last:
+                if self.activation == "tanh":
+                    np.tanh(h, out=h)
+                else:
+                    np.maximum(h, 0.0, out=h)
+            z = h
+        action = np.tanh(z) if self.squash else np.minimum(np.maximum(z, -1.0), 1.0)
+        return self.limits * action
+
+    def save(self, path: str | Path) -> None:
+        """Write `path` with the endings .npz and .json."""
+        arrays = {f"W{k}": W for k, W in enumerate(self.weights, 1)}
+        arrays |= {f"b{k}": b for k, b in enumerate(self.biases, 1)}
+        words = {name: getattr(self, name) for name in WORDS}
+        words |= {"goal": self.goal.tolist(), "limits": self.limits.tolist(), "made": dict(self.made)}
+        words["clip"] = None if np.isinf(self.clip) else float(self.clip)
+        arrays_path, words_path = _files(path)
+        arrays_path.parent.mkdir(parents=True, exist_ok=True)
+        np.savez_compressed(arrays_path, mean=self.mean, std=self.std, **arrays)  # type: ignore[arg-type]
+        words_path.write_text(json.dumps({"format": FORMAT, **words}, indent=1, allow_nan=False) + "\n")
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """From what `save` wrote. ValueError for files that are damaged, incomplete or of another format."""
+        arrays_path, words_path = _files(path)
+        try:
+            words = json.loads(words_path.read_text(encoding="utf-8"))
+            with np.load(arrays_path, allow_pickle=False) as found:
+                arrays = {name: found[name] for name in found.files}
+        except FileNotFoundError:
+            raise
+        except Exception as error:  # zipfile, json and numpy each have their own
+            raise ValueError(f"policy {arrays_path.stem!r} cannot be read: {error}") from None
+        own = f"policy {words_path.stem!r}"
+        if not isinstance(words, dict) or words.pop("format", None) != FORMAT:
+            raise ValueError(f"{own}: format must be {FORMAT}")
+        layers = sum(name.startswith("W") for name in arrays)
+        wanted = {"mean", "std", *(f"{kind}{k}" for kind in "Wb" for k in range(1, layers + 1))}
+        for what, have, must in (("arrays", set(arrays), wanted), ("words", set(words), set(WORDS))):
+            if have != must:
+                raise ValueError(f"{own}: {what} {sorted(have ^ must)} are missing or unknown")
+        words["clip"] = np.inf if words["clip"] is None else words["clip"]
+        try:
+            return cls(
+                weights=tuple(arrays[f"W{k}"] for k in range(1, layers + 1)),
+                biases=tuple(arrays[f"b{k}"] for k in range(1, layers + 1)),
+                mean=arrays["mean"],
+                std=arrays["std"],
+                **words,
+            )
+        except TypeError as error:
+            raise ValueError(f"{own}: {error}") from None
+
+    @classmethod
+    def for_scene(cls, name: str) -> Self:
+        """The policy that is shipped for a named scene. ValueError, with the names there are, for others."""
+        require_choice("Policy", "scene", name, shipped())
+        return cls.load(FOLDER / name)
+
+    @classmethod
+    def from_sb3_zip(
+        cls,
+        path: str | Path,
+        scene: Playable,
+        *,
+        algorithm: str = "ppo",
+        statistics: str | Path | None = None,
+        trust: bool = False,
+    ) -> Self:
+        """From a Stable-Baselines3 zip, and a pickled VecNormalize (`statistics`) where there was one.
+
+        Both are pickles: reading one runs whatever code its author put in. ValueError unless trust=True.
+        """
+        if trust is not True:
+            raise ValueError(
+                f"{str(path)!r} holds a pickle, which can run any code when it is read: give trust=True if you "
+                "made it yourself, or ask its author for arrays and JSON (Policy.save)"
+            )
+        from .sb3_export import read_zip
+
+        return cls(**read_zip(Path(path), scene, algorithm, None if statistics is None else Path(statistics)))
+
+
+def shipped() -> Sequence[str]:
+    """Scenes for which a policy is shipped."""
+    return sorted(path.stem for path in FOLDER.glob("*.npz"))
+
+
+def _files(path: str | Path) -> tuple[Path, Path]:
+    """The two files of a policy from its name, or from either file's."""
+    path = Path(path)
+    stem = path.name.removesuffix(".npz").removesuffix(".json")
+    return path.with_name(stem + ".npz"), path.with_name(stem + ".json")

@@ -1,0 +1,1 @@
+"""LQR, LQG, TVLQR with its funnel, compensation of delay."""

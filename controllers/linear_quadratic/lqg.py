@@ -1,0 +1,119 @@
+"""LQG: a state feedback that acts on the estimate of a Kalman filter, both sampled at dt.
+
+    estimate   the filter's, from the sensors and from the inputs that the feedback really gave, limits included
+    law        any controller that reads the model's states, or outputs, and has `act`: LQR, MPC, ..
+
+Without limits the poles of the loop are those of the regulator and those of the estimation error (separation;
+Anderson and Moore, "Optimal Control: Linear Quadratic Methods" (1990), Section 8.2). It has no guaranteed margins
+(Doyle 1978): read them with `margins`, and close the loop around dearer plants with `spillover`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self, final
+
+import numpy as np
+
+from pliant.controllers.base.controller import Controller, reading
+from pliant.controllers.estimation.kalman import Kalman
+from pliant.controllers.estimation.sensors import Sensor
+from pliant.plants.core.signals import names
+from pliant.plants.linear.lti import LinearModel
+from pliant.plants.linear.ltv import LTVModel
+
+from .lqr import LQR
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+
+
+@final
+@dataclass(eq=False)
+class LQG:
+    """u = law(estimate). It reads what the filter's sensors read."""
+
+    law: Controller
+    filter: Kalman
+
+    def __post_init__(self) -> None:
+        law, dt = self.law, self.filter.dt
+        if law.dt is None or abs(law.dt - dt) > 1e-9 * dt:
+            raise ValueError(f"LQG.law.dt = {law.dt!r} must be the filter's, {dt:g} s")
+        self._rows = self._wanted()
+        self.reset()
+
+    @classmethod
+    def design(
+        cls,
+        model: LinearModel,
+        Q: Any,
+        R: Any,
+        sensors: Sequence[Sensor],
+        W: Mapping[str, float],
+        *,
+        dt: float,
+        limits: Any = None,
+        delay: int = 0,
+    ) -> Self:
+        """LQR.design and Kalman.design on one continuous-time model: Q, R, limits as there, W, delay as here."""
+        law = LQR.design(model, Q, R, dt=dt, limits=limits)
+        return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay))
+
+    @classmethod
+    def for_scene(
+        cls,
+        scene: Charged,
+        *,
+        sensors: Sequence[Sensor] | None = None,
+        W: Mapping[str, float] | None = None,
+        delay: int = 0,
+        effort: float = 1.0,
+    ) -> Self:
+        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost."""
+        return cls(LQR.for_scene(scene, effort=effort), Kalman.for_scene(scene, sensors=sensors, W=W, delay=delay))
+
+    @property
+    def dt(self) -> float:
+        """[s]"""
+        return self.filter.dt
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The sensors' outputs."""
+        return self.filter.reads
+
+    def reset(self) -> None:
+        """Forget the estimate and the input."""
+        self.filter.reset()
+        self.law.reset()
+        self.u: np.ndarray | None = None  # (nu,) held since the last sample
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) from the sensors' y (ns,) at time t [s]."""
+        x = self.filter.step(reading("LQG.y", y, len(self.filter.sensors)), self.u)
+        u = self.law.act(t, self._seen(x))
+        self.u = u.copy()  # the caller may change what it gets
+        return u
+
+    def _wanted(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """(C, y0) of what the law reads, about the nominal; None where it reads the model's states in their order,
+        under their names or others."""
+        model, reads = self.filter.model, tuple(self.law.reads)
+        known = names(model.states + model.outputs)
+        missing = [name for name in reads if name not in known]
+        renamed = len(missing) == len(reads) == len(getattr(self.law, "x0", ())) == len(model.states)
+        if reads == model.state_names or renamed:
+            return None
+        if isinstance(model, LTVModel):
+            raise ValueError(f"LQG.law.reads = {reads} must be the states {model.state_names} along a nominal")
+        if missing:
+            raise ValueError(f"LQG.law.reads = {missing[0]!r} must be one of {', '.join(known)}")
+        at = [known.index(name) for name in reads]
+        C = np.vstack([np.eye(len(model.states)), model.C])[at]
+        return C, np.concatenate([model.x0, model.y0])[at] - C @ model.x0
+
+    def _seen(self, x: np.ndarray) -> np.ndarray:
+        """What the law reads, of the estimate x (nx,); feedthrough of the held input is left out."""
+        return x if self._rows is None else self._rows[0] @ x + self._rows[1]

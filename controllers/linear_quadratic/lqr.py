@@ -1,0 +1,192 @@
+"""LQR about an equilibrium: continuous or sampled design, integral action, limits on the inputs.
+
+Cost   J = int (x - x0)' Q (x - x0) + (u - u0)' R (u - u0) [+ sum of weight_i (int y_i - y0_i)^2] dt
+Law    u = u0 - K_x (x - x0) - K_i xi, within the limits; xi integrates the named outputs' errors
+       and stands still while a limit is reached and going on would push further past it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pliant.controllers import riccati
+from pliant.controllers.base.controller import moment, reading, saturation
+from pliant.controllers.base.goal_model import goal_model, require_held
+from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.plants.core.parameters import require_finite
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.plants.dynamics.plant import Plant
+    from pliant.plants.linear.lti import LinearModel
+
+
+@final
+@dataclass(eq=False)
+class LQR:
+    """Made by `design`, `for_plant` or `for_scene`. It reads the states of its model, then the integrated outputs."""
+
+    K: np.ndarray  # (nu, nx + ni)
+    P: np.ndarray  # (nx + ni, nx + ni)
+    poles: np.ndarray  # (nx + ni,) of the closed loop: [1/s], or in the z plane where dt is given
+    x0: np.ndarray  # (nx,)
+    u0: np.ndarray  # (nu,)
+    target: np.ndarray  # (ni,) values that the integrated signals are brought to
+    reads: tuple[str, ...]
+    picks: np.ndarray  # (ni,) places of the integrated signals in y
+    limits: tuple[np.ndarray, np.ndarray]  # lowest, highest (nu,)
+    dt: float | None  # [s]
+    drift: np.ndarray | None = None  # (nx,) d(x0)/dt of a goal that moves steadily, from x0 at t = 0
+    xi: np.ndarray = field(init=False)  # (ni,) integrals since `reset` [unit s]
+
+    def __post_init__(self) -> None:
+        self.reset()
+
+    @classmethod
+    def design(
+        cls,
+        model: LinearModel,
+        Q: Any,
+        R: Any,
+        *,
+        reads: Sequence[str] | None = None,
+        dt: float | None = None,
+        integral: Mapping[str, float] | None = None,
+        limits: Any = None,
+    ) -> LQR:
+        """Design on a continuous-time linear model, taken to be about an equilibrium.
+
+        Q: (nx, nx), or weights by name of state or output: {"theta1": 100.0, "tip_x": 10.0}, the rest zero.
+        R: (nu, nu), or a weight for every input by name.
+        reads: names under which the plant knows the model's states, where they differ.
+        dt [s]: None designs for continuous time; else for an input held over dt, with the same cost,
+        integrated exactly. integral: weights by name of the outputs (or states) to integrate, each at most
+        as many as can be steered. limits: (lowest, highest), or {input: (lowest, highest)}.
+        UncontrollableError names modes that do not decay and are not reached, or not seen by the cost.
+        """
+        if model.dt is not None:
+            raise ValueError(f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones")
+        Q, R, N = weight_matrices("LQR", model, Q, R)
+        wanted = dict(integral or {})
+        Ci, Di, target = signal_rows(model, tuple(wanted), "LQR.integral: state or output")
+        weight = np.diag([float(v) for v in wanted.values()]) if wanted else np.zeros((0, 0))
+        for name, value in wanted.items():
+            if not 0 < value < np.inf:
+                raise ValueError(f"LQR.integral[{name!r}] = {value!r} must be > 0")
+        known = model.state_names + tuple(f"integral of {name}" for name in wanted)
+        ni, nx = len(wanted), len(model.states)
+        if dt is None:
+            A, B, stay = model.A, model.B, np.zeros((ni, ni))
+        else:
+            A, B, Q, R, N = riccati.sampled(model.A, model.B, Q, R, N, dt=dt)
+            Ci, Di, weight, stay = dt * Ci, dt * Di, dt * weight, np.eye(ni)
+        A = np.block([[A, np.zeros((nx, ni))], [Ci, stay]])
+        B, N = np.vstack([B, Di]), np.vstack([N, np.zeros((ni, B.shape[1]))])
+        Q = np.block([[Q, np.zeros((nx, ni))], [np.zeros((ni, nx)), weight]])
+        if dt is None:
+            found = riccati.lqr(A, B, Q, R, N, names=known)
+        else:
+            found = riccati.dlqr(A, B, Q, R, N, names=known, dt=dt)
+        own = tuple(reads) if reads is not None else model.state_names
+        if len(own) != nx:
+            raise ValueError(f"LQR.reads = {own} must be {nx} names, one for each state of the model")
+        return cls(
+            found.K,
+            found.P,
+            found.poles,
+            x0=model.x0,
+            u0=model.u0,
+            target=target,
+            reads=own + tuple(n for n in wanted if n not in model.state_names),
+            picks=_picks(model, tuple(wanted)),
+            limits=saturation("LQR", limits, model.input_names),
+            dt=dt,
+        )
+
+    @classmethod
+    def for_plant(
+        cls,
+        plant: Plant,
+        x0: Any,
+        u0: Any,
+        Q: Any,
+        R: Any,
+        *,
+        reads: Sequence[str] | None = None,
+        dt: float | None = None,
+        integral: Mapping[str, float] | None = None,
+        limits: Any = None,
+    ) -> LQR:
+        """`design` on the plant's linear model about the equilibrium (x0, u0); EquilibriumError where it is none."""
+        model = plant.linearize(x0, u0)
+        require_held(model)
+        return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
+
+    @classmethod
+    def for_scene(cls, scene: Charged, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
+        """`design` about a scene's goal, moving or not, with its cost, limits and control period.
+
+        effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.
+        """
+        if not 0 < effort < np.inf:
+            raise ValueError(f"LQR.for_scene.effort = {effort!r} must be > 0")
+        model, drift = goal_model(scene)
+        R, high = {name: effort * value for name, value in scene.effort}, np.array(scene.limits, dtype=float)
+        made = cls.design(model, dict(scene.weights), R, dt=scene.dt, integral=integral, limits=(-high, high))
+        made.drift = drift if drift.any() else None
+        return made
+
+    def reset(self) -> None:
+        """Set the integrals to zero."""
+        self.xi = np.zeros(len(self.target))
+        self._last: float | None = None
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) from y (len(reads),) at time t [s]; the integrals move on by dt, or by the time passed."""
+        y = reading("LQR.y", y, len(self.reads))
+        if self.drift is not None:
+            y = y.copy()
+            y[: len(self.x0)] -= self.drift * moment("LQR", t)
+        if not len(self.target):
+            u = self.u0 - self.K.dot(y - self.x0)
+            return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+        error = y[self.picks] - self.target
+        if self.dt is None:
+            last = t if self._last is None else self._last
+            if not t >= last:
+                raise ValueError(f"LQR.t = {t!r} must be >= {last!r}, the time of the last act; `reset` starts again")
+            self._integrate(y, (t - last) * error)
+            self._last = t
+        u = self._free(y)
+        if self.dt is not None:
+            self._integrate(y, self.dt * error)
+        return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+
+    def cost_to_go(self, x: Any, xi: Any = None) -> float:
+        """The cost from x (nx,) and integrals xi (ni,) (None: zero) on, linear and without limits."""
+        x = require_finite("LQR.x", x, self.x0.shape)
+        xi = np.zeros(len(self.target)) if xi is None else require_finite("LQR.xi", xi, self.target.shape)
+        error = np.concatenate([x - self.x0, xi])
+        return float(error @ self.P @ error)
+
+    def _free(self, y: np.ndarray) -> np.ndarray:
+        """u without limits."""
+        nx = len(self.x0)
+        return self.u0 - self.K[:, :nx] @ (y[:nx] - self.x0) - self.K[:, nx:] @ self.xi
+
+    def _integrate(self, y: np.ndarray, change: np.ndarray) -> None:
+        """Add `change` (ni,) to the integrals, but not what would push an input further past its limit."""
+        push = -self.K[:, len(self.x0) :] * change
+        u = self._free(y) + push.sum(axis=1)
+        excess = u - np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+        self.xi = self.xi + np.where(excess @ push > 0, 0.0, change)
+
+
+def _picks(model: LinearModel, wanted: tuple[str, ...]) -> np.ndarray:
+    """Where in y = [states, outputs that are not states] the integrated signals are."""
+    order = model.state_names + tuple(n for n in wanted if n not in model.state_names)
+    return np.array([order.index(name) for name in wanted], dtype=int)

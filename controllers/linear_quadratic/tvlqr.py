@@ -1,0 +1,262 @@
+"""TVLQR: a regulator of the deviations from a nominal motion, by time or by phase, held at its end.
+
+Law    u = u*_k - K_k (x - x*_k), within the limits, held over dt
+Cost   J = sum_k dx'Q dx + du'R du + 2 dx'N du + dx_T'P_T dx_T   of deviations from the nominal
+
+K_k is the discrete Riccati recursion of dx+ = A_k dx + B_k du + c_k: of a plant A_k, B_k, c_k are its own control
+period, the input held, and the nominal's defect. (x*, u*) is what the law itself makes of the nominal from its start:
+the nominal where that is a motion of the plant; else, for one that a rigid plant made, it holds the feedforward that
+the affine terms ask for.
+
+By time, k = t / dt. By phase, k moves on to the nearest of the next nodes, between `slowest` and `fastest` nodes a
+period: a plant that lags is not pulled after a clock. After the end: the regulator about the goal, where one is given.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from pliant.controllers import riccati
+from pliant.controllers.base.controller import moment, reading, saturation
+from pliant.controllers.base.goal_model import goal_model
+from pliant.controllers.base.objective import Objective
+from pliant.controllers.optimal_control.nominal_motions import NOMINALS, nodes, nominal_for, rests
+from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
+from pliant.controllers.optimal_control.stage_derivatives import StageTerms
+from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
+from pliant.plants.core.parameters import require_choice, require_finite
+
+from .funnel import Funnel
+from .period_cost import period_cost, steady_law
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.optimal_control.optimal import Motion
+    from pliant.plants.core.trajectory import Trajectory
+    from pliant.plants.dynamics.plant import Plant
+    from pliant.plants.linear.ltv import LTVModel
+
+AHEAD = 8  # nodes that the phase looks at
+
+
+@final
+@dataclass(eq=False)
+class TVLQR:
+    """Made by `along`, `design` or `for_scene`."""
+
+    dt: float  # [s]
+    reads: tuple[str, ...]
+    nominal: np.ndarray  # (T+1, nx) states as given
+    x: np.ndarray  # (T+1, nx) x*
+    u: np.ndarray  # (T+1, nu) u*, the last one for after the end
+    regulator: TimeVaryingRegulator  # of deviations from the nominal
+    K: np.ndarray  # (T+1, nu, nx), the last one for after the end
+    limits: tuple[np.ndarray, np.ndarray]  # lowest, highest (nu,)
+    handover: (
+        np.ndarray | None
+    )  # (nx,) x* at the end of the nominal less the goal that is held then; None: none is held
+    index: str = "time"  # or "phase"
+    slowest: float = 0.25  # nodes that the phase moves on by in a period, at least
+    fastest: float = 2.0  # at most
+    start: float = 0.0  # [s] time of the first node
+    drift: np.ndarray | None = None  # (nx,) d/dt of a goal that goes on moving after the end
+    phase: float = field(init=False, default=0.0)  # nodes since `reset`
+
+    def __post_init__(self) -> None:
+        require_choice("TVLQR", "index", self.index, ("time", "phase"))
+        if not 0 < self.slowest <= 1 <= self.fastest < AHEAD:
+            raise ValueError(
+                f"TVLQR.slowest, fastest = {self.slowest}, {self.fastest} must be 0 < slowest <= 1 <= fastest < {AHEAD}"
+            )
+        self._gains = [np.ascontiguousarray(K) for K in self.K]
+        self._offsets = list(self.u + np.einsum("kij,kj->ki", self.K, self.x))
+        self._scale = np.sqrt(np.einsum("kii->i", self.regulator.P) / len(self.regulator.P))
+        self._path = np.vstack([self.x, np.repeat(self.x[-1:], AHEAD, axis=0)]) * self._scale
+        self.reset()
+
+    @classmethod
+    def along(
+        cls,
+        plant: Plant,
+        nominal: Motion | Trajectory,
+        Q: Any,
+        R: Any,
+        N: Any = None,
+        *,
+        dt: float,
+        substeps: int = 10,
+        end: Any = None,
+        hold: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
+        limits: Any = None,
+        index: str = "time",
+    ) -> TVLQR:
+        """On a plant along any nominal motion in its states, whether or not it can make that.
+
+        Q, R, N: the cost of one period, (nx, nx), (nu, nu), (nx, nu), or with a leading T. end: P_T (nx, nx), zero
+        where None. hold: (K (nu, nx), x_goal, u_goal), the law after the end; None: the last gain about the last node.
+        substeps: RK4 steps a period. limits: (lowest, highest), or {input: (lowest, highest)}.
+        """
+        t, x, u = nodes(nominal, dt)
+        w, p = np.zeros(plant.nw), plant.nominal_parameters
+        found = HeldSteps(plant, dt, substeps, t[:-1], w, p).slopes(x[:-1], u)
+        A, B = found.slope[:, :, : plant.nx], found.slope[:, :, plant.nx :]
+        c = found.end - x[1:]
+        regulator = riccati.dtvlqr(A, B, Q, R, N, c, end=end)
+        names = tuple(s.name for s in plant.states)
+        bounds = saturation("TVLQR", limits, [s.name for s in plant.inputs])
+        return cls._about(regulator, A, B, c, x, u, dt, names, hold, bounds, index, float(t[0]))
+
+    @classmethod
+    def design(
+        cls,
+        ltv: LTVModel,
+        Q: Any,
+        R: Any,
+        N: Any = None,
+        *,
+        end: Any = None,
+        hold: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
+        limits: Any = None,
+        index: str = "time",
+    ) -> TVLQR:
+        """On an LTVModel with nodes dt apart: the cost is the integral of dx'Q dx + du'R du + 2 dx'N du.
+
+        The nominal input is held at its mean between nodes. Options as in `along`.
+        """
+        steps = np.diff(ltv.t)
+        dt = float(steps.mean())
+        if np.ptp(steps) > 1e-6 * dt:
+            raise ValueError(f"TVLQR.design: nodes {steps.min():.6g} to {steps.max():.6g} s apart must be equally far")
+        found = riccati.sampled_along(ltv, Q, R, N)
+        terms = {"q": found.q, "s": found.s, "r": found.r}
+        regulator = riccati.dtvlqr(found.A, found.B, found.Q, found.R, found.N, found.c, end=end, **terms)
+        u = (ltv.u[:-1] + ltv.u[1:]) / 2
+        bounds = saturation("TVLQR", limits, ltv.input_names)
+        names = ltv.state_names
+        A, B, c, start = found.A, found.B, found.c, float(ltv.t[0])
+        return cls._about(regulator, A, B, c, ltv.x, u, dt, names, hold, bounds, index, start)
+
+    @classmethod
+    def for_scene(
+        cls,
+        scene: Charged,
+        *,
+        nominal: Motion | Trajectory | str | None = None,
+        reserve: float = 0.1,
+        effort: float = 1.0,
+        index: str = "time",
+    ) -> TVLQR:
+        """With the scene's cost to second order along the nominal, its limits and control period.
+
+        nominal: a motion; "plan", least effort to rest at the goal in the scene's move_time; "optimal", least cost over
+        the scene's duration; "rigid", the rigid plant's motion under the scene's nominal input; None: "plan" from rest
+        to rest, else "optimal". reserve: share of the limits that "plan" and "optimal" leave to the feedback. effort: a
+        factor on what the inputs cost. After the end the regulator about the goal takes over.
+        """
+        if not 0 <= reserve < 1:
+            raise ValueError(f"TVLQR.for_scene.reserve = {reserve!r} must be >= 0 and < 1")
+        if not 0 < effort < np.inf:
+            raise ValueError(f"TVLQR.for_scene.effort = {effort!r} must be > 0")
+        plant, about = scene.plant, Objective.of(scene)
+        held = goal_model(scene)[0].state_names  # EquilibriumError where the goal cannot be held
+        nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
+        if isinstance(nominal, str):
+            require_choice("TVLQR.for_scene", "nominal", nominal, NOMINALS)
+            nominal = nominal_for(scene, nominal, reserve)
+        t, x, u = nodes(nominal, scene.dt)
+        terms, given = StageTerms(about, about.residual_expression), (np.zeros(plant.nw), plant.nominal_parameters)
+        Q, R, N = period_cost(terms.values(t[:-1], x[:-1], u, *given)[1], plant.nx, scene.dt, effort)
+        goal = np.zeros(1), about.x_goal[None], about.u_goal[None]
+        last = [m[0] for m in period_cost(terms.values(*goal, *given)[1], plant.nx, scene.dt, effort)]
+        period = HeldSteps(plant, scene.dt, scene.substeps, goal[0], *given).slopes(*goal[1:]).slope[0]
+        K, P = steady_law(period, *last, names=[s.name for s in plant.states], held=held, dt=scene.dt)
+        high = np.array(scene.limits, dtype=float)
+        made = cls.along(
+            plant,
+            nominal,
+            Q,
+            R,
+            N,
+            dt=scene.dt,
+            substeps=scene.substeps,
+            end=P,
+            hold=(K, about.goal_at(t[-1]), about.u_goal),
+            limits=(-high, high),
+            index=index,
+        )
+        made.drift = about.drift if about.drift.any() else None
+        return made
+
+    @classmethod
+    def _about(
+        cls,
+        regulator: TimeVaryingRegulator,
+        A: np.ndarray,
+        B: np.ndarray,
+        c: np.ndarray,
+        x: np.ndarray,
+        u: np.ndarray,
+        dt: float,
+        names: tuple[str, ...],
+        hold: tuple[np.ndarray, np.ndarray, np.ndarray] | None,
+        limits: tuple[np.ndarray, np.ndarray],
+        index: str,
+        start: float,
+    ) -> TVLQR:
+        """The law's own nominal x*, u*: the linear loop from the nominal's start."""
+        e, moved, fed = np.zeros_like(x), x.copy(), np.vstack([u, u[-1:]])
+        for k in range(len(u)):
+            du = -regulator.K[k] @ e[k] - regulator.k[k]
+            fed[k] += du
+            e[k + 1] = A[k] @ e[k] + B[k] @ du + c[k]
+        moved += e
+        last, handover, fed[-1] = regulator.K[-1], None, fed[-2]
+        if hold is not None:
+            shapes = last.shape, x.shape[1:], u.shape[1:]
+            held = [require_finite(f"TVLQR.hold[{i}]", *pair) for i, pair in enumerate(zip(hold, shapes))]
+            handover = moved[-1] - held[1]
+            last, moved[-1], fed[-1] = held
+        K = np.concatenate([regulator.K, last[None]])
+        return cls(dt, names, x, moved, fed, regulator, K, limits, handover, index, start=start)
+
+    @cached_property
+    def funnel(self) -> Funnel:
+        """Where no input reaches a limit; see Funnel. By time only: the phase may jump."""
+        t = self.start + self.dt * np.arange(len(self.x))
+        return Funnel.about(t, self.x, self.u, self.K, self.regulator.P, self.limits, self.handover)
+
+    def cost_to_go(self, k: int, x: Any) -> float:
+        """J from node k on, of the linear model without limits, from x (nx,)."""
+        return self.regulator.cost_to_go(k, require_finite("TVLQR.x", x, self.x.shape[1:]) - self.nominal[k])
+
+    def reset(self) -> None:
+        """Back to the start of the nominal."""
+        self.phase = 0.0
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) from the states y (nx,) at time t [s]."""
+        y = reading("TVLQR.y", y, len(self.reads))
+        t, last = moment("TVLQR", t), len(self._gains) - 1
+        if self.index == "time":
+            k = min(max(int((t - self.start) / self.dt + 1e-6), 0), last)
+        else:
+            k = min(self._nearest(y), last)
+        if k == last and self.drift is not None:
+            y = y - self.drift * (t - self.start - last * self.dt)
+        u = self._offsets[k] - self._gains[k].dot(y)
+        return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+
+    def _nearest(self, y: np.ndarray) -> int:
+        """The node for this period; the phase moves on for the next one."""
+        first = int(self.phase)
+        if first >= len(self._gains) - 1:
+            return first
+        away = self._path[first : first + AHEAD] - y * self._scale
+        nearest = first + int(np.einsum("ij,ij->i", away, away).argmin())
+        k = min(nearest, int(self.phase + self.fastest))
+        self.phase = max(float(k), self.phase + self.slowest)
+        return k

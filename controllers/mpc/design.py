@@ -1,0 +1,200 @@
+"""What an MPC about an equilibrium holds, made once: prediction, rows of limits, solver, estimator and target."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant.controllers import riccati
+from pliant.controllers.base.controller import each, ends, saturation
+from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.controllers.riccati.checks import weight_matrix
+from pliant.plants.core.parameters import require_choice, require_count, require_finite
+
+from .condensed_prediction import laws, predict
+from .constraints import Limits, Step, Window, build, soft_names
+from .exact_penalty import sufficient_penalty
+from .offset_free import KINDS, Estimator, Target
+
+if TYPE_CHECKING:
+    from pliant.plants.linear.lti import LinearModel
+
+Limited = tuple[Any, Any, Mapping[str, tuple[float, float]] | None, int, float | None]
+# limits, rates, bounds, terminal, penalty of MPC.design
+LARGEST_RATE = 1e-6  # of the state at an equilibrium, per step, relative to its size
+
+
+def regulator(
+    model: LinearModel,
+    weights: tuple[Any, Any, Any, Any],
+    horizon: int,
+    dt: float | None,
+    limited: Limited,
+    blocks: Sequence[int] | None,
+    reads: Sequence[str] | None,
+    free_of_offset: tuple[Sequence[str], str | None, float, float],
+) -> dict[str, Any]:
+    """What `MPC.design` says, as the arguments of MPC: weights (Q, R, N, P), (track, disturbance, time, noise)."""
+    Q, R, N, P = weights
+    limits, rates, bounds, terminal, penalty = limited
+    track, disturbance, time, noise = free_of_offset
+    A, B, Q, R, N, dt = _sampled(model, Q, R, N, dt)
+    check_horizon(horizon, blocks, terminal)
+    check_penalty(penalty)
+    nx, nu = B.shape
+    n = horizon + terminal
+    if P is None:
+        P = riccati.dlqr(A, B, Q, R, N, names=model.state_names, dt=dt).P
+    P = check_weights(Q, R, N, P)
+    As, Bs, cs, Qs, Rs, Ns = (np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(nx), Q, R, N))
+    found = laws(As, Bs, cs, Qs, Rs, Ns, P)
+    motion = predict(As, Bs, cs, found, horizon, blocks)
+    bounded = limits_of(model, limits, rates, bounds, dt)
+    C, D, z0 = signal_rows(model, bounds or {}, "MPC.bounds: state or output")
+    reads = tuple(reads) if reads is not None else model.state_names
+    extra: dict[str, Any] = {}
+    seen, y0 = None, model.x0
+    if track:
+        seen, y0, extra = _offset_free(
+            model, (A, B, dt), np.block([[Q, N], [N.T, R]]), bounded, reads, tuple(track), disturbance, time, noise
+        )
+    elif disturbance is not None:
+        raise ValueError(f"MPC.disturbance = {disturbance!r} needs track, the names of signals to bring to their goal")
+    elif len(reads) != nx:
+        raise ValueError(f"MPC.reads = {reads} must be {nx} names, one for each state of the model")
+    window = Window(
+        np.broadcast_to(model.u0, (n, nu)),
+        model.x0,
+        np.broadcast_to(z0, (n + 1, len(z0))),
+        np.broadcast_to(C, (n + 1, *C.shape)),
+        np.broadcast_to(D, (n + 1, *D.shape)),
+        seen,
+    )
+    if penalty is None:
+        penalty = penalty_at(
+            build(motion, window, bounded, horizon, None, hard=True), A, B, window, bounded, found.root
+        )
+    step = build(motion, window, bounded, horizon, penalty)
+    return {
+        "steps": [step],
+        "limits": bounded,
+        "reads": reads,
+        "dt": dt,
+        "start": 0.0,
+        "origin": (model.x0, model.u0, y0),
+        "names": soft_names(bounded, horizon, n),
+        **extra,
+    }
+
+
+def check_horizon(horizon: int, blocks: Sequence[int] | None, terminal: int) -> None:
+    require_count("MPC", "horizon", horizon, 1, 10_000)
+    require_count("MPC", "terminal", terminal, 0, 10_000)
+    if blocks is not None and (sum(blocks) != horizon or min(blocks) < 1):
+        raise ValueError(f"MPC.blocks = {tuple(blocks)} must be lengths >= 1 that add up to the horizon, {horizon}")
+
+
+def check_penalty(penalty: float | None) -> None:
+    if penalty is not None and not 0 < penalty < np.inf:
+        raise ValueError(f"MPC.penalty = {penalty!r} must be > 0, or None")
+
+
+def check_weights(Q: np.ndarray, R: np.ndarray, N: np.ndarray, P: Any) -> np.ndarray:
+    """P (nx, nx), symmetric; ValueError unless P >= 0, R > 0 and the cost of a step is never negative."""
+    weight_matrix("MPC.R", R, len(R), definite=True)
+    weight_matrix("MPC: [[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), len(Q) + len(R), definite=False)
+    return weight_matrix("MPC.P", P, len(Q), definite=False)
+
+
+def _sampled(
+    model: LinearModel, Q: Any, R: Any, N: Any, dt: float | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+    """A, B, Q, R, N of a step, and its length."""
+    Q, R, cross = weight_matrices("MPC", model, Q, R)
+    N = cross if N is None else cross + require_finite("MPC.N", N, cross.shape)
+    off = float(np.abs(model.f0).max(initial=0.0)) * (model.dt or dt or 1.0)
+    if off > LARGEST_RATE * (1 + float(np.abs(model.x0).max(initial=0.0))):
+        raise ValueError(
+            f"MPC.design: the model's point is no equilibrium, the state moves by {off:.3g} in a step; linearise at "
+            "one, or use MPC.along"
+        )
+    if model.dt is not None:
+        if dt is not None and abs(dt - model.dt) > 1e-9 * dt:
+            raise ValueError(f"MPC.dt = {dt} must be {model.dt}, the model's, or be left out")
+        return model.A, model.B, Q, R, N, model.dt
+    if dt is None:
+        raise ValueError("MPC.dt = None must be the sampling time in seconds, since the model is continuous")
+    return *riccati.sampled(model.A, model.B, Q, R, N, dt=dt), dt
+
+
+def limits_of(model: LinearModel, limits: Any, rates: Any, bounds: Mapping[str, Any] | None, dt: float) -> Limits:
+    low, high = saturation("MPC", limits, model.input_names)
+    change = np.full(len(low), np.inf)
+    if isinstance(rates, Mapping):
+        for name, value in rates.items():
+            require_choice("MPC", "rates", name, model.input_names)
+            change[model.input_names.index(name)] = value
+    elif rates is not None:
+        change[:] = each("MPC.rates", rates, len(change))
+    if not (change > 0).all():
+        raise ValueError(f"MPC.rates = {rates!r} must be > 0")
+    bounds = dict(bounds or {})
+    found = [ends(f"MPC.bounds[{name!r}]", value) for name, value in bounds.items()]
+    floor, ceiling = (np.array([one[i] for one in found], dtype=float) for i in (0, 1))
+    return Limits(model.input_names, low, high, change * dt, tuple(bounds), floor, ceiling)
+
+
+def penalty_at(hard: Step, A: np.ndarray, B: np.ndarray, window: Window, limits: Limits, root: np.ndarray) -> float:
+    """More than enough at this step."""
+    parts = [window.x]
+    if window.seen is not None:
+        parts += [window.x, window.u[0], np.zeros(window.seen.shape[1])]
+    if limits.remembers:
+        parts.append(window.u[0])
+    p = np.concatenate(parts)
+    return sufficient_penalty(hard, A, B, p, limits.low - window.u[0], limits.high - window.u[0], root[0])
+
+
+def _offset_free(
+    model: LinearModel,
+    sampled: tuple[np.ndarray, np.ndarray, float],
+    weight: np.ndarray,
+    limits: Limits,
+    reads: tuple[str, ...],
+    track: tuple[str, ...],
+    disturbance: str | None,
+    time: float,
+    noise: float,
+) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
+    """The disturbance in the bounded signals (nb, nd), the readings at the model's point, and what MPC takes more."""
+    A, B, dt = sampled
+    kind = "states" if disturbance is None else disturbance
+    require_choice("MPC", "disturbance", kind, KINDS)
+    for name, value in (("time", time), ("noise", noise)):
+        if not 0 < value < np.inf:
+            raise ValueError(f"MPC.{name} = {value!r} must be > 0")
+    if kind == "states":
+        if len(reads) != len(A):
+            raise ValueError(f"MPC.reads = {reads} must be {len(A)} names, one for each state of the model")
+        C, y0 = np.eye(len(A)), model.x0
+    else:
+        C, D, y0 = signal_rows(model, reads, "MPC.reads: state or output")
+        if D.any():
+            direct = [name for name, row in zip(reads, D) if row.any()]
+            raise ValueError(f"MPC.reads {direct} depend on the input at once: read signals that do not")
+    estimator = Estimator(kind, A, B, C, dt, time, noise)
+    H, D, z0 = signal_rows(model, track, "MPC.track: state or output")
+
+    def seen(names: Sequence[str]) -> np.ndarray:
+        """The disturbance in signals: that of the reading of the same name."""
+        return np.array([estimator.seen[reads.index(n)] if n in reads else 0 * estimator.seen[0] for n in names])
+
+    low, high = limits.low - model.u0, limits.high - model.u0
+    target = Target(A, B, estimator.Bd, (H, D, seen(track)), weight, low, high)
+    in_bounds = np.zeros((len(limits.bounded), 0))
+    if kind == "outputs" and limits.bounded:
+        in_bounds = seen(limits.bounded)
+    more = {"estimator": estimator, "target": target, "tracked": dict(zip(track, z0.tolist()))}
+    return in_bounds, y0, more

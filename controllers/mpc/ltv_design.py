@@ -1,0 +1,97 @@
+"""What an MPC along a nominal motion holds, made once for every step of it, and the model about a scene's goal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant.controllers import riccati
+from pliant.controllers.base.goal_model import goal_model
+from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+
+from .condensed_prediction import Laws, laws, predict
+from .constraints import Step, Window, build, soft_names
+from .design import Limited, check_horizon, check_penalty, check_weights, limits_of, penalty_at
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.plants.linear.lti import LinearModel
+    from pliant.plants.linear.ltv import LTVModel
+
+POINTS = 3  # of the nominal, at which the penalty is found
+
+
+def follower(
+    ltv: LTVModel,
+    weights: tuple[Any, Any, Any],
+    horizon: int,
+    limited: Limited,
+    blocks: Sequence[int] | None,
+    reads: Sequence[str] | None,
+) -> dict[str, Any]:
+    """What `MPC.along` says, as the arguments of MPC: weights (Q, R, P)."""
+    Q, R, P = weights
+    limits, rates, bounds, terminal, penalty = limited
+    h = np.diff(ltv.t)
+    dt = float(h.mean())
+    if np.abs(h - dt).max() > 1e-6 * dt:
+        raise ValueError(f"MPC.along: ltv.t has steps from {h.min():.6g} to {h.max():.6g} s, must be equal")
+    check_horizon(horizon, blocks, terminal)
+    check_penalty(penalty)
+    n, nodes, nx = horizon + terminal, len(ltv.t), len(ltv.states)
+    own = tuple(reads) if reads is not None else ltv.state_names
+    if len(own) != nx:
+        raise ValueError(f"MPC.reads = {own} must be {nx} names, one for each state of the model")
+    models = [ltv.at(k) for k in range(nodes)]
+    last = models[-1].discretize(dt)
+    own_A, own_B, own_c = ltv.transition()
+    A, B, c = (
+        np.concatenate([part, np.repeat(end[None], n + 1, axis=0)])
+        for part, end in ((own_A, last.A), (own_B, last.B), (own_c, last.f0))
+    )
+    where = [*range(nodes), *[nodes - 1] * n]  # of each step in the nominal
+    costs = [tuple(dt * M for M in weight_matrices("MPC", model, Q, R)) for model in models]
+    Qs, Rs, Ns = (np.array([costs[k][i] for k in where]) for i in range(3))
+    if P is None:
+        P = riccati.dlqr(last.A, last.B, Qs[-1], Rs[-1], Ns[-1], names=ltv.state_names, dt=dt).P
+    P = check_weights(Qs[-1], Rs[-1], Ns[-1], P)
+    found = laws(A, B, c, Qs, Rs, Ns, P)
+    bounded = limits_of(models[0], limits, rates, bounds, dt)
+    signals = [signal_rows(model, bounds or {}, "MPC.bounds: state or output") for model in models]
+    C, D, z = (np.array([signals[k][i] for k in [*where, nodes - 1]]) for i in range(3))
+    u, x = ltv.u[where], ltv.x
+
+    def at(k: int, price: float | None, hard: bool = False) -> tuple[Step, Window]:
+        one = slice(k, k + n)
+        motion = predict(A[one], B[one], c[one], Laws(*(part[one] for part in found)), horizon, blocks)
+        window = Window(u[one], x[k], z[k : k + n + 1], C[k : k + n + 1], D[k : k + n + 1])
+        return build(motion, window, bounded, horizon, price, hard), window
+
+    if penalty is None:
+        penalty = 0.0
+        for k in np.linspace(0, nodes - 1, POINTS).astype(int):
+            hard, window = at(k, None, True)
+            penalty = max(penalty, penalty_at(hard, A[k], B[k], window, bounded, found.root[k:]))
+    return {
+        "steps": [at(k, penalty)[0] for k in range(nodes)],
+        "limits": bounded,
+        "reads": own,
+        "dt": dt,
+        "start": float(ltv.t[0]),
+        "origin": (ltv.x[0], ltv.u[0], ltv.x[0]),
+        "names": soft_names(bounded, horizon, n),
+    }
+
+
+def about_goal(
+    scene: Charged, bounds: Mapping[str, tuple[float, float]]
+) -> tuple[LinearModel, np.ndarray | None, dict[str, tuple[float, float]]]:
+    """The model about a scene's goal, its drift (nx,) [1/s] where it moves, and the bounds that the model knows."""
+    model, drift = goal_model(scene)
+    known = {name for name, row in zip(model.output_names, model.C) if row.any()} | set(model.state_names)
+    seen = {s.name for s in scene.plant.states + scene.plant.outputs} - known
+    still = replace(model, f0=np.zeros_like(model.f0))
+    return still, drift if drift.any() else None, {name: pair for name, pair in bounds.items() if name not in seen}

@@ -1,0 +1,276 @@
+"""Model predictive control of linear models: what the limits leave of an optimal plan, anew at every sample.
+
+    min  sum_j xi_j'Q xi_j + mu_j'R mu_j + 2 xi_j'N mu_j + xi_n'P xi_n + penalty * (excess over soft limits)
+    s.t. xi_{j+1} = A_j xi_j + B_j mu_j + c_j; inputs and their changes within limits; bounded signals softly so
+
+xi, mu count from a goal, a nominal motion or an estimated steady target. P is the cost to go without limits, so that
+without active limits the first input is that of LQR or of its time-varying kin, to rounding. Inputs obey their limits
+exactly; the limits of signals are soft, so that there always is a plan, and what the plan exceeds them by is recorded.
+Should the solver fail, that is recorded, and the last plan goes on; past its end, the unlimited law within the limits.
+`mpc_design` and `mpc_along` build everything; an act is one product, and a solve where the unlimited plan breaks one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any, Self, final
+
+import numpy as np
+
+from pliant.controllers.base.controller import moment, reading
+from pliant.controllers.base.solver_record import Record
+from pliant.plants.core.parameters import require_choice
+
+from .constraints import Limits, Step, excess
+from .fallback_plan import LastPlan
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.plants.core.trajectory import Trajectory
+    from pliant.plants.linear.lti import LinearModel
+    from pliant.plants.linear.ltv import LTVModel
+
+    from .offset_free import Estimator, Target
+
+NEVER = -2  # a time index whose neighbour does not exist
+
+
+@final
+class MPC:
+    """Made by `design`, `along` or `for_scene`. It reads the states of its model, or outputs where it estimates."""
+
+    def __init__(
+        self,
+        steps: Sequence[Step],
+        limits: Limits,
+        reads: tuple[str, ...],
+        dt: float,
+        start: float,
+        origin: tuple[np.ndarray, np.ndarray, np.ndarray],
+        names: tuple[str, ...] = (),
+        estimator: Estimator | None = None,
+        target: Target | None = None,
+        tracked: Mapping[str, float] | None = None,
+    ) -> None:
+        """steps: one, or one for each time from `start` [s] on, the last of which stays. origin: the model's x0, u0,
+        and the readings there. tracked: signals, and their values at the origin, which are brought to `aim`.
+        """
+        self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked
+        self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
+        self.horizon = len(steps[0].plan[0])
+        self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
+        self.tracked = dict(tracked or {})
+        self._reference = np.zeros(len(self.tracked))
+        self._steps, self._start, self._latest = tuple(steps), start, len(steps) - 1
+        self._x0, self._u0, self._y0 = origin
+        self._origin = np.concatenate([self._x0, self._u0])
+        self._estimator, self._target = estimator, target
+        self._drift: np.ndarray | None = None  # (len(reads),) [1/s] of a goal that moves, from t = 0 on
+        self._ny, self._nx, nu = len(reads), len(self._x0), len(self._u0)
+        m, size = len(steps[0].low), steps[0].G.shape[1]
+        self._d = np.empty(m + nu)
+        self._rows, self._free = self._d[:m], self._d[m:]
+        self._lower, self._upper = np.empty(m), np.empty(m)
+        self._known = np.zeros(size) if estimator is not None or limits.remembers else None
+        self._last = None if self._known is None or not limits.remembers else self._known[size - nu :]
+        if estimator is not None:
+            assert self._known is not None
+            at = self._nx + len(self._origin)
+            self._seen = self._known[at : size - (nu if limits.remembers else 0)]
+        self._low, self._high, self._limits = limits.low, limits.high, m > 0
+        self._clips = bool(np.isfinite(limits.low).any() or np.isfinite(limits.high).any())
+        self.plan, self._shift = LastPlan(self.horizon, size), np.zeros(m)
+        self.reset()
+
+    @classmethod
+    def design(
+        cls,
+        model: LinearModel,
+        Q: Any,
+        R: Any,
+        *,
+        N: Any = None,
+        P: Any = None,
+        horizon: int = 20,
+        dt: float | None = None,
+        limits: Any = None,
+        rates: Any = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+        blocks: Sequence[int] | None = None,
+        terminal: int = 0,
+        penalty: float | None = None,
+        reads: Sequence[str] | None = None,
+        track: Sequence[str] = (),
+        disturbance: str | None = None,
+        time: float = 0.2,
+        noise: float = 1e-2,
+    ) -> Self:
+        """On a linear model about an equilibrium.
+
+        model: continuous, then dt [s] is needed and the cost is integrated exactly over each step, as in LQR.design;
+        or sampled, then Q, R, N are weights of a step. Q, R: arrays or by name as there, N (nx, nu); P (nx, nx):
+        terminal weight, None: cost to go of the unlimited problem. limits: of the inputs, as in LQR.design. rates:
+        largest |du/dt|, a number, (nu,) or by name. bounds: (lowest, highest) of states or outputs by name, soft.
+        blocks: lengths of the pieces on which the inputs are constant, which add up to the horizon. terminal: steps
+        past the horizon on which the limits are looked at, softly, under the unlimited law: enough of them are its
+        output admissible set ("Linear Systems with State and Control Constraints", Gilbert and Tan 1991). penalty:
+        cost of exceeding a bound by half its range (by itself where it has one side) at one step, None: more than
+        enough (penalty.py).
+
+        track: states or outputs brought without steady error to their values at the model's point, or to what `aim`
+        says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (disturbance.py);
+        `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: standard
+        deviation of the readings where that of the inputs, and of the disturbance's drift over `time`, is one unit.
+        """
+        from .design import regulator
+
+        weights, limited = (Q, R, N, P), (limits, rates, bounds, terminal, penalty)
+        return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (track, disturbance, time, noise)))
+
+    @classmethod
+    def along(
+        cls,
+        ltv: LTVModel,
+        Q: Any,
+        R: Any,
+        *,
+        P: Any = None,
+        horizon: int = 20,
+        limits: Any = None,
+        rates: Any = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+        blocks: Sequence[int] | None = None,
+        terminal: int = 0,
+        penalty: float | None = None,
+        reads: Sequence[str] | None = None,
+    ) -> Self:
+        """Along a nominal with nodes dt apart, past whose end the last node stays, which should be an equilibrium.
+
+        The cost is the sum over steps of dt times the rate x'Qx + u'Ru of deviations from the nominal; P (nx, nx)
+        weighs the state at the end of the last step's horizon, None: the cost to go there. Others as in `design`.
+        """
+        from .ltv_design import follower
+
+        return cls(**follower(ltv, (Q, R, P), horizon, (limits, rates, bounds, terminal, penalty), blocks, reads))
+
+    @classmethod
+    def for_scene(cls, scene: Charged, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any) -> Self:
+        """With a scene's cost, limits and bounds about its goal, moving or not, or along a nominal of its plant.
+
+        options: as in `design`, or `along`; they go before the scene's.
+        """
+        from .ltv_design import about_goal
+
+        Q, R, high = dict(scene.weights), dict(scene.effort), np.array(scene.limits, dtype=float)
+        bounds = {name: (-value, value) for name, value in scene.bounds}
+        given: dict[str, Any] = {"horizon": horizon, "limits": (-high, high), "bounds": bounds} | options
+        if nominal is not None:
+            return cls.along(scene.plant.linearize_along(nominal), Q, R, **given)
+        model, drift, given["bounds"] = about_goal(scene, given["bounds"])
+        made = cls.design(model, Q, R, dt=scene.dt, **given)
+        if drift is not None and len(made.reads) != len(drift):
+            raise ValueError(f"MPC.for_scene: the goal of {scene.name!r} moves, MPC must read the states, not outputs")
+        made._drift = drift
+        return made
+
+    def reset(self) -> None:
+        """Forget the last input (then u0, or the limit next to it), the plan, the disturbance and the record."""
+        self.record.clear()
+        for step in self._steps:
+            step.solver.forget()
+        if self._estimator is not None:
+            self._estimator.reset()
+        if self._last is not None:
+            self._last[:] = np.minimum(np.maximum(self._u0, self._low), self._high)
+        self.plan.forget()
+        self._at, self._multipliers = NEVER, self._shift
+
+    def aim(self, values: Mapping[str, float]) -> None:
+        """Bring tracked signals to other values, by name; they start at those of the model's point."""
+        for name, value in values.items():
+            require_choice("MPC", "aim", name, self.tracked)
+            if not np.isfinite(value):
+                raise ValueError(f"MPC.aim[{name!r}] = {value!r} must be finite")
+            self._reference[list(self.tracked).index(name)] = value - self.tracked[name]
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) from y (len(reads),) at time t [s]."""
+        y = reading("MPC.y", y, self._ny)
+        if self._drift is not None:
+            y = y - self._drift * moment("MPC", t)
+        at = 0
+        if self._latest:
+            at = min(max(int((moment("MPC", t) - self._start) / self.dt + 0.5), 0), self._latest)
+        step = self._steps[at]
+        known = y if self._known is None else self._knowledge(y)
+        rows, lower, upper = self._rows, self._lower, self._upper
+        self.record.calls += 1
+        np.dot(step.G, known, out=self._d)
+        np.subtract(step.low, rows, out=lower)
+        np.subtract(step.high, rows, out=upper)
+        u = step.u + self._free
+        if self._limits and (upper[upper.argmin()] < 0.0 or lower[lower.argmax()] > 0.0):
+            z = self._solve(step, at)
+            if z is not None:
+                u += step.first.dot(z)
+                self.plan.keep(step, known, z)
+            elif (planned := self.plan.go_on()) is not None:
+                u = planned
+        else:
+            self.plan.keep(step, known, None)
+        if self._clips:
+            np.maximum(u, self._low, out=u)
+            np.minimum(u, self._high, out=u)
+        return u if self._known is None else self._remember(u)
+
+    def _knowledge(self, y: np.ndarray) -> np.ndarray:
+        """p from the reading: the state, or what is estimated, its target, and the last input."""
+        known, nx = self._known, self._nx
+        assert known is not None
+        if self._estimator is None or self._target is None:
+            known[:nx] = y
+            return known
+        estimator = self._estimator
+        estimator.correct(y - self._y0)
+        np.add(self._x0, estimator.x, out=known[:nx])
+        steady = known[nx : nx + len(self._origin)]
+        np.add(self._origin, self._target(estimator.d, self._reference), out=steady)
+        self.record.unreached += self._target.limited
+        self._seen[:] = estimator.d[: len(self._seen)]
+        return known
+
+    def _solve(self, step: Step, at: int) -> np.ndarray | None:
+        """z, from the last active set: that of the solver itself, or of its neighbour in time moved on by one step."""
+        self.record.limited += 1
+        warm = None
+        if self._latest and at == self._at + 1:
+            warm, k = self._shift, step.stride
+            warm[:-k], warm[-k:] = self._multipliers[k:], 0.0
+        z = step.solver.solve(self._lower, self._upper, warm)
+        if z is None:
+            self.record.failures += 1
+            self._at = NEVER
+            return None
+        self._at, self._multipliers = at, step.solver.multipliers
+        if step.solver.violated:
+            self.record.violate(excess(step, z, self._lower, self._upper, len(self.record.names)))
+        return z
+
+    def _remember(self, u: np.ndarray) -> np.ndarray:
+        """u with its change limited; it is the last input from now on."""
+        if self._last is not None:
+            change = self.limits.change
+            np.minimum(u, self._last + change, out=u)
+            np.maximum(u, self._last - change, out=u)
+            self._last[:] = u
+        if self._estimator is not None:
+            self._estimator.go_on(u - self._u0)
+        return u
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # solver and estimate are not to be shared
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy aims at the same values, and is otherwise as after `reset`."""
+        return MPC, self._made, {"_reference": self._reference, "_drift": self._drift}

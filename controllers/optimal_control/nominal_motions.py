@@ -1,0 +1,80 @@
+"""Nominal motions on control times, for laws that follow them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pliant.controllers.base.objective import Objective
+from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.trajectory import Trajectory
+
+from .optimal import Motion, driven, optimal
+from .plan import plan
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import Charged
+
+NOMINALS = ("plan", "optimal", "rigid")
+STILL = 1e-6  # largest rate of a state that rests
+
+
+def rests(scene: Charged) -> bool:
+    """Whether the scene starts and ends at rest."""
+    return scene.goal_at_rest and bool(np.abs(scene.plant.dynamics(*scene.initial)).max(initial=0.0) < STILL)
+
+
+def nominal_for(scene: Charged, kind: str, reserve: float) -> Motion | Trajectory:
+    """ "plan": least effort to rest at the goal; "optimal": of least cost; both with a share of the limits in reserve.
+
+    "rigid": the rigid plant's states under the scene's own nominal input.
+    """
+    require_choice("nominal_for", "kind", kind, NOMINALS)
+    if kind == "plan":
+        return plan(scene, reserve=reserve)
+    if kind == "rigid":
+        return rigid_nominal(scene)
+    about = Objective.of(scene)
+    low, high = about.limits
+    kept = replace(about, limits=((1 - reserve) * low, (1 - reserve) * high))
+    return optimal(kept, scene.initial[0], scene.steps, substeps=scene.substeps, guess=driven(scene))
+
+
+def rigid_nominal(scene: Charged) -> Trajectory:
+    """The rigid plant's motion under the scene's nominal input, over its move_time, in the states of the scene's plant.
+
+    What the rigid plant lacks, elastic coordinates and their rates, goes straight from start to goal.
+    """
+    plant, rigid = scene.plant, scene.plant.ladder()[0]
+    own, names = [s.name for s in plant.states], [s.name for s in rigid.states]
+    if not set(names) <= set(own):
+        raise ValueError(f"nominal: the rigid plant's states {', '.join(names)} must be states of the plant")
+    T = round(scene.move_time / scene.dt)
+    t = scene.dt * np.arange(T + 1)
+    places = [own.index(name) for name in names]
+    x0, x1 = scene.initial[0], scene.target[0]
+    motion = rigid.simulate(x0[places], scene.nominal_input, t)
+    x = x0 + np.linspace(0.0, 1.0, T + 1)[:, None] * (x1 - x0)
+    x[:, places] = motion.x
+    return Trajectory.from_arrays(t, x, motion.u, plant=plant)
+
+
+def nodes(nominal: Motion | Trajectory, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """t (T+1,), x (T+1, nx) and inputs (T, nu) held in between, from a motion on the same times or any others."""
+    if not 0 < dt < np.inf:
+        raise ValueError(f"TVLQR.dt = {dt!r} must be > 0 [s]")
+    T = round((nominal.t[-1] - nominal.t[0]) / dt)
+    if T < 1:
+        raise ValueError(f"the nominal takes {nominal.t[-1] - nominal.t[0]:g} s, must be at least dt = {dt:g} s")
+    t = nominal.t[0] + dt * np.arange(T + 1)
+    same = len(nominal.t) == T + 1 and np.allclose(nominal.t, t, rtol=0, atol=1e-6 * dt)
+    if isinstance(nominal, Motion):
+        if not same:
+            raise ValueError(f"the nominal's control period must be dt = {dt:g} s")
+        return nominal.t, nominal.x, nominal.u
+    at_nodes = nominal if same else nominal.resample(np.minimum(t, nominal.t[-1]))
+    if nominal.hold == "zero-order":
+        return t, at_nodes.x, at_nodes.u[:-1]
+    return t, at_nodes.x, (at_nodes.u[:-1] + at_nodes.u[1:]) / 2

@@ -1,0 +1,230 @@
+"""Linear-quadratic design: pure functions of arrays.
+
+lqr      min int x'Qx + u'Ru + 2 x'Nu dt, dx/dt = A x + B u      u = -K x, K = R^-1 (B'P + N'), cost x0'P x0
+dlqr     min sum x'Qx + u'Ru + 2 x'Nu,    x+ = A x + B u         u = -K x, K = (R + B'PB)^-1 (B'PA + N')
+lqi      lqr with the integrals of y = C x + D u as extra states
+sampled  the discrete problem that is the continuous one with u held over each step
+kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L (y - C z), L = P C' V^-1
+dkalman  x+ = A x + E w, y = C x + v                             z+ = A z + L (y - C z), L = A P C' (C P C' + V)^-1
+tvlqr    lqr over a finite time along an LTVModel, its affine term included; dtvlqr the same in discrete time
+
+Riccati equations by SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay
+must be reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg as sla
+
+from pliant.plants.core.errors import PliantError
+from pliant.plants.core.parameters import require_finite
+
+from .checks import known_names as _names
+from .checks import require_reached as _require_reached
+from .checks import root as _root
+from .checks import system as _system
+from .checks import weight_matrix as _weight
+from .ltv_discretisation import SampledLTV, sampled_along
+from .time_varying import TimeVaryingRegulator, dtvlqr, tvlqr
+
+__all__ = [
+    "Regulator",
+    "Sampled",
+    "SampledLTV",
+    "TimeVaryingRegulator",
+    "dkalman",
+    "dlqr",
+    "dtvlqr",
+    "kalman",
+    "lqi",
+    "lqr",
+    "sampled",
+    "sampled_along",
+    "tvlqr",
+]
+
+LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
+NEWTON_STEPS = 6  # at most, of Kleinman (1968), each from a stabilising gain
+
+
+class Regulator(NamedTuple):
+    """u = -K x."""
+
+    K: np.ndarray  # (nu, nx)
+    P: np.ndarray  # (nx, nx), x'P x is the cost to go
+    poles: np.ndarray  # (nx,) eigenvalues of A - B K: [1/s], or in the z plane
+
+    def cost_to_go(self, x: Any) -> float:
+        """x'P x: what the law costs from x (nx,) on."""
+        x = require_finite("x", x, (len(self.P),))
+        return float(x @ self.P @ x)
+
+
+class Sampled(NamedTuple):
+    """x+ = A x + B u and the cost x'Qx + u'Ru + 2 x'Nu of one step."""
+
+    A: np.ndarray
+    B: np.ndarray
+    Q: np.ndarray
+    R: np.ndarray
+    N: np.ndarray
+
+
+def lqr(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None) -> Regulator:
+    """Continuous-time regulator. A (nx, nx), B (nx, nu), Q (nx, nx) >= 0, R (nu, nu) > 0, N (nx, nu)."""
+    return _design(A, B, Q, R, N, names, None)
+
+
+def dlqr(
+    A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None, dt: float = 1.0
+) -> Regulator:
+    """Discrete-time regulator; arrays as for `lqr`. `dt` [s] is used only to name modes in Hz in errors."""
+    return _design(A, B, Q, R, N, names, dt)
+
+
+def lqi(A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequence[str] | None = None) -> Regulator:
+    """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny)."""
+    A, B = _system(A, B)
+    C = require_finite("C", C, (-1, len(A)))
+    nx, ny, nu = len(A), len(C), B.shape[1]
+    D = np.zeros((ny, nu)) if D is None else require_finite("D", D, (ny, nu))
+    known = _names(names, nx) + tuple(f"integral {i + 1}" for i in range(ny))
+    wide = np.block([[A, np.zeros((nx, ny))], [C, np.zeros((ny, ny))]])
+    return lqr(wide, np.vstack([B, D]), Q, R, names=known)
+
+
+def kalman(
+    A: Any, E: Any, C: Any, W: Any, V: Any, *, names: Sequence[str] | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Steady filter gain L (nx, ny) and error covariance P (nx, nx).
+
+    E (nx, nw), C (ny, nx); spectral densities W (nw, nw) >= 0 of w, V (ny, ny) > 0 of v, in unit^2 s.
+    """
+    A, E = _system(A, E, "E")
+    C = require_finite("C", C, (-1, len(A)))
+    W = _weight("W", W, E.shape[1], definite=False)
+    V = _weight("V", V, len(C), definite=True)
+    known = _names(names, len(A))
+    _require_reached(A.T, C.T, known, None, "cannot be seen by the output", dual=True)
+    _require_reached(A, E @ _root(W), known, None, "is not driven by the noise w")
+    P, K = solve_riccati(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), None)
+    return K.T, P
+
+
+def dkalman(
+    A: Any, E: Any, C: Any, W: Any, V: Any, *, names: Sequence[str] | None = None, dt: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Steady predictor gain L (nx, ny) and covariance P (nx, nx) of the error before the measurement: the dual of
+    dlqr.
+
+    E (nx, nw), C (ny, nx); covariances W (nw, nw) >= 0 and V (ny, ny) > 0 of a sample of w and v. The gain of the
+    measurement update is M = P C' (C P C' + V)^-1, so that L = A M. `dt` [s] only names modes in Hz in errors.
+    """
+    A, E = _system(A, E, "E")
+    C = require_finite("C", C, (-1, len(A)))
+    W = _weight("W", W, E.shape[1], definite=False)
+    V = _weight("V", V, len(C), definite=True)
+    known = _names(names, len(A))
+    _require_reached(A.T, C.T, known, dt, "cannot be seen by the output", dual=True)
+    _require_reached(A, E @ _root(W), known, dt, "is not driven by the noise w")
+    P, K = solve_riccati(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), dt)
+    return K.T, P
+
+
+def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Sampled:
+    """The exact discrete problem of a continuous one with u held over each step dt [s].
+
+    The cost of a step is int_0^dt z' M z, z = e^(F s) [x; u], F = [[A, B], [0, 0]], M = [[Q, N], [N', R]].
+    It is found on dt/2^j by the exponential of Van Loan (1978), then doubled j times, which stays accurate
+    for stiff A.
+    """
+    A, B = _system(A, B)
+    if not 0 < dt < np.inf:
+        raise ValueError(f"dt = {dt!r} must be > 0")
+    nx, nu = B.shape
+    N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
+    Q, R = require_finite("Q", Q, (nx, nx)), require_finite("R", R, (nu, nu))
+    F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
+    M = np.block([[Q, N], [N.T, R]])
+    j = max(0, int(np.ceil(np.log2(max(float(np.linalg.norm(A, 1)) * dt, 1e-300)))))
+    h = dt / 2**j
+    big = sla.expm(h * np.block([[-F.T, M], [np.zeros_like(F), F]]))
+    step = big[nx + nu :, nx + nu :]
+    cost = step.T @ big[: nx + nu, nx + nu :]
+    for _ in range(j):
+        cost, step = cost + step.T @ cost @ step, step @ step
+    cost = (cost + cost.T) / 2
+    return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
+
+
+def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None, dt: float | None) -> Regulator:
+    A, B = _system(A, B)
+    nx, nu = B.shape
+    known = _names(names, nx)
+    Q, R = _weight("Q", Q, nx, definite=False), _weight("R", R, nu, definite=True)
+    N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
+    if N.any():
+        _weight("[[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), nx + nu, definite=False)
+    _require_reached(A, B, known, dt, "cannot be reached by the input")
+    lean = sla.solve(R, N.T, assume_a="pos")
+    seen = _root(Q - N @ lean)
+    _require_reached((A - B @ lean).T, seen, known, dt, "cannot be seen by the cost Q", dual=True)
+    P, K = solve_riccati(A, B, Q, R, N, dt)
+    return Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))
+
+
+def solve_riccati(
+    A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, N: np.ndarray, dt: float | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """P and K of a checked problem; PliantError where the equation is not solved."""
+    try:
+        P = (sla.solve_continuous_are if dt is None else sla.solve_discrete_are)(A, B, Q, R, s=N)
+    except np.linalg.LinAlgError as error:
+        raise PliantError(
+            f"the Riccati equation was not solved ({error}): scale the states, or change Q and R"
+        ) from error
+    best: tuple[Any, ...] = ()
+    for _ in range(NEWTON_STEPS + 1):
+        P = (P + P.T) / 2
+        K, residual = _gain(A, B, Q, R, N, P, dt)
+        closed = A - B @ K
+        poles = np.linalg.eigvals(closed)
+        decay = -poles.real.max() if dt is None else 1 - np.abs(poles).max()
+        stalled = bool(best) and residual > best[0] / 2
+        if not best or residual < best[0]:
+            best = (residual, P, K, poles, decay)
+        if stalled or residual <= 1e-13 or decay <= 0:
+            break
+        cost = Q + K.T @ R @ K - N @ K - K.T @ N.T
+        if dt is None:
+            P = sla.solve_continuous_lyapunov(closed.T, -cost)
+        else:
+            P = sla.solve_discrete_lyapunov(closed.T, cost)
+    residual, P, K, poles, decay = best
+    if not residual <= LARGEST_RESIDUAL:
+        raise PliantError(
+            f"the Riccati equation is solved only to a relative residual of {residual:.2g}, must be "
+            f"{LARGEST_RESIDUAL:g}: scale the states, or change Q and R"
+        )
+    if decay <= 0:
+        worst = poles[np.argmax(poles.real if dt is None else np.abs(poles))]
+        raise PliantError(f"the closed loop does not decay: a pole is {worst:.4g}; scale the states, or change Q and R")
+    return P, K
+
+
+def _gain(
+    A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, N: np.ndarray, P: np.ndarray, dt: float | None
+) -> tuple[np.ndarray, float]:
+    """The gain that P gives, and the residual of its Riccati equation relative to the largest term."""
+    if dt is None:
+        terms, H, G = [A.T @ P + P @ A, Q], R, B.T @ P + N.T
+    else:
+        terms, H, G = [A.T @ P @ A, -P, Q], R + B.T @ P @ B, B.T @ P @ A + N.T
+    K = sla.solve(H, G)
+    terms.append(-G.T @ K)
+    largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
+    return K, float(np.abs(sum(terms)).max(initial=0.0)) / (largest or 1.0)

@@ -1,0 +1,88 @@
+"""What every Riccati design checks first: shapes, definite weights, and modes that are out of reach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy.linalg as sla
+
+from pliant.plants.core.errors import UncontrollableError
+from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.modal_analysis import dominant, eigen, stays
+
+UNREACHED = 1e-10  # least singular value of [A - s I, B] over |A - s I| of a mode that is not reached
+
+
+def require_reached(
+    A: np.ndarray, B: np.ndarray, names: tuple[str, ...], dt: float | None, what: str, dual: bool = False
+) -> None:
+    """UncontrollableError that names every mode of A that neither decays nor is reached through B.
+
+    With `dual`, A and B are the transposes of the dynamics and of what sees them.
+    """
+    scaled, scale = sla.matrix_balance(A, permute=False)
+    B = np.linalg.solve(scale, B)
+    lam, _, vectors, rounding = eigen(A)
+    found: dict[str, None] = {}
+    for s in lam[stays(lam, rounding, dt) & (lam.imag >= 0)]:
+        shifted = scaled - s * np.eye(len(A))
+        size = np.linalg.norm(shifted) or 1.0
+        gain = np.linalg.norm(B)
+        left, sigma, _ = np.linalg.svd(np.hstack([shifted, B * (size / gain if gain else 0.0)]))
+        if sigma[-1] > UNREACHED * size:
+            continue
+        rate = s if dt is None else np.log(complex(s)) / dt
+        missed = left[:, sigma <= UNREACHED * size]
+        pivots = sla.qr(missed.conj().T, mode="r", pivoting=True)[1][: missed.shape[1]]
+        for z in (missed @ np.linalg.inv(missed[pivots])).T:
+            state = names[_state_of(z, z if dual else shifted @ z, vectors[:, np.abs(lam - s) <= 1e-6 * size])]
+            found[f"mode {abs(rate) / (2 * np.pi):.2f} Hz ({state})"] = None
+    if found:
+        raise UncontrollableError(f"{', '.join(found)} {what}", tuple(found))
+
+
+def _state_of(z: np.ndarray, position: np.ndarray, right: np.ndarray) -> int:
+    """The state that takes part most in the mode with left eigenvector z; `right` (nx, k) are its right ones.
+
+    A double root without a second eigenvector is a free body: then z is not its own, and `position` is named.
+    """
+    spread = np.linalg.norm(right, axis=1)
+    if (np.abs(z) * spread).sum() < 1e-6 * np.linalg.norm(z):
+        return int(np.argmax(np.abs(position) * (spread if np.any(np.abs(position) * spread > 0) else 1.0)))
+    return dominant(z, spread)
+
+
+def root(weight: np.ndarray) -> np.ndarray:
+    """S with S S' = weight, semidefinite."""
+    value, vector = np.linalg.eigh((weight + weight.T) / 2)
+    return vector * np.sqrt(np.where(value > 1e-13 * value.max(initial=0.0), value, 0.0))
+
+
+def system(A: Any, B: Any, name: str = "B") -> tuple[np.ndarray, np.ndarray]:
+    A = require_finite("A", A, (-1, -1))
+    A = require_finite("A", A, (len(A), len(A)))
+    return A, require_finite(name, B, (len(A), -1))
+
+
+def known_names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
+    known = tuple(f"x{i + 1}" for i in range(n)) if names is None else tuple(names)
+    if len(known) != n:
+        raise ValueError(f"names = {known} must be {n} names")
+    return known
+
+
+def weight_matrix(name: str, value: Any, n: int, *, definite: bool) -> np.ndarray:
+    """A symmetric weight (n, n), positive (semi)definite."""
+    weight = require_finite(name, value, (n, n))
+    size = np.abs(weight).max(initial=0.0)
+    if np.abs(weight - weight.T).max(initial=0.0) > 1e-9 * size:
+        i, j = np.unravel_index(np.argmax(np.abs(weight - weight.T)), weight.shape)
+        raise ValueError(f"{name}[{i}, {j}] = {weight[i, j]:g} must equal {name}[{j}, {i}], {weight[j, i]:g}")
+    lowest = np.linalg.eigvalsh(weight).min(initial=np.inf)
+    if definite and not lowest > 0:
+        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be > 0 (positive definite)")
+    if lowest < -1e-10 * size:
+        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be >= 0 (positive semidefinite)")
+    return (weight + weight.T) / 2

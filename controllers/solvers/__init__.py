@@ -1,0 +1,1 @@
+"""Numerical programs: quadratic (DAQP), interior point, block sparsity, H-infinity norm."""

@@ -1,0 +1,212 @@
+"""A scene as a Gymnasium environment, and its registered id."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
+
+from pliant.envs import scenes
+from pliant.envs.scenes.scene import Scene
+from pliant.envs.simulation.control_kernel import ControlStep
+from pliant.envs.simulation.control_period import LARGEST
+from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
+from pliant.plants.core import parameters
+from pliant.plants.integration.step_maps import check_step
+
+
+class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
+    """Drive a scene's plant from its start to its goal.
+
+    | what        | is                                                             | unit, range          |
+    |-------------|----------------------------------------------------------------|----------------------|
+    | action      | inputs over scene.limits, float32; clipped to its range        | [-1, 1]              |
+    | observation | scene.observe less their values at the goal, `dtype`           | the signals' own     |
+    | reward      | -dt * stage cost at the period's start, with the clipped input | what Scene.cost sums |
+    | terminated  | a bounded signal left its bound, or the state diverged         | scene.bounds         |
+    | truncated   | the time is over                                               | scene.steps periods  |
+
+    Signal by signal, with units: the docstring of each scene in pliant.envs.scenes.SCENES. Goal values are
+    those of the scene's own plant, also where parameters are drawn.
+
+    Ending early does not pay: the last reward also charges, for every period left, dt times
+    (scene.early_end_rate + the stage cost of that last period). A diverged state is not shown: the last
+    finite observation comes again.
+
+    info: "cost" = -reward, "early_end_cost" the part of it charged for the time left, "diverged", and
+    "parameters", the values of the randomised parameters by name.
+
+    randomise  False: the scene's own start and parameters, every episode the same. True: both drawn at each
+               reset from `np_random` alone, uniformly within scene.start_spread and scene.randomise's factors
+    options of reset: "state" (nx,) to start from, "parameters" by name, each instead of what was drawn
+    """
+
+    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 50}  # noqa: RUF012
+
+    def __init__(
+        self,
+        scene: str | Scene,
+        *,
+        randomise: bool = False,
+        dtype: type | str = np.float64,
+        render_mode: str | None = None,
+    ) -> None:
+        self.scene = scene = scenes.get(scene) if isinstance(scene, str) else scene
+        parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
+        kind = np.dtype(dtype)
+        parameters.require_choice("PlantEnv", "dtype", kind.name, ("float64", "float32"))
+        if not scene.observe:
+            raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
+        self.randomise, self.render_mode = bool(randomise), render_mode
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
+        self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
+        self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
+        self._dtype = kind.type
+        self._names = scene.varied_plant.varied
+        self._nominal = scene.varied_plant.nominal_parameters
+        self._check_step()
+        self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
+        self._idle = np.zeros(scene.plant.nu)
+        self._steps = scene.steps
+        self._over = True
+        self._renderer: Any = None
+
+    def _check_step(self) -> None:
+        """Raise StabilityLimitError where RK4's step is too long at the goal, for any extreme parameters."""
+        scene = self.scene
+        x, u = scene.target
+        factors = [(low, high) if self.randomise else (1.0,) for _, low, high in scene.randomise]
+        for corner in itertools.islice(itertools.product(*factors), 64):
+            p = self._nominal * np.array(corner)
+            check_step(scene.varied_plant, x, "rk4", scene.dt / scene.substeps, u=u, p=p)
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """The registered specification, with the scene's max_episode_steps, which this class enforces."""
+        return getattr(self, "_spec", None)
+
+    @spec.setter
+    def spec(self, value: EnvSpec | None) -> None:
+        self._spec = copy.copy(value)
+        if self._spec is not None:
+            self._spec.max_episode_steps = self.scene.steps
+
+    @property
+    def state(self) -> np.ndarray:
+        """The plant's state x (nx,), a copy."""
+        return self._x.astype(float)
+
+    @property
+    def time(self) -> float:
+        """Time since the episode's start [s]."""
+        return self._done * self.scene.dt
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Start an episode; see the class for what `options` may hold."""
+        super().reset(seed=seed)
+        scene, options = self.scene, options or {}
+        for key in options:
+            parameters.require_choice("PlantEnv.reset", "options", key, ("state", "parameters"))
+        if self.randomise:
+            starts, w, p = (drawn[0] for drawn in draw(scene, self.np_random, 1))
+        else:
+            starts, w, p = np.array([v for _, v in scene.start]), np.zeros(scene.plant.nw), self._nominal
+        if "parameters" in options:
+            p = self._given(p, options["parameters"])
+        if "state" in options:
+            shape = (scene.plant.nx,)
+            x = parameters.require_finite("PlantEnv.reset: options['state']", options["state"], shape).copy()
+            if not np.abs(x).max() < LARGEST:
+                raise ValueError(f"PlantEnv.reset: options['state'] = {x} must be finite numbers below {LARGEST:g}")
+        elif self.randomise or "parameters" in options:
+            x = initial_states(scene, starts[None], p[None])[0]
+        else:
+            x = scene.initial[0].copy()
+        step = self._step
+        step.x[:], step.w[:], step.p[:] = x[:, None], w[:, None], p[:, None]
+        self._x, self._u = x.astype(self._dtype), self._idle
+        self._drawn = dict(zip(self._names, map(float, p)))
+        self._done, self._over, self._total = 0, False, 0.0
+        self._obs = first_observations(scene, x[None], p[None])[0].astype(self._dtype)
+        if self._renderer is not None:
+            self._renderer.clear()
+        if self.render_mode == "human":
+            self.render()
+        return self._obs.astype(self._dtype), self._info(0.0, 0.0, False)
+
+    def _given(self, p: np.ndarray, values: dict[str, float]) -> np.ndarray:
+        p = p.copy()
+        for name, value in values.items():
+            parameters.require_choice("PlantEnv.reset", "options['parameters']", name, self._names)
+            parameters.put(self.scene.plant, name, float(value))  # ValueError where it is out of range
+            p[self._names.index(name)] = value
+        return p
+
+    def _info(self, cost: float, early: float, diverged: bool) -> dict[str, Any]:
+        return {"cost": cost, "early_end_cost": early, "diverged": diverged, "parameters": self._drawn.copy()}
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Hold `action` (nu,) for one control period; see the class for what comes back."""
+        if self._over:
+            raise gymnasium.error.ResetNeeded("PlantEnv.step: no episode is running; call reset first")
+        action = np.asarray(action, dtype=float)
+        if action.shape != self._idle.shape or not np.dot(action, action) < np.inf:
+            raise ValueError(f"PlantEnv.step: action = {action} must be {len(self._idle)} finite numbers in [-1, 1]")
+        step = self._step
+        step.action[:] = action[:, None]
+        step.begin(self._done)
+        unsound, outside = step.run()
+        diverged, cost, early = bool(unsound[0]), float(step.cost[0]), 0.0
+        self._done += 1
+        terminated = diverged or bool(outside[0])
+        if terminated:
+            early = early_end_cost(self.scene, self._done, cost)
+            cost += early
+        if not diverged:
+            self._x, self._obs, self._u = step.x[:, 0].copy(), step.obs[:, 0].copy(), action
+        self._over = terminated or self._done == self._steps
+        self._total += cost
+        if self.render_mode == "human":
+            self.render()
+        truncated = self._over and not terminated
+        return self._obs.copy(), -cost, terminated, truncated, self._info(cost, early, diverged)
+
+    def render(self) -> np.ndarray | None:
+        """The plant, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
+        if self.render_mode is None:
+            gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
+            return None
+        if self._renderer is None:
+            from pliant.envs.rendering.planar import renderer
+
+            self._renderer = renderer(self.scene, window=self.render_mode == "human")
+        return self._renderer.draw(self._x, self._u, self.time, self._total)
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+
+def environment_id(scene_name: str) -> str:
+    """The registered id of a named scene: "two-link-reach" -> "pliant/TwoLinkReach-v0"."""
+    return f"pliant/{''.join(word.capitalize() for word in scene_name.split('-'))}-v0"
+
+
+def register() -> None:
+    """Register every named scene with Gymnasium; the environment keeps the time limit, so no wrapper does."""
+    for name in scenes.names():
+        gymnasium.register(
+            id=environment_id(name),
+            entry_point="pliant.envs.environments.env:PlantEnv",
+            vector_entry_point="pliant.envs.environments.vector_env:PlantVectorEnv",
+            kwargs={"scene": name},
+        )

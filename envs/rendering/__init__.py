@@ -1,0 +1,1 @@
+"""Pictures of a scene, in the plane and in space."""

@@ -1,0 +1,153 @@
+"""Pictures of a scene: the bent arm, its goal where that is a place, the path of its tip, the inputs.
+
+Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a spacecraft is in `render_space`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import FlexibleSpacecraft
+
+PIXELS = 600
+LINKS = ("#1f4e79", "#3182bd", "#6baed6", "#9ecae1")
+GOAL, TIP, INK, PALE = "#2e9e5b", "#d9622b", "#303030", "#e4e7ea"
+
+
+class Drawable(Protocol):
+    def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray: ...
+
+
+def renderer(scene: Scene, *, window: bool = False) -> Renderer:
+    """What draws the scene: an arm in its plane, a spacecraft in space."""
+    if isinstance(scene.plant, FlexibleSpacecraft):
+        from .spatial import SpaceRenderer
+
+        return SpaceRenderer(scene, window=window)
+    return Renderer(scene, window=window)
+
+
+class Renderer:
+    """Draws one scene again and again; keeps the tip's path since the last `clear`."""
+
+    def __init__(self, scene: Scene, *, window: bool = False) -> None:
+        plant: Any = scene.plant
+        if not hasattr(plant, "outline"):
+            raise ValueError(f"scene {scene.name!r}: its plant {type(plant).__name__} has no outline to draw")
+        self._arm: Drawable = plant
+        self.scene, self.window = scene, window
+        if window:
+            import matplotlib.pyplot as plt
+
+            self.figure = plt.figure(scene.name, figsize=(6, 6))
+            plt.show(block=False)
+        else:
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            from matplotlib.figure import Figure
+
+            self.figure = Figure(figsize=(6, 6), dpi=PIXELS / 6)
+            FigureCanvasAgg(self.figure)
+        self._path: list[np.ndarray] = []
+        self._prepare()
+
+    def _prepare(self) -> None:
+        from matplotlib.collections import LineCollection
+
+        scene = self.scene
+        goal = self._arm.outline(scene.target[0])
+        reach = sum(np.linalg.norm(np.diff(link, axis=0), axis=1).sum() for link in goal)
+        axes = self.axes = self.figure.add_axes((0, 0, 1, 1))
+        axes.set(xlim=(-1.25 * reach, 1.25 * reach), ylim=(-1.33 * reach, 1.17 * reach), aspect="equal")
+        axes.axis("off")
+        angle = np.linspace(0, 2 * np.pi, 181)
+        circle = reach * np.column_stack([np.cos(angle), np.sin(angle)])
+        axes.plot(*circle.T, color=PALE, lw=1, zorder=0)
+        for direction in np.eye(2):
+            axes.plot(*np.outer(direction, (-reach, reach)), color=PALE, lw=1, zorder=0)
+        if scene.goal_at_rest:  # a goal that moves has no shape of its own
+            for link in goal:
+                axes.plot(*link.T, color=GOAL, lw=2, ls=(0, (3, 2)), alpha=0.7, zorder=1)
+            axes.plot(*goal[-1][-1], "o", ms=17, mfc="none", mec=GOAL, mew=2, alpha=0.7, zorder=1)
+        self._trail = LineCollection([], linewidths=2.2, zorder=2, capstyle="butt")
+        axes.add_collection(self._trail)
+        style: dict[str, Any] = {"solid_capstyle": "round", "zorder": 4}
+        self._links = [
+            axes.plot([], [], color=LINKS[i % len(LINKS)], lw=max(9 - 2 * i, 4), **style)[0] for i in range(len(goal))
+        ]
+        axes.plot(0, 0, "s", ms=24, color=INK, zorder=3)
+        thin: dict[str, Any] = {"color": INK, "lw": 0.8, "ls": (0, (4, 3)), "zorder": 3}
+        self._tangents = [axes.plot([], [], **thin)[0] for _ in goal]  # where an unbent link would lie
+        (self._joints,) = axes.plot([], [], "o", ms=11, mfc="white", mec=INK, mew=2.2, zorder=5)
+        (self._payload,) = axes.plot([], [], "o", ms=13, mfc=TIP, mec="white", mew=1.5, zorder=6)
+        about = f"{scene.name}\n{scene.plant.label}"
+        text: dict[str, Any] = {"transform": axes.transAxes, "va": "top", "color": INK, "fontsize": 11}
+        axes.text(0.03, 0.975, about, linespacing=1.4, **text)
+        self._status = axes.text(0.97, 0.975, "", ha="right", linespacing=1.4, **text)
+        self._bars = [self._bar(0.035 + 0.04 * i, s.name) for i, s in enumerate(reversed(scene.plant.inputs))]
+
+    def _bar(self, height: float, name: str) -> Any:
+        """A horizontal bar from the middle: one input over its limit."""
+        from matplotlib.patches import Rectangle
+
+        axes = self.axes
+        options: dict[str, Any] = {"transform": axes.transAxes, "zorder": 3}
+        axes.add_patch(Rectangle((0.3, height), 0.4, 0.018, color=PALE, lw=0, **options))
+        axes.text(
+            0.285,
+            height + 0.009,
+            name,
+            ha="right",
+            va="center",
+            color=INK,
+            fontsize=10,
+            transform=axes.transAxes,
+        )
+        bar = axes.add_patch(Rectangle((0.5, height), 0.0, 0.018, color=LINKS[1], lw=0, **options))
+        axes.plot([0.5, 0.5], [height - 0.004, height + 0.022], color=INK, lw=1, transform=axes.transAxes)
+        return bar
+
+    def clear(self) -> None:
+        """Forget the tip's path."""
+        self._path.clear()
+
+    def draw(self, x: np.ndarray, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
+        """The state x (nx,) under an action (nu,) in [-1, 1]: (height, width, 3) uint8, None in a window."""
+        from matplotlib.colors import to_rgb
+
+        links = self._arm.outline(x)
+        for artist, tangent, link in zip(self._links, self._tangents, links):
+            artist.set_data(*link.T)
+            length = np.linalg.norm(np.diff(link, axis=0), axis=1)
+            straight = link[0] + (link[1] - link[0]) * 1.06 * length.sum() / length[0]
+            tangent.set_data(*np.transpose([link[0], straight]))
+        self._joints.set_data(*links[:, 0].T)
+        tip = links[-1][-1]
+        self._payload.set_data([tip[0]], [tip[1]])
+        self._path.append(tip)
+        path = np.array(self._path)
+        segments = np.stack([path[:-1], path[1:]], axis=1)
+        fade = np.linspace(0.08, 0.85, len(segments))
+        self._trail.set_segments(list(segments))
+        self._trail.set_color([(*to_rgb(TIP), alpha) for alpha in fade])
+        return self._show(action, time, cost)
+
+    def _show(self, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
+        """The picture with the inputs, the time and the cost written into it."""
+        for bar, value in zip(self._bars, np.clip(action, -1.0, 1.0)[::-1]):
+            bar.set_width(0.2 * value)
+        self._status.set_text(f"{time:.2f} s\ncost {cost:.2f}")
+        self.figure.canvas.draw()
+        if self.window:
+            self.figure.canvas.flush_events()
+            return None
+        return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()  # type: ignore[attr-defined]
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self.window:
+            import matplotlib.pyplot as plt
+
+            plt.close(self.figure)

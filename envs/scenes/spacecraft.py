@@ -1,0 +1,303 @@
+"""Scenes of a spacecraft with two flexible solar panels: a slew, a spin and an orbit.
+
+The first two on the hub of FlexibleSpacecraft.textbook; see `spacecraft_parts` for the panels.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from pliant.plants import FlexibleSpacecraft, Plant
+from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.core.parameters import require_choice
+from pliant.plants.spacecraft.appendage import Hinge
+from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft.hub import Hub, Wheel
+
+from .nominal_inputs import let_go
+from .scene import Scene
+from .spacecraft_parts import ALONG_Y, AXES, FLAT, UPRIGHT, panels, turned
+
+
+def spacecraft_slew() -> Scene:
+    """Turn a spacecraft by 60 degrees about z, rest to rest, in 120 s; control period 0.1 s.
+
+    It starts at -60 degrees: the reference axes are those of the goal, and the attitude outputs the error (twice the
+    vector of its quaternion, in rad where it is small). The panels stand upright, so that the turn bends them; the
+    nominal torques turn a rigid spacecraft in the first 60 s along a minimum-jerk motion.
+
+    | observation              | unit  |
+    |--------------------------|-------|
+    | attitude_x               | 1     |
+    | attitude_y               | 1     |
+    | attitude_z               | 1     |
+    | body_rate_x              | rad/s |
+    | body_rate_y              | rad/s |
+    | body_rate_z              | rad/s |
+    | tip1_z                   | m     |
+    | tip2_z                   | m     |
+
+    | action                   | unit  | at -1 | at 1 |
+    |--------------------------|-------|-------|------|
+    | torque_x                 | N m   | -2    | 2    |
+    | torque_y                 | N m   | -2    | 2    |
+    | torque_z                 | N m   | -2    | 2    |
+
+    | cost of the deviation in | unit  | weight |
+    |--------------------------|-------|--------|
+    | attitude_x               | 1     | 1      |
+    | attitude_y               | 1     | 1      |
+    | attitude_z               | 1     | 1      |
+    | body_rate_x              | rad/s | 100    |
+    | body_rate_y              | rad/s | 100    |
+    | body_rate_z              | rad/s | 100    |
+    | tip1_z                   | m     | 100    |
+    | tip2_z                   | m     | 100    |
+    | torque_x                 | N m   | 0.01   |
+    | torque_y                 | N m   | 0.01   |
+    | torque_z                 | N m   | 0.01   |
+
+    | ends beyond              | unit  | bound |
+    |--------------------------|-------|-------|
+    | body_rate_x              | rad/s | 0.1   |
+    | body_rate_y              | rad/s | 0.1   |
+    | body_rate_z              | rad/s | 0.1   |
+    | tip1_z                   | m     | 0.2   |
+    | tip2_z                   | m     | 0.2   |
+    """
+    own = FlexibleSpacecraft.textbook()
+    craft = dataclasses.replace(own, appendages=panels(UPRIGHT), kinematics="linear", translation=False)
+    rates, tips = tuple(f"body_rate_{c}" for c in AXES), ("tip1_z", "tip2_z")
+    attitude = tuple(f"attitude_{c}" for c in AXES)
+    return Scene(
+        name="spacecraft-slew",
+        about="turn a spacecraft with two flexible panels by 60 degrees, rest to rest",
+        plant=craft,
+        start=turned(-60.0, "z"),
+        goal=turned(0.0, "z"),
+        start_at_rest=False,
+        duration=120.0,
+        move_time=60.0,
+        dt=0.1,
+        substeps=2,
+        limits=(2.0, 2.0, 2.0),
+        bounds=(*((n, 0.1) for n in rates), *((n, 0.2) for n in tips)),
+        weights=(*((n, 1.0) for n in attitude), *((n, 100.0) for n in (*rates, *tips))),
+        effort=tuple((f"torque_{c}", 0.01) for c in AXES),
+        observe=(*attitude, *rates, *tips),
+        randomise=(
+            ("hub.inertia.2.2", 0.8, 1.2),
+            ("appendages.0.stiffness_factor", 0.8, 1.2),
+            ("appendages.1.stiffness_factor", 0.8, 1.2),
+        ),
+        start_spread=0.02,
+        compare=("tip1_z",),
+    )
+
+
+def spacecraft_spin(axis: str = "z") -> Scene:
+    """Keep a spacecraft spinning at 0.1 rad/s while its panels turn by 45 degrees, for 300 s; control period 0.5 s.
+
+    Each panel turns about its own boom in the first 60 s. The spin starts with a nutation: 0.002
+    rad/s about each other axis. `axis` ("x", "y", "z") may be given: z has the largest moment of inertia, x the
+    smallest, and about y the free spin is unstable.
+
+    | observation              | unit  |
+    |--------------------------|-------|
+    | body_rate_x              | rad/s |
+    | body_rate_y              | rad/s |
+    | body_rate_z - 0.1        | rad/s |
+    | hinge1_1 - 0.785398163397 | rad   |
+    | hinge2_1 - 0.785398163397 | rad   |
+    | hinge1_1_rate            | rad/s |
+    | hinge2_1_rate            | rad/s |
+    | tip1_z                   | m     |
+    | tip2_z                   | m     |
+
+    | action                   | unit    | at -1  | at 1  |
+    |--------------------------|---------|--------|-------|
+    | torque_x                 | N m     | -2     | 2     |
+    | torque_y                 | N m     | -2     | 2     |
+    | torque_z                 | N m     | -2     | 2     |
+    | hinge1_1_acceleration    | rad/s^2 | -0.005 | 0.005 |
+    | hinge2_1_acceleration    | rad/s^2 | -0.005 | 0.005 |
+
+    | cost of the deviation in | unit    | weight |
+    |--------------------------|---------|--------|
+    | body_rate_x              | rad/s   | 100    |
+    | body_rate_y              | rad/s   | 100    |
+    | body_rate_z              | rad/s   | 100    |
+    | hinge1_1                 | rad     | 0.1    |
+    | hinge2_1                 | rad     | 0.1    |
+    | tip1_z                   | m       | 10     |
+    | tip2_z                   | m       | 10     |
+    | torque_x                 | N m     | 0.1    |
+    | torque_y                 | N m     | 0.1    |
+    | torque_z                 | N m     | 0.1    |
+    | hinge1_1_acceleration    | rad/s^2 | 1000   |
+    | hinge2_1_acceleration    | rad/s^2 | 1000   |
+
+    | ends beyond              | unit  | bound |
+    |--------------------------|-------|-------|
+    | body_rate_x              | rad/s | 0.3   |
+    | body_rate_y              | rad/s | 0.3   |
+    | body_rate_z              | rad/s | 0.3   |
+    | tip1_z                   | m     | 0.3   |
+    | tip2_z                   | m     | 0.3   |
+    """
+    require_choice("spacecraft-spin", "axis", axis, tuple(AXES))
+    hinge = Hinge(axes=((1.0, 0.0, 0.0),), drive="motion")
+    own = FlexibleSpacecraft.textbook()
+    craft = dataclasses.replace(own, appendages=panels(FLAT, hinge), kinematics="stiffened", translation=False)
+    rates, tips, hinges = tuple(f"body_rate_{c}" for c in AXES), ("tip1_z", "tip2_z"), ("hinge1_1", "hinge2_1")
+    spin = (f"rate_{axis}", 0.1)
+    return Scene(
+        name="spacecraft-spin",
+        about=f"keep a spacecraft spinning about {axis} while its panels turn",
+        plant=craft,
+        start=tuple(spin if spin[0] == f"rate_{c}" else (f"rate_{c}", 0.002) for c in AXES),
+        nominal_start=(spin,),
+        goal=(spin, *((n, np.pi / 4) for n in hinges)),
+        start_at_rest=False,
+        goal_at_rest=False,
+        drive=Articulation(np.pi / 4, 60.0),
+        duration=300.0,
+        dt=0.5,
+        substeps=5,
+        limits=(2.0, 2.0, 2.0, 0.005, 0.005),
+        bounds=(*((n, 0.3) for n in rates), *((n, 0.3) for n in tips)),
+        weights=(*((n, 100.0) for n in rates), *((n, 0.1) for n in hinges), *((n, 10.0) for n in tips)),
+        effort=(*((f"torque_{c}", 0.1) for c in AXES), *((f"{n}_acceleration", 1000.0) for n in hinges)),
+        observe=(*rates, *hinges, *(f"{n}_rate" for n in hinges), *tips),
+        randomise=(("hub.inertia.1.1", 0.9, 1.1), ("appendages.0.stiffness_factor", 0.8, 1.2)),
+        start_spread=0.002,
+        compare=("tip1_z",),
+        tolerance=2e-4,
+    )
+
+
+@dataclass(frozen=True)
+class Articulation:
+    """Hinge accelerations, the last inputs, that turn every panel along a minimum-jerk motion; no torque on the hub."""
+
+    angle: float  # [rad]
+    time: float  # [s]
+
+    def __call__(self, plant: Plant, t: float) -> np.ndarray:
+        u = np.zeros(plant.nu)
+        u[3:] = self.angle * minimum_jerk(t / self.time)[2] / self.time**2
+        return u
+
+
+def spacecraft_orbit() -> Scene:
+    """Point a spacecraft at the Earth while its panels follow the sun, for 11424 s; control period 6 s.
+
+    These are two orbits. Reference axes are the orbit's: x along the velocity, z to the Earth. It starts 5 degrees off
+    about each axis. The hub is long and its pitch inertia the largest, so that the gravity gradient holds it without
+    control (Lagrange's region); three wheels turn it. The panels, along y, turn relative to the hub at the orbital
+    rate: the goal of hinge1_1 and hinge2_1 moves by 0.0011 rad/s one way and the other from its value at the start,
+    and so does what deviations are measured from.
+
+    | observation              | unit  |
+    |--------------------------|-------|
+    | attitude_x               | 1     |
+    | attitude_y               | 1     |
+    | attitude_z               | 1     |
+    | body_rate_x              | rad/s |
+    | body_rate_y - -0.0011    | rad/s |
+    | body_rate_z              | rad/s |
+    | hinge1_1                 | rad   |
+    | hinge2_1                 | rad   |
+    | hinge1_1_rate - 0.0011   | rad/s |
+    | hinge2_1_rate - -0.0011  | rad/s |
+    | wheel1_momentum          | N m s |
+    | wheel2_momentum          | N m s |
+    | wheel3_momentum          | N m s |
+
+    | action                   | unit    | at -1  | at 1  |
+    |--------------------------|---------|--------|-------|
+    | wheel1_torque            | N m     | -0.02  | 0.02  |
+    | wheel2_torque            | N m     | -0.02  | 0.02  |
+    | wheel3_torque            | N m     | -0.02  | 0.02  |
+    | hinge1_1_acceleration    | rad/s^2 | -1e-05 | 1e-05 |
+    | hinge2_1_acceleration    | rad/s^2 | -1e-05 | 1e-05 |
+
+    | cost of the deviation in | unit    | weight |
+    |--------------------------|---------|--------|
+    | attitude_x               | 1       | 1      |
+    | attitude_y               | 1       | 1      |
+    | attitude_z               | 1       | 1      |
+    | body_rate_x              | rad/s   | 1000   |
+    | body_rate_y              | rad/s   | 1000   |
+    | body_rate_z              | rad/s   | 1000   |
+    | hinge1_1                 | rad     | 0.1    |
+    | hinge2_1                 | rad     | 0.1    |
+    | wheel1_momentum          | N m s   | 0.001  |
+    | wheel2_momentum          | N m s   | 0.001  |
+    | wheel3_momentum          | N m s   | 0.001  |
+    | wheel1_torque            | N m     | 100    |
+    | wheel2_torque            | N m     | 100    |
+    | wheel3_torque            | N m     | 100    |
+    | hinge1_1_acceleration    | rad/s^2 | 1e+08  |
+    | hinge2_1_acceleration    | rad/s^2 | 1e+08  |
+
+    | ends beyond              | unit  | bound |
+    |--------------------------|-------|-------|
+    | attitude_x               | 1     | 1     |
+    | attitude_y               | 1     | 1     |
+    | attitude_z               | 1     | 1     |
+    | wheel1_momentum          | N m s | 4     |
+    | wheel2_momentum          | N m s | 4     |
+    | wheel3_momentum          | N m s | 4     |
+    """
+    rate = 1.1e-3
+    plate = Surface(area=12.0, normal=(0.0, 0.0, 1.0), specular=0.1, diffuse=0.1, both=True)
+    hinge = Hinge(axes=((1.0, 0.0, 0.0),), drive="motion")
+    wheels = tuple(Wheel(axis=tuple(float(i == k) for i in range(3)), inertia=0.01) for k in range(3))  # type: ignore[arg-type]
+    craft = FlexibleSpacecraft(
+        hub=Hub(mass=1000.0, inertia=(1000.0, 1600.0, 700.0), wheels=wheels),
+        appendages=panels(ALONG_Y, hinge, plate, known=1),
+        kinematics="linear",
+        translation=False,
+        environment=Environment(orbit=Orbit(rate=rate), sun=Sun(direction=(0.0, 0.0, -1.0))),
+    )
+    attitude, rates = tuple(f"attitude_{c}" for c in AXES), tuple(f"body_rate_{c}" for c in AXES)
+    momenta, turns = tuple(f"wheel{k}_momentum" for k in (1, 2, 3)), (("hinge1_1", rate), ("hinge2_1", -rate))
+    hinges, off = tuple(n for n, _ in turns), np.sin(np.deg2rad(2.5))
+    still = (*((f"{n}_rate", v) for n, v in turns), ("rate_y", -rate))
+    return Scene(
+        name="spacecraft-orbit",
+        about="point a spacecraft at the Earth while its panels follow the sun, for two orbits",
+        plant=craft,
+        start=(("quaternion_0", 1.0), *((f"quaternion_{k}", float(off)) for k in (1, 2, 3)), *still),
+        nominal_start=still,
+        goal=still,
+        goal_rates=turns,
+        start_at_rest=False,
+        goal_at_rest=False,
+        drive=let_go,
+        duration=11424.0,
+        dt=6.0,
+        substeps=8,
+        limits=(0.02, 0.02, 0.02, 1e-5, 1e-5),
+        bounds=(*((n, 1.0) for n in attitude), *((n, 4.0) for n in momenta)),
+        weights=(
+            *((n, 1.0) for n in attitude),
+            *((n, 1000.0) for n in rates),
+            *((n, 0.1) for n in hinges),
+            *((n, 0.001) for n in momenta),
+        ),
+        effort=(*((f"wheel{k}_torque", 100.0) for k in (1, 2, 3)), *((f"{n}_acceleration", 1e8) for n in hinges)),
+        observe=(*attitude, *rates, *hinges, *(f"{n}_rate" for n in hinges), *momenta),
+        randomise=(
+            ("appendages.0.stiffness_factor", 0.8, 1.2),
+            ("hub.inertia.0.0", 0.95, 1.05),
+            ("hub.inertia.2.2", 0.95, 1.05),
+        ),
+        start_spread=0.02,
+        spreads=(*((n, 0.0) for n, _ in still),),
+        compare=("attitude_y",),
+    )

@@ -1,0 +1,98 @@
+"""One control period of a scene's environment as straight-line CasADi expressions, without branch or loop.
+
+t time, which matters only where the goal moves; x (nx,) state; action (nu,) in [-1, 1]; u (nu,) inputs; w (nw,)
+disturbances; p (np,) the randomised parameters, in the order of scene.randomise; ref (nr,) what deviations are measured
+from: the goal's values of the observed signals, of the weighted signals and of the priced inputs, one after the other.
+
+The functions here are also the source of compiled code, one lane at a time. `sound` tells non-finite numbers,
+outside of it.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from pliant.envs.scenes.scene import Scene, once_per_scene
+from pliant.plants.integration.step_maps import step_map
+
+LARGEST = 1e12  # a state or observation beyond it has diverged: its weighted square still fits a single
+
+
+@once_per_scene
+def reference(scene: Scene) -> np.ndarray:
+    """ref (nr,) of the scene's own goal, from its own plant."""
+    goals = [scene.goal_values(names) for names in (scene.observe, scene.weighted)]
+    return np.concatenate([*goals, scene.target[1][scene.priced_inputs]])
+
+
+@once_per_scene
+def reference_drift(scene: Scene) -> np.ndarray:
+    """d(ref)/dt (nr,): zero but where the goal moves."""
+    drifts = [scene.goal_drift(names) for names in (scene.observe, scene.weighted)]
+    return np.concatenate([*drifts, np.zeros(len(scene.priced_inputs))])
+
+
+def _symbols(scene: Scene) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+    plant = scene.varied_plant
+    count = len(scene.observe) + len(scene.weights) + len(scene.effort)
+    sizes = (plant.nx, plant.nu, count, plant.nw, len(plant.varied))
+    return tuple(ca.SX.sym(name, size) for name, size in zip("xurwp", sizes))  # type: ignore[return-value]
+
+
+@once_per_scene
+def substep_function(scene: Scene) -> ca.Function:
+    """(t, x, u, w, p) -> x after one RK4 step of dt / substeps with u held.
+
+    ValueError where the plant depends on time and no goal moves with it: an environment would not show that.
+    """
+    plant = scene.varied_plant
+    rate, output = (ca.depends_on(e, plant.symbols[0]) for e in plant.expressions)
+    if output or (rate and not scene.goal_rates):
+        raise ValueError(f"scene {scene.name!r}: the plant depends on time, which an environment does not show")
+    t, (x, u, _, w, p) = ca.SX.sym("t"), _symbols(scene)
+    rk4 = step_map(plant, "rk4")
+    after = rk4(t, x, ca.repmat(u, 1, 3), w, p, scene.dt / scene.substeps)
+    return ca.Function("substep", [t, x, u, w, p], ca.cse([after]), list("txuwp"), ["x_next"])
+
+
+@once_per_scene
+def observe_function(scene: Scene) -> ca.Function:
+    """(x, u, ref, w, p) -> (obs (no,), cost of a control period that starts here, margin).
+
+    margin  the least of (bound - |signal|) / bound: 1 where all bounded signals are zero, < 0 out of bounds
+    """
+    plant = scene.varied_plant
+    x, u, ref, w, p = _symbols(scene)
+    output = ca.Function("output", list(plant.symbols), [plant.expressions[1]])
+    signals = ca.vertcat(x, output(0.0, x, u, w, p))
+    n, m = len(scene.observe), len(scene.weights)
+    obs = signals[scene.positions(scene.observe)] - ref[:n]
+    errors = signals[scene.positions(scene.weighted)] - ref[n : n + m]
+    excess = u[scene.priced_inputs] - ref[n + m :]
+    rate = scene.cost_rate(ca.vertsplit(errors), ca.vertsplit(excess))
+    margin = ca.SX(1.0)
+    for name, bound in scene.bounds:
+        value = signals[scene.positions([name])]
+        margin = ca.fmin(margin, (bound - ca.fabs(value)) / bound)
+    results = [ca.densify(e) for e in (obs, scene.dt * ca.SX(rate), margin)]
+    return ca.Function("observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"])
+
+
+@once_per_scene
+def step_function(scene: Scene) -> ca.Function:
+    """(t, x, action, ref, w, p) -> (x_next, obs, cost, margin): a control period from t on with the action held.
+
+    The input is the action, clipped to [-1, 1], times the scene's limits. obs and margin are those of x_next;
+    cost is what Scene.cost sums for this period: dt times the stage cost at x and the input.
+    """
+    substep, observe = substep_function(scene), observe_function(scene)
+    x, action, ref, w, p = _symbols(scene)
+    u = ca.fmax(-1.0, ca.fmin(1.0, action)) * ca.DM(scene.limits)
+    cost = observe(x, u, ref, w, p)[1]
+    t, after = ca.SX.sym("t"), x
+    for k in range(scene.substeps):
+        after = substep(t + k * scene.dt / scene.substeps, after, u, w, p)
+    obs, _, margin = observe(after, u, ref, w, p)
+    names = ["t", "x", "action", "ref", "w", "p"], ["x_next", "obs", "cost", "margin"]
+    return ca.Function("step", [t, x, action, ref, w, p], [after, obs, cost, margin], *names)

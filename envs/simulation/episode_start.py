@@ -1,0 +1,136 @@
+"""How an episode starts: parameters and start drawn at random, the plant at rest there where the scene says so."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from pliant.envs.scenes.scene import Scene, once_per_scene
+from pliant.plants import EquilibriumError, LagrangianPlant
+from pliant.plants.native.batch_kernels import CHECKED, random_points
+
+from .control_kernel import Iteration, Rows
+from .control_period import observe_function, reference
+
+TOLERANCE = 1e-9  # relative change of a Newton step whose successor would only move rounding errors
+STEPS, MOST_ROUNDS = 6, 5  # Newton steps between looks at their size, and how often is looked
+SMALL = 1e-3  # [m, rad, N m] below which a change counts absolutely
+
+
+def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(starts (n, len(scene.start)), w (n, nw), p (n, np)) of n episodes.
+
+    Uniform within the start's spread, the gusts and the parameters' factors.
+    """
+    own, low, high = _ranges(scene)
+    starts = own + scene.spread * rng.uniform(-1.0, 1.0, (n, len(own)))
+    p = rng.uniform(low, high, (n, len(low)))
+    return starts, scene.largest_gusts * rng.uniform(-1.0, 1.0, (n, scene.plant.nw)), p
+
+
+def begin(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(x (n, nx), obs (n, no), w (n, nw), p (n, np)) of n randomised episodes, from where drawn."""
+    starts, w, p = draw(scene, rng, n)
+    x = initial_states(scene, starts, p)
+    return x, first_observations(scene, x, p), w, p
+
+
+def first_observations(scene: Scene, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """obs (n, no) at states x (n, nx), before any input or disturbance."""
+    n, ref = len(x), reference(scene)
+    still = np.zeros((n, scene.plant.nu)), np.tile(ref, (n, 1)), np.zeros((n, scene.plant.nw))
+    return _observing(scene)(x, *still, p)[0]
+
+
+def early_end_cost(scene: Scene, done: Any, cost: Any) -> Any:
+    """What an episode that ends after `done` periods, its last one costing `cost`, is charged for the time left."""
+    return (scene.steps - done) * (scene.dt * scene.early_end_rate + cost)
+
+
+def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Rest states (n, nx) with the coordinates of scene.start held at the rows of `starts`, for p (n, np).
+
+    Newton's method on the statics, all lanes at once, from the scene's own start. Raises EquilibriumError.
+    Where the scene does not start at rest, its own start with the rows of `starts` written into it, a quaternion made
+    unit.
+    """
+    starts, p = np.asarray(starts, dtype=float), np.asarray(p, dtype=float)
+    plant = scene.varied_plant
+    for name, value, width in (("starts", starts, len(scene.start)), ("p", p, len(plant.varied))):
+        if value.ndim != 2 or value.shape[1] != width or len(value) != len(starts):
+            raise ValueError(f"initial_states: {name} has shape {value.shape}, must be (n, {width})")
+        if not np.isfinite(value).all():
+            raise ValueError(f"initial_states: {name} must be finite")
+    if not scene.start_at_rest:
+        x = np.tile(scene.initial[0], (len(starts), 1))
+        x[:, scene.positions(name for name, _ in scene.start)] = starts
+        return plant.consistent(x)
+    if not (isinstance(plant, LagrangianPlant) and not plant.driven and len(scene.start) == plant.nu):
+        given = ({name: v for (name, _), v in zip(scene.start, row)} for row in starts)
+        return np.array([plant.equilibrium(row, p=q)[0] for row, q in zip(given, p)]).reshape(-1, plant.nx)
+
+    columns, free = _split(scene)
+    x0, u0 = scene.initial
+    z = np.tile(np.concatenate([x0[free], u0]), (len(starts), 1))
+    moving = np.arange(len(starts))  # a lane stops on its own: its digits depend on no other lane
+    for _ in range(MOST_ROUNDS):
+        z[moving], change = _newton(scene)(z[moving], starts[moving], p[moving], count=STEPS)
+        moving = moving[~((np.abs(change) / (np.abs(z[moving]) + SMALL)).max(axis=1) < TOLERANCE)]
+        if not len(moving):
+            break
+    else:
+        k = int(moving[0])
+        held = ", ".join(f"{name} = {value:.4g}" for (name, _), value in zip(scene.start, starts[k]))
+        worst = float(np.abs(change).max())
+        raise EquilibriumError(
+            f"scene {scene.name!r} has no rest state with {held} and p = {p[k]}: Newton's steps still change "
+            f"it by {worst:.3g}; narrow start_spread or randomise",
+            worst,
+        )
+    x = np.zeros((len(starts), plant.nx))
+    x[:, columns], x[:, free] = starts, z[:, : len(free)]
+    return x
+
+
+@once_per_scene
+def _split(scene: Scene) -> tuple[list[int], list[int]]:
+    """Indices of the coordinates that scene.start holds, and of the others."""
+    held = scene.positions(name for name, _ in scene.start)
+    return held, [i for i in range(scene.plant.nx // 2) if i not in held]
+
+
+@once_per_scene
+def _ranges(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The start's own values, and the least and largest values of the randomised parameters."""
+    own = np.array([value for _, value in scene.start])
+    low, high = np.array([pair for _, *pair in scene.randomise]).reshape(-1, 2).T
+    nominal = scene.varied_plant.nominal_parameters
+    return own, nominal * low, nominal * high
+
+
+@once_per_scene
+def _observing(scene: Scene) -> Rows:
+    _, x, u, w, p = random_points(scene.varied_plant, np.random.default_rng(0))
+    ref = np.tile(reference(scene)[:, None], x.shape[1])
+    return Rows(observe_function(scene), [x, u, ref, w, p])
+
+
+@once_per_scene
+def _newton(scene: Scene) -> Iteration:
+    """(z, start, p) -> Newton's change of z = [free coordinates; inputs] towards no net force at rest."""
+    plant = scene.varied_plant
+    assert isinstance(plant, LagrangianPlant)
+    t, x, u, w, p = plant.symbols
+    columns, free = _split(scene)
+    z, start = ca.SX.sym("z", len(free) + plant.nu), ca.SX.sym("start", len(columns))
+    rest = ca.SX.zeros(plant.nx)
+    rest[columns], rest[free] = start, z[: len(free)]
+    force = plant.symbolic.equations(t, x, u, w)[1]
+    force = ca.substitute(force, ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw)))
+    newton = ca.Function("newton", [z, start, p], ca.cse([-ca.solve(ca.jacobian(force, z), force)]))
+    rng = np.random.default_rng(0)
+    own = np.concatenate([scene.initial[0][free], scene.initial[1]])[:, None]
+    starts, _, ps = draw(scene, rng, CHECKED)
+    return Iteration(newton, [own + 0.01 * rng.uniform(-1, 1, (len(own), CHECKED)), starts.T, ps.T])

@@ -1,0 +1,243 @@
+"""Single flexible link on a driven hub, with a rigid payload at its tip.
+
+States   q = [hub_angle, eta1 .. etan], x = [q; dq/dt]; in another frame than the clamped one, q = [frame_angle, ..]
+Input    hub torque [N m], or hub acceleration [rad/s^2] where the hub's motion is prescribed (drive="motion")
+Outputs  hub angle [rad], tip deflection [m] and its rate [m/s], tip position [m], curvature at the root [1/m] and what
+         an accelerometer at the tip reads across its section [m/s^2]; disturbance: force on the tip [N]
+Valid    planar; deflection small against length; "linear" only below the first bending frequency of spin
+Source   "On the dynamic modelling of flexible manipulators", Eqs (13)-(16), corrected: (13) lacks the centripetal
+         term, the geometric stiffness is -thetadot^2 Xi22 with tip mass and beam, Xi33 is zero. With theory
+         "timoshenko" each coordinate bends and shears, (W, Psi) = (w_k, psi_k), so that p and q are one vector
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Self
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants import beams
+from pliant.plants.beams.elastic_link import ElasticLink, payload_energy, payload_position, second_derivative
+from pliant.plants.beams.payload import Payload
+from pliant.plants.beams.rotating_beam import THEORIES
+from pliant.plants.beams.section import Beam
+from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
+from pliant.plants.core.signals import Signal
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
+
+from .link_frames import FRAMES, to_clamped
+
+KINEMATICS = ("rigid", "linear", "stiffened")
+BASES = {"payload": 40, "clamped-free": 40, "polynomial": 20}  # basis: most modes
+
+
+@dataclass(frozen=True, kw_only=True)
+class SingleLinkArm(LagrangianPlant):
+    """[mu11 + p.Xi p] theta'' + m12 p'' + 2 theta' p'.Xi p = tau;  m12 theta'' + M p'' + (K - theta'^2 Xi) p = 0."""
+
+    link: Beam
+    hub_inertia: float = quantity("kg m^2", "nonnegative", 0.0)
+    hub_radius: float = quantity("m", "nonnegative", 0.0)  # of the link's root from the axis
+    hub_friction: float = quantity("N m s/rad", "nonnegative", 0.0)
+    payload: Payload = field(default_factory=Payload)
+    gravity: float = quantity("m/s^2", "finite", 0.0)  # along -y
+    kinematics: str = "stiffened"
+    theory: str = "euler-bernoulli"
+    basis: str = "payload"
+    modes: int = 2
+    frame: str = "clamped"
+    drive: str = "torque"
+
+    def __post_init__(self) -> None:
+        validate(self)
+        for name, choices in (
+            ("kinematics", KINEMATICS),
+            ("theory", THEORIES),
+            ("basis", tuple(BASES)),
+            ("frame", FRAMES),
+            ("drive", ("torque", "motion")),
+        ):
+            require_choice("SingleLinkArm", name, getattr(self, name), choices)
+        require_count("SingleLinkArm", "modes", self.modes, 0, BASES[self.basis])
+        if self.drive == "motion" and self.frame != "clamped":
+            raise ValueError(
+                f"SingleLinkArm.frame = {self.frame!r} must be 'clamped' where drive = 'motion' prescribes the hub"
+            )
+
+    @classmethod
+    def textbook(cls) -> Self:
+        """A 1 m steel strip, h/L = 0.01 as in the paper's Figures 4-5, on a hub as heavy to turn as the strip.
+
+        Section 50 mm by 10 mm, bending along the 10 mm; payload 1 kg; no damping.
+        """
+        strip = Beam.rectangular(1.0, width=0.05, depth=0.01, material=beams.STEEL)
+        return cls(link=strip, hub_inertia=1.3, payload=Payload(mass=1.0, inertia=0.001))
+
+    @property
+    def mode_count(self) -> int:
+        """Elastic coordinates."""
+        return 0 if self.kinematics == "rigid" else self.modes
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        bent = (Signal(f"eta{i + 1}", "m") for i in range(self.mode_count))
+        return Signal("hub_angle" if self.frame == "clamped" else "frame_angle", "rad"), *bent
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        if self.drive == "motion":
+            return (Signal("hub_acceleration", "rad/s^2"),)
+        return (Signal("hub_torque", "N m"),)
+
+    @property
+    def driven(self) -> dict[int, int]:
+        return {0: 0} if self.drive == "motion" else {}
+
+    @property
+    def disturbances(self) -> tuple[Signal, ...]:
+        return Signal("tip_force_x", "N"), Signal("tip_force_y", "N")
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        return (
+            Signal("hub_angle", "rad"),
+            Signal("tip_deflection", "m"),
+            Signal("tip_deflection_rate", "m/s"),
+            Signal("tip_x", "m"),
+            Signal("tip_y", "m"),
+            Signal("root_curvature", "1/m"),
+            Signal("tip_acceleration", "m/s^2"),
+        )
+
+    @property
+    def label(self) -> str:
+        if self.mode_count == 0:
+            return "rigid"
+        shear = ", shear" if self.theory == "timoshenko" else ""
+        frame = "" if self.frame == "clamped" else f", {self.frame} frame"
+        return f"{self.kinematics}, {self.basis} {self.modes}{shear}{frame}"
+
+    def ladder(self) -> tuple[Self, ...]:
+        """From the rigid link through one to four modes, with and without shortening."""
+        steps: list[Self] = [dataclasses.replace(self, kinematics="rigid")]
+        for kinematics, n in (
+            ("linear", 1),
+            ("linear", 2),
+            ("stiffened", 1),
+            ("stiffened", 2),
+            ("stiffened", 3),
+            ("stiffened", 4),
+        ):
+            steps.append(dataclasses.replace(self, kinematics=kinematics, modes=n))
+        return tuple(steps)
+
+    @cached_property
+    def elastic(self) -> ElasticLink:
+        """The link with its shape functions, which come from the nominal parameters."""
+        own = self.nominal
+        assert isinstance(own, SingleLinkArm)
+        ratios = {}
+        if self.basis == "payload":
+            ratios = {
+                "tip_mass_ratio": own.payload.mass / own.link.mass,
+                "tip_inertia_ratio": own.payload.inertia_z / (own.link.mass * own.link.length**2),
+            }
+        if self.theory == "timoshenko":
+            section = own.link.length**2
+            ratios["rotary"] = own.link.I_z / own.link.area / section
+            ratios["shear"] = own.link.EI / own.link.shear_stiffness / section
+        shapes = beams.basis(self.basis, self.mode_count, **ratios)
+        return ElasticLink(self.link, shapes, self.kinematics == "stiffened")
+
+    @cached_property
+    def clamped_map(self) -> np.ndarray:
+        """(1 + n, 1 + n): [hub_angle; clamped modal coordinates] from this arm's coordinates; the nominal's numbers."""
+        own = self.nominal
+        assert isinstance(own, SingleLinkArm)
+        return to_clamped(own)
+
+    def frame_map(self, frame: str) -> np.ndarray:
+        """T (1 + n, 1 + n), Eq (1): coordinates in `frame` from this arm's; rates likewise. [:, 0] = (1, 0, ..)."""
+        other = dataclasses.replace(self, frame=frame, drive="torque")
+        return np.linalg.solve(other.clamped_map, self.clamped_map)
+
+    def in_frame(self, frame: str, x: np.ndarray) -> tuple[Self, np.ndarray]:
+        """This arm described in `frame`, and its states (..., nx) from this arm's states x (..., nx)."""
+        T, n = self.frame_map(frame), self.nx // 2
+        x = np.asarray(x, dtype=float)
+        if x.shape[-1:] != (self.nx,):
+            raise ValueError(f"SingleLinkArm.in_frame: x has shape {x.shape}, must be (..., {self.nx})")
+        moved = np.concatenate([x[..., :n] @ T.T, x[..., n:] @ T.T], axis=-1)
+        return dataclasses.replace(self, frame=frame), moved
+
+    def _clamped(self, q: ca.SX) -> ca.SX:
+        """[hub_angle; clamped modal coordinates] (1 + n,) from this arm's coordinates, or their rates."""
+        return q if self.frame == "clamped" else ca.DM(self.clamped_map) @ q
+
+    @property
+    def _offset_load(self) -> bool:
+        return any(is_symbolic(o) or o != 0.0 for o in self.payload.offset[:2])
+
+    def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        q, v = self._clamped(q), self._clamped(v)
+        link, omega, p, p_rate = self.elastic, v[0], q[1:], v[1:]
+        root = (ca.SX(0), self.hub_radius * omega)
+        tip = link.tip_velocity(root, omega, p, p_rate)
+        turning = omega + link.slope(p_rate)
+        return (
+            self.hub_inertia * omega**2 / 2
+            + link.kinetic_energy(root, omega, p, p_rate)
+            + payload_energy(self.payload, tip, turning, link.slope(p), self._offset_load)
+        )
+
+    def potential_energy(self, q: ca.SX) -> ca.SX:
+        q = self._clamped(q)
+        link, p = self.elastic, q[1:]
+        x, y = link.centre(p)
+        xp, yp = payload_position(self.payload, link.tip(p), link.slope(p), self._offset_load)
+        x = x + self.payload.mass * xp + (self.link.mass + self.payload.mass) * self.hub_radius
+        y = y + self.payload.mass * yp
+        return self.gravity * (ca.sin(q[0]) * x + ca.cos(q[0]) * y) + link.strain_energy(p)
+
+    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        v = self._clamped(v)
+        return self.hub_friction * v[0] ** 2 / 2 + self.elastic.dissipation(v[1:])
+
+    def _tip(self, q: ca.SX) -> ca.SX:
+        q = self._clamped(q)
+        x, y = self.elastic.tip(q[1:])
+        x = x + self.hub_radius
+        c, s = ca.cos(q[0]), ca.sin(q[0])
+        return ca.vertcat(c * x - s * y, s * x + c * y)
+
+    def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        force = ca.jtimes(self._tip(q), q, w, True)
+        if self.drive == "torque":
+            force += ca.gradient(self._clamped(q)[0], q) * u[0]
+        return force
+
+    def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        n = x.shape[0] // 2
+        tip, link = self._tip(x[:n]), self.elastic
+        q, v = self._clamped(x[:n]), self._clamped(x[n:])
+        bent = [q[0], link.deflection(q[1:]), link.deflection(v[1:])]
+        felt = self._felt(t, x, u, w, q[0] + link.slope(q[1:]))
+        return ca.vertcat(*bent, tip, link.root_curvature(q[1:]), felt)
+
+    def _felt(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, angle: ca.SX) -> ca.SX:
+        """The tip's acceleration less gravity, across a section that stands at `angle` to the x axis."""
+        n = x.shape[0] // 2
+        M, r, _, _ = self.equations(t, x, u, w)
+        a = second_derivative(self._tip(x[:n]), x[:n], x[n:], self.acceleration(M, r, u)[0])
+        return ca.cos(angle) * (a[1] + self.gravity) - ca.sin(angle) * a[0]
+
+    def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
+        """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""
+        q = self.clamped_map @ x[: self.nx // 2]
+        line = self.elastic.centreline(q[1:], points) + np.array([self.hub_radius, 0.0])
+        c, s = np.cos(q[0]), np.sin(q[0])
+        return (line @ np.array([[c, s], [-s, c]]))[None]

@@ -1,0 +1,274 @@
+"""Planar arm of two elastic links with a motor at each joint and a payload at its end.
+
+States   q = [theta1, theta2, q11 .. q1n, q21 .. q2m], x = [q; dq/dt]; theta2 relative to link 1's tip
+Inputs   joint torques tau1, tau2 [N m]; disturbances: force on the tip, inertial axes [N]
+Outputs  joint angles [rad], tip deflections of both links [m] and their rates [m/s], tip position [m], curvature at
+         each link's root [1/m], what an accelerometer at the tip reads across its section [m/s^2]
+Valid    planar; deflections small against the lengths; fast rotation needs kinematics="stiffened"
+Source   "Coupled-Nonlinear Elastic Structure", Eqs (5)-(27). Departures: the strain energy of (23) has the sign +,
+         gravity acts on the deflections too, the payload turns with (21)'s slope plus the joint angles.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Self
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants import beams
+from pliant.plants.beams.elastic_link import ElasticLink, payload_energy, payload_position, second_derivative
+from pliant.plants.beams.payload import Payload
+from pliant.plants.beams.section import Beam
+from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
+from pliant.plants.core.signals import Signal
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
+
+REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
+KINEMATICS = ("linear", "stiffened")
+BASES = {"clamped-free": 40, "payload": 40, "polynomial": 20}  # basis: most modes a link
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoLinkArm(LagrangianPlant):
+    """M(q) q'' + h(q, q') + K q + g(q) = B tau, with the paper's staged reduction to the rigid arm."""
+
+    link1: Beam
+    link2: Beam
+    joint_mass: float = quantity("kg", "nonnegative", 0.0)  # point mass at joint 2
+    payload: Payload = field(default_factory=Payload)
+    hub_inertia: tuple[float, float] = quantity("kg m^2", "nonnegative", (0.0, 0.0))  # turns with the link's root
+    joint_friction: tuple[float, float] = quantity("N m s/rad", "nonnegative", (0.0, 0.0))
+    gravity: float = quantity("m/s^2", "finite", 9.81)  # along -y
+    tip_slope: bool = True  # the slope of link 1's tip turns link 2 (the paper leaves it out)
+    reduction: str = "full"
+    kinematics: str = "linear"
+    basis: str = "clamped-free"
+    modes: tuple[int, int] = (2, 2)
+
+    def __post_init__(self) -> None:
+        validate(self)
+        for name, choices in (
+            ("tip_slope", (True, False)),
+            ("reduction", REDUCTIONS),
+            ("kinematics", KINEMATICS),
+            ("basis", tuple(BASES)),
+        ):
+            require_choice("TwoLinkArm", name, getattr(self, name), choices)
+        for name in ("hub_inertia", "joint_friction", "modes"):
+            if not isinstance(getattr(self, name), tuple) or len(getattr(self, name)) != 2:
+                raise ValueError(f"TwoLinkArm.{name} = {getattr(self, name)!r} must be a tuple of 2 numbers")
+        for i, n in enumerate(self.modes):
+            require_count("TwoLinkArm", f"modes[{i}]", n, 0, BASES[self.basis])
+
+    @classmethod
+    def textbook(cls) -> Self:
+        """Two 1 m aluminium strips, 40 mm by 8 mm: a set with the paper's proportions (the paper prints none).
+
+        E = 70 GPa, density 2700 kg/m^3, joint mass 1 kg, payload 0.5 kg and 0.002 kg m^2; no hub inertia, no damping.
+        """
+        strip = Beam.rectangular(1.0, width=0.04, depth=0.008, material=beams.Material(density=2700.0, E=70e9, G=26e9))
+        return cls(link1=strip, link2=strip, joint_mass=1.0, payload=Payload(mass=0.5, inertia=0.002))
+
+    @property
+    def mode_counts(self) -> tuple[int, int]:
+        """Elastic coordinates of each link."""
+        return (0, 0) if self.reduction == "rigid" else self.modes
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        n1, n2 = self.mode_counts
+        return (
+            Signal("theta1", "rad"),
+            Signal("theta2", "rad"),
+            *(Signal(f"q1{i + 1}", "m") for i in range(n1)),
+            *(Signal(f"q2{i + 1}", "m") for i in range(n2)),
+        )
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        return Signal("tau1", "N m"), Signal("tau2", "N m")
+
+    @property
+    def disturbances(self) -> tuple[Signal, ...]:
+        return Signal("tip_force_x", "N"), Signal("tip_force_y", "N")
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        return (
+            Signal("theta1", "rad"),
+            Signal("theta2", "rad"),
+            Signal("tip1_deflection", "m"),
+            Signal("tip2_deflection", "m"),
+            Signal("tip1_deflection_rate", "m/s"),
+            Signal("tip2_deflection_rate", "m/s"),
+            Signal("tip_x", "m"),
+            Signal("tip_y", "m"),
+            Signal("root1_curvature", "1/m"),
+            Signal("root2_curvature", "1/m"),
+            Signal("tip_acceleration", "m/s^2"),
+        )
+
+    @property
+    def label(self) -> str:
+        if self.reduction == "rigid" or self.modes == (0, 0):
+            return "rigid"
+        stage = "" if self.reduction == "full" else f", {self.reduction}"
+        slope = "" if self.tip_slope else ", no tip slope"
+        return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{stage}{slope}"
+
+    def ladder(self) -> tuple[Self, ...]:
+        """From the rigid arm through one and two modes to four polynomials a link, with and without shortening."""
+        steps: list[Self] = [dataclasses.replace(self, reduction="rigid")]
+        for kinematics, basis, n in (
+            ("linear", "clamped-free", 1),
+            ("linear", "clamped-free", 2),
+            ("linear", "polynomial", 2),
+            ("linear", "polynomial", 3),
+            ("stiffened", "payload", 2),
+            ("stiffened", "polynomial", 2),
+            ("stiffened", "polynomial", 3),
+            ("stiffened", "clamped-free", 4),
+            ("stiffened", "polynomial", 4),
+        ):
+            steps.append(
+                dataclasses.replace(
+                    self, reduction="full", tip_slope=True, kinematics=kinematics, basis=basis, modes=(n, n)
+                )
+            )
+        return tuple(steps)
+
+    # --- shape functions -----------------------------------------------------------------------------------------
+    @cached_property
+    def links(self) -> tuple[ElasticLink, ElasticLink]:
+        """Both links with their shape functions, which come from the nominal parameters."""
+        own = self.nominal
+        assert isinstance(own, TwoLinkArm)
+        n1, n2 = own.mode_counts
+        stiffened = self.kinematics == "stiffened"
+        a, b, load = own.link1, own.link2, own.payload
+        carried = own.joint_mass + b.mass + load.mass
+        shapes1 = beams.basis(self.basis, n1, **_ratios(self.basis, a, carried, 0.0))
+        shapes2 = beams.basis(self.basis, n2, **_ratios(self.basis, b, load.mass, load.inertia_z))
+        return ElasticLink(self.link1, shapes1, stiffened), ElasticLink(self.link2, shapes2, stiffened)
+
+    def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        n1 = self.mode_counts[0]
+        return q[0], q[1], q[2 : 2 + n1], q[2 + n1 :]
+
+    @property
+    def _offset_load(self) -> bool:
+        return any(is_symbolic(o) or o != 0.0 for o in self.payload.offset[:2])
+
+    # --- energies ------------------------------------------------------------------------------------------------
+    def _exact_kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        (_, theta2, q1, q2), (w1, theta2_rate, v1, v2) = self._split(q), self._split(v)
+        link1, link2 = self.links
+        joint = link1.tip_velocity((ca.SX(0), ca.SX(0)), w1, q1, v1)
+        turn, w2 = theta2, w1 + theta2_rate
+        if self.tip_slope:
+            turn, w2 = turn + link1.slope(q1), w2 + link1.slope(v1)
+        c, s = ca.cos(turn), ca.sin(turn)
+        root = (c * joint[0] + s * joint[1], c * joint[1] - s * joint[0])
+        return (
+            link1.kinetic_energy((ca.SX(0), ca.SX(0)), w1, q1, v1)
+            + self.hub_inertia[0] * w1**2 / 2
+            + self.joint_mass * (joint[0] ** 2 + joint[1] ** 2) / 2
+            + self.hub_inertia[1] * w2**2 / 2
+            + link2.kinetic_energy(root, w2, q2, v2)
+            + payload_energy(
+                self.payload,
+                link2.tip_velocity(root, w2, q2, v2),
+                w2 + link2.slope(v2),
+                link2.slope(q2),
+                self._offset_load,
+            )
+        )
+
+    def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """T of the chosen stage; ERRATA-corrected stages of the paper's reduction.
+
+        "rigid-inertia" takes M11 and M22 at zero deflection, "rigid-coupling" all of M.
+        """
+        straight = ca.vertcat(q[:2], ca.SX.zeros(q.shape[0] - 2))
+        if self.reduction == "rigid-coupling":
+            return self._exact_kinetic_energy(straight, v)
+        T = self._exact_kinetic_energy(q, v)
+        if self.reduction == "rigid-inertia":
+            for i in (0, 1):
+                unit = ca.SX.zeros(q.shape[0])
+                unit[i] = v[i]
+                T += self._exact_kinetic_energy(straight, unit) - self._exact_kinetic_energy(q, unit)
+        return T
+
+    def _heights(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """(cos, sin) of link 1's and of link 2's root direction against the inertial x axis."""
+        theta1, theta2, q1, _ = self._split(q)
+        turn = theta2 + self.links[0].slope(q1) if self.tip_slope else theta2
+        c1, s1, c, s = ca.cos(theta1), ca.sin(theta1), ca.cos(turn), ca.sin(turn)
+        return c1, s1, c1 * c - s1 * s, s1 * c + c1 * s
+
+    def potential_energy(self, q: ca.SX) -> ca.SX:
+        _, _, q1, q2 = self._split(q)
+        link1, link2 = self.links
+        c1, s1, c12, s12 = self._heights(q)
+        (x1, y1), (x2, y2), (xe, ye) = link1.centre(q1), link2.centre(q2), link1.tip(q1)
+        xp, yp = payload_position(self.payload, link2.tip(q2), link2.slope(q2), self._offset_load)
+        beyond = self.joint_mass + self.link2.mass + self.payload.mass
+        lifted = (
+            s1 * (x1 + beyond * xe)
+            + c1 * (y1 + beyond * ye)
+            + s12 * (x2 + self.payload.mass * xp)
+            + c12 * (y2 + self.payload.mass * yp)
+        )
+        return self.gravity * lifted + link1.strain_energy(q1) + link2.strain_energy(q2)
+
+    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        w1, w2, v1, v2 = self._split(v)
+        friction = self.joint_friction[0] * w1**2 / 2 + self.joint_friction[1] * w2**2 / 2
+        return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
+
+    def _tip(self, q: ca.SX) -> ca.SX:
+        _, _, q1, q2 = self._split(q)
+        c1, s1, c12, s12 = self._heights(q)
+        (xe, ye), (xt, yt) = self.links[0].tip(q1), self.links[1].tip(q2)
+        return ca.vertcat(c1 * xe - s1 * ye + c12 * xt - s12 * yt, s1 * xe + c1 * ye + s12 * xt + c12 * yt)
+
+    def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        torque = ca.vertcat(u, ca.SX.zeros(q.shape[0] - 2))
+        return torque + ca.jtimes(self._tip(q), q, w, True)
+
+    def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        n = x.shape[0] // 2
+        q, v = x[:n], x[n:]
+        (theta1, theta2, q1, q2), (_, _, v1, v2) = self._split(q), self._split(v)
+        link1, link2 = self.links
+        bent = [link1.deflection(q1), link2.deflection(q2), link1.deflection(v1), link2.deflection(v2)]
+        bent += [self._tip(q), link1.root_curvature(q1), link2.root_curvature(q2)]
+        M, r, _, _ = self.equations(t, x, u, w)
+        a = second_derivative(self._tip(q), q, v, self.acceleration(M, r, u)[0])
+        _, _, c12, s12 = self._heights(q)
+        c, s = ca.cos(link2.slope(q2)), ca.sin(link2.slope(q2))
+        felt = (c * c12 - s * s12) * (a[1] + self.gravity) - (s * c12 + c * s12) * a[0]
+        return ca.vertcat(theta1, theta2, *bent, felt)
+
+    def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
+        """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""
+        n, n1 = self.nx // 2, self.mode_counts[0]
+        link1, link2 = self.links
+        q1 = x[2 : 2 + n1]
+        turn = x[0] + x[1] + (link1.basis.tip_slope @ q1 / link1.beam.length if self.tip_slope else 0.0)
+        (c1, s1), (c2, s2) = (np.cos(x[0]), np.sin(x[0])), (np.cos(turn), np.sin(turn))
+        first = link1.centreline(q1, points) @ np.array([[c1, s1], [-s1, c1]])
+        second = link2.centreline(x[2 + n1 : n], points) @ np.array([[c2, s2], [-s2, c2]])
+        return np.stack([first, first[-1] + second])
+
+
+def _ratios(basis: str, link: Beam, mass: float, inertia: float) -> dict[str, float]:
+    """What the loaded link's modes depend on; the other bases need nothing."""
+    if basis != "payload":
+        return {}
+    return {"tip_mass_ratio": mass / link.mass, "tip_inertia_ratio": inertia / (link.mass * link.length**2)}

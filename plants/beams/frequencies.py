@@ -1,0 +1,44 @@
+"""Natural frequencies of a uniform beam, bare or with a payload, in bending and in bending coupled with torsion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pliant.plants.core.parameters import require_choice
+
+from .euler_bernoulli_modes import BOUNDARIES, loaded_roots, roots
+from .offset_payload_roots import OffsetPayload
+from .payload import Payload
+from .section import Beam
+
+
+def frequencies(beam: Beam, n: int, boundary: str = "clamped-free", payload: Payload | None = None) -> np.ndarray:
+    """The lowest n natural frequencies [rad/s] (n,) of bending in the x-y plane.
+
+    omega = beta^2 sqrt(EI/(rho A L^4)). A payload needs boundary "clamped-free"; its offset must lie in the
+    x-y plane, else bending and torsion couple.
+    """
+    require_choice("frequencies", "boundary", boundary, BOUNDARIES)
+    scale = math.sqrt(beam.EI / beam.linear_density) / beam.length**2
+    if payload is None:
+        return scale * roots(boundary, n) ** 2
+    require_choice("frequencies", "boundary", boundary, ("clamped-free",))
+    x, y, z = payload.offset
+    if z != 0:
+        raise ValueError(f"Payload.offset[2] = {z!r} must be 0 [m]: it couples bending with torsion")
+    about_tip = payload.inertia_z + payload.mass * (x * x + y * y)
+    beta = loaded_roots(
+        n,
+        payload.mass / beam.mass,
+        about_tip / (beam.mass * beam.length**2),
+        payload.mass * x / (beam.mass * beam.length),
+    )
+    return scale * beta**2
+
+
+def coupled_frequencies(beam: Beam, n: int, payload: Payload) -> np.ndarray:
+    """The lowest n frequencies [rad/s] (n,) of the clamped beam in bending about z and torsion, none missed."""
+    scale = math.sqrt(beam.EI / beam.linear_density) / beam.length**2
+    return scale * OffsetPayload.of(beam, payload).roots(n) ** 2

@@ -1,0 +1,166 @@
+"""Shape functions of a clamped beam from Legendre polynomials of its strains: for shear and for fast spin.
+
+psi' = curvature and w' - psi = shear strain are each a sum of orthonormal Legendre polynomials, so that both
+stiffness matrices are identities, nothing locks, and any number of shapes keeps its digits. Without shear
+psi = w'.
+
+Scale    x in [0, 1], w in lengths of the beam; omega^2 in E I/(rho A L^4)
+         rotary = I/(A L^2), shear = E I/(kappa G A L^2), tip mass/(rho A L), tip inertia/(rho A L^3)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from pliant.plants.core.parameters import require_count
+
+from .euler_bernoulli_modes import checked_position
+
+MOST = 120  # strain polynomials of one kind
+
+
+def enough(n: int) -> int:
+    """Polynomials that resolve n modes: a wave takes about pi of them, and the ends some more."""
+    return min(MOST, 16 + math.ceil(1.7 * n))
+
+
+@lru_cache(maxsize=32)
+def _integrals(n: int) -> tuple[np.ndarray, ...]:
+    """Legendre coefficients (n + 2, n) on [0, 1] of e_k' , e_k, int e_k and int int e_k from 0; e_k orthonormal."""
+    size = n + 2
+    value = np.zeros((size, n))
+    value[np.arange(n), np.arange(n)] = np.sqrt(2 * np.arange(n) + 1)
+    found = [value]
+    for _ in range(2):
+        # The integral of P_k from -1 is (P_(k+1) - P_(k-1))/(2 k + 1), of P_0 it is P_0 + P_1; dx = ds/2.
+        c = found[-1] / 2 / (2 * np.arange(size)[:, None] + 1)
+        up = np.zeros_like(c)
+        up[1:] += c[:-1]
+        up[:-1] -= c[1:]
+        up[0] += c[0]
+        found.append(up)
+    slope = np.polynomial.legendre.legder(value, scl=2.0) if n else value
+    slope = np.vstack([slope, np.zeros((size - len(slope), n))])
+    return (slope, *found)
+
+
+@dataclass(frozen=True, eq=False)
+class StrainShapes:
+    """Shapes (w_k, psi_k) whose curvatures and shear strains have Legendre coefficients (a, n) and (b, n)."""
+
+    curvature: np.ndarray = field(repr=False)
+    shear: np.ndarray = field(repr=False)
+
+    @classmethod
+    def unit(cls, a: int, b: int = 0) -> StrainShapes:
+        """The a + b shapes with one strain coefficient each."""
+        require_count("StrainShapes", "a", a, 0, MOST)
+        require_count("StrainShapes", "b", b, 0, MOST)
+        return cls(np.eye(a, a + b), np.eye(b, a + b, a))
+
+    def combined(self, coefficients: np.ndarray) -> StrainShapes:
+        """The shapes (columns of `coefficients`) made of these."""
+        return StrainShapes(self.curvature @ coefficients, self.shear @ coefficients)
+
+    def _sum(self, xi: np.ndarray, bent: int, sheared: int | None) -> np.ndarray:
+        """Integral number bent - 1 (0: derivative) of the curvatures plus that of the shear strains, (..., n)."""
+        total: Any = 0.0
+        for coefficients, order in ((self.curvature, bent), (self.shear, sheared)):
+            if order is not None and len(coefficients):
+                table = _integrals(len(coefficients))[order]
+                values = np.polynomial.legendre.legvander(2 * xi - 1, len(table) - 1)
+                total = total + values.reshape(*xi.shape, -1) @ (table @ coefficients)
+        return total + np.zeros((*xi.shape, self.curvature.shape[1]))
+
+    def __call__(self, xi: float | np.ndarray, derivative: int = 0) -> np.ndarray:
+        """d^derivative w/dx^derivative at xi (...,) in [0, 1] -> (..., n); derivative 0 to 2."""
+        require_count("shape", "derivative", derivative, 0, 2)
+        return self._sum(checked_position(xi, derivative), 3 - derivative, 2 - derivative)
+
+    def rotation(self, xi: float | np.ndarray, derivative: int = 0) -> np.ndarray:
+        """d^derivative psi/dx^derivative, the turn of the section; derivative 0 or 1."""
+        require_count("rotation", "derivative", derivative, 0, 1)
+        return self._sum(checked_position(xi, derivative), 2 - derivative, None)
+
+    def shear_strain(self, xi: float | np.ndarray) -> np.ndarray:
+        """w' - psi."""
+        xi = checked_position(xi, 0)
+        return self._sum(xi, 1, 1) - StrainShapes(self.curvature, self.shear[:0])._sum(xi, 1, None)
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """Integrals of strain shapes, each (n, n). tension_* are those of N w'^2 - N (w' - psi)^2, see `matrices`."""
+
+    bending: np.ndarray  # int psi' psi'^T
+    shearing: np.ndarray  # int (w' - psi)(w' - psi)^T
+    mass: np.ndarray  # int w w^T
+    rotary: np.ndarray  # int psi psi^T
+    tension_uniform: np.ndarray  # N = 1
+    tension_hub: np.ndarray  # N = 1 - x
+    tension_beam: np.ndarray  # N = (1 - x^2)/2
+
+
+def matrices(shapes: StrainShapes) -> Matrices:
+    """All matrices, by a Gauss rule exact for these polynomials.
+
+    A span shortens by half of w'^2 - (w' - psi)^2 = psi^2 + 2 psi (w' - psi) to second order: a section turned by
+    psi carries the shear sideways. The paper's Eq (13) has w'^2 alone, right for thin beams.
+    """
+    size = max(len(shapes.curvature), len(shapes.shear))
+    x, w = np.polynomial.legendre.leggauss(size + 4)
+    x, w = (1 + x) / 2, w / 2
+    value, slope, psi, bend = shapes(x), shapes(x, 1), shapes.rotation(x), shapes.rotation(x, 1)
+    gamma = slope - psi
+
+    def gram(f: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        product = f.T @ (weight[:, None] * f)
+        return (product + product.T) / 2
+
+    def tension(weight: np.ndarray) -> np.ndarray:
+        return gram(slope, w * weight) - gram(gamma, w * weight)
+
+    return Matrices(
+        bending=gram(bend, w),
+        shearing=gram(gamma, w),
+        mass=gram(value, w),
+        rotary=gram(psi, w),
+        tension_uniform=tension(np.ones_like(x)),
+        tension_hub=tension(1 - x),
+        tension_beam=tension((1 - x**2) / 2),
+    )
+
+
+@lru_cache(maxsize=64)
+def modes(n: int, rotary: float, shear: float, tip_mass: float, tip_inertia: float) -> StrainShapes:
+    """The lowest n modes of the clamped, loaded Timoshenko beam, int w^2 dx = 1, psi'(0) > 0."""
+    size = enough(n)
+    trial = StrainShapes.unit(size, size)
+    found = matrices(trial)
+    tip, turn = trial(1.0), trial.rotation(1.0)
+    M = found.mass + rotary * found.rotary + tip_mass * np.outer(tip, tip) + tip_inertia * np.outer(turn, turn)
+    stiffness = np.concatenate([np.ones(size), np.full(size, 1 / shear)])
+    scale = 1 / np.sqrt(stiffness)
+    _, vectors = scipy.linalg.eigh(M * scale * scale[:, None])
+    return normalised(trial.combined(scale[:, None] * vectors[:, ::-1][:, :n]))
+
+
+def normalised(shapes: StrainShapes) -> StrainShapes:
+    """The same shapes with int w^2 dx = 1 and psi'(0) > 0 (w'(0) > 0 where it is pure shear)."""
+    n = shapes.curvature.shape[1]
+    start = shapes.rotation(0.0, 1) if len(shapes.curvature) else np.zeros(n)
+    sign = np.where(start == 0, 1.0, np.sign(start))
+    return shapes.combined(np.diag(sign / np.sqrt(np.diag(matrices(shapes).mass))))
+
+
+def polynomial(n: int) -> StrainShapes:
+    """n shapes, strain polynomials of rising degree, curvature and shear in turn."""
+    curved, sheared = math.ceil(n / 2), n // 2
+    order = [i // 2 + (curved if i % 2 else 0) for i in range(n)]
+    return normalised(StrainShapes.unit(curved, sheared).combined(np.eye(n)[:, order]))

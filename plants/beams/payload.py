@@ -1,0 +1,65 @@
+"""A rigid body at the tip of a beam."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pliant.plants.core.parameters import is_symbolic, quantity, validate
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A rigid body at the tip of a beam.
+
+    `inertia` is the moment about every axis through the mass centre, or a 3 x 3 nested tuple about the mass
+    centre in the axes of the beam's tip. `offset` points from the tip to the mass centre.
+    """
+
+    mass: Any = quantity("kg", "nonnegative", 0.0)
+    inertia: Any = quantity("kg m^2", "finite", 0.0)
+    offset: Any = quantity("m", "finite", (0.0, 0.0, 0.0))
+
+    def __post_init__(self) -> None:
+        for name in ("inertia", "offset"):
+            object.__setattr__(self, name, _as_tuple(getattr(self, name)))
+        validate(self)
+        if not isinstance(self.offset, tuple) or len(self.offset) != 3:
+            raise ValueError(f"Payload.offset = {self.offset!r} must be three numbers [m]")
+        if isinstance(self.inertia, tuple):
+            _check_inertia(self.inertia)
+        elif not is_symbolic(self.inertia) and self.inertia < 0:
+            raise ValueError(f"Payload.inertia = {self.inertia!r} must be >= 0 [kg m^2]")
+
+    @property
+    def inertia_z(self) -> Any:
+        """Moment of inertia [kg m^2] about z through the mass centre."""
+        return self.inertia[2][2] if isinstance(self.inertia, tuple) else self.inertia
+
+
+def _as_tuple(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    return tuple(_as_tuple(v) for v in value) if isinstance(value, (list, tuple)) else value
+
+
+def _check_inertia(inertia: tuple[Any, ...]) -> None:
+    """Raise ValueError unless a numeric inertia is one that a rigid body can have."""
+    if len(inertia) != 3 or any(not isinstance(row, tuple) or len(row) != 3 for row in inertia):
+        raise ValueError(f"Payload.inertia = {inertia!r} must be a number or 3 x 3 [kg m^2]")
+    if any(is_symbolic(item) for row in inertia for item in row):
+        return
+    tensor = np.array(inertia, dtype=float)
+    slack = 1e-9 * np.abs(tensor).max()
+    if np.abs(tensor - tensor.T).max() > slack:
+        raise ValueError(f"Payload.inertia = {inertia!r} must be symmetric [kg m^2]")
+    principal = np.linalg.eigvalsh(tensor)
+    if principal[0] < -slack:
+        raise ValueError(f"Payload.inertia = {inertia!r} must have principal moments >= 0 [kg m^2]")
+    if principal[0] + principal[1] < principal[2] - slack:
+        raise ValueError(
+            f"Payload.inertia = {inertia!r} must have no principal moment above the sum of the others "
+            f"[kg m^2]; for planar motion give the scalar moment about z"
+        )

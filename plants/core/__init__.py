@@ -1,0 +1,1 @@
+"""The vocabulary: errors, named signals, parameters with units, trajectories, rotations, Runge-Kutta tableaux."""

@@ -1,0 +1,47 @@
+"""Modules under the names that they had before the rooms: `pliant.plants.sensitivities` is
+`pliant.plants.dynamics.step_sensitivities`.
+
+The old name imports the same module object, with a DeprecationWarning that says the new one. A name that is now a room
+(`pliant.plants.linear`) is not served here: the room exports what the module did.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.abc
+import importlib.util
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+
+class _Moved(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Finds old names; the last finder asked, so that a module in its place always wins."""
+
+    def __init__(self) -> None:
+        self.places: dict[str, str] = {}
+
+    def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
+        return importlib.util.spec_from_loader(name, self) if name in self.places else None
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        place = self.places[spec.name]
+        warnings.warn(f"{spec.name} has moved: import {place}", DeprecationWarning, stacklevel=2)
+        return importlib.import_module(place)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """The module has run where it stands; give it back its own name and spec."""
+
+
+_finder = _Moved()
+sys.meta_path.append(_finder)
+
+
+def serve(package: str, rooms: Mapping[str, str]) -> None:
+    """Serve old names of a package. rooms: {room: "module old_name=new_name ..."}."""
+    for room, words in rooms.items():
+        for word in words.split():
+            old, _, new = word.partition("=")
+            _finder.places[f"{package}.{old}"] = f"{package}.{room}.{new or old}"

@@ -1,0 +1,1 @@
+"""What a plant is: declared signals and equations, Jacobians, equilibria, step sensitivities, python-control."""

@@ -1,0 +1,1 @@
+"""One simulation or one step: step maps, adaptive methods, batch stepper."""

@@ -1,0 +1,325 @@
+"""Drive a plant through time: inputs of any form, fixed or adaptive steps, failures with time, state and step."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+import numpy as np
+
+from pliant.plants.core.errors import IntegrationError, StabilityLimitError
+from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.signals import index, read_only_times
+from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
+
+from .dormand_prince import march
+from .step_maps import METHODS, check_step, stepper
+
+if TYPE_CHECKING:
+    from pliant.plants.dynamics.plant import Plant
+
+
+class Acts(Protocol):
+    """What `simulate` needs of a controller."""
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray: ...
+
+
+Input = None | np.ndarray | tuple[float, ...] | list[float] | Callable[[float], Any] | Acts
+ADAPTIVE = ("dop853", "radau")
+SAME_TIME = 1e-6  # of the sampling period: times this close are one
+CHECKS = 8  # how often along a fixed-step run the step limit is looked at again
+
+
+def simulate(
+    plant: Plant,
+    x0: Any,
+    u: Input,
+    t: Any,
+    *,
+    w: Any,
+    p: Any,
+    method: str,
+    step: float | None,
+    rtol: float,
+    atol: float,
+    audit: bool,
+    progress: Any,
+) -> Trajectory:
+    """See Plant.simulate."""
+    t = read_only_times("t", t)
+    require_choice("simulate", "method", method, (*ADAPTIVE, "cvodes", *METHODS))
+    if (step is not None) != (method in METHODS):
+        raise ValueError(f"step = {step!r} must be a number of seconds for {', '.join(METHODS)}, and None otherwise")
+    if step is not None and not 0 < step < np.inf:
+        raise ValueError(f"step = {step!r} must be > 0 [s]")
+    for name, value in (("rtol", rtol), ("atol", atol)):
+        if not 0 < value < 1:
+            raise ValueError(f"{name} = {value!r} must be > 0 and < 1")
+    if audit and not (hasattr(plant, "net_power") and method == "dop853"):
+        raise ValueError(f'audit = True needs a plant with energies and method "dop853", not {method!r}')
+    (_, x, _, w, p), batch = plant._arguments(x0, None, w, p)
+    if batch is not None:
+        raise ValueError(f"simulate takes one state ({plant.nx},), not a batch of {batch}")
+    plant.check_state(x)
+
+    began = clock.perf_counter()
+    grid, rows = _sampled(t, u)
+    drive = _Drive(plant, u, grid, w, p)
+    run = _Run(plant, drive, grid, x, w, p, method, step, rtol, atol, audit, progress)
+    states, work, samples = (z[rows] for z in (*run.march(), drive.samples))
+    dx = plant.dynamics(states, samples, w=w, p=p, t=t)
+    stats: dict[str, Any] = {
+        "method": method,
+        "seconds": clock.perf_counter() - began,
+        "steps": run.steps,
+        "step": step,
+    }
+    if audit:
+        energy = plant.energy(states, p=p)  # type: ignore[attr-defined]
+        largest = np.abs(energy).max() or 1.0
+        stats["energy_balance"] = float(np.abs(energy - energy[0] - work).max() / largest)
+    return Trajectory(
+        t=t,
+        x=states,
+        u=samples,
+        y=plant._output(t[:, None], states, samples, w, p, batch=len(t))[0],
+        states=plant.states,
+        inputs=plant.inputs,
+        outputs=plant.outputs,
+        dx=dx,
+        w=np.tile(w, (len(t), 1)),
+        disturbances=plant.disturbances,
+        hold="linear" if drive.smooth else "zero-order",
+        stats=stats,
+    )
+
+
+def _sampled(t: np.ndarray, u: Input) -> tuple[np.ndarray, np.ndarray]:
+    """t with the sampling times of a controller put in between, and the places of t's own times in it."""
+    period = getattr(u, "dt", None) if hasattr(u, "act") else None
+    if period is None:
+        return t, np.arange(len(t))
+    if not 0 < period < np.inf:
+        raise ValueError(f"controller dt = {period!r} must be > 0 [s], or None")
+    ticks = t[0] + period * np.arange(1, int(np.ceil((t[-1] - t[0]) / period)))
+    after = np.searchsorted(t, ticks)
+    gap = np.minimum(np.abs(t[after] - ticks), np.abs(t[after - 1] - ticks))
+    grid = np.sort(np.concatenate([t, ticks[gap > SAME_TIME * period]]))
+    return grid, np.searchsorted(grid, t)
+
+
+class _Drive:
+    """The input over time: `smooth` as a function of time, or constant over each interval of t."""
+
+    def __init__(self, plant: Plant, u: Input, t: np.ndarray, w: np.ndarray, p: np.ndarray) -> None:
+        self.plant, self.t, self.w, self.p = plant, t, w, p
+        self.samples = np.zeros((len(t), plant.nu))
+        self.controller: Any = u if hasattr(u, "act") else None
+        self.law: Any = u if callable(u) and self.controller is None else None
+        self.smooth = self.law is not None
+        if self.controller is not None:
+            self._choose_reads()
+        elif self.law is not None:
+            self.samples[:] = [self(s) for s in t]
+        elif u is not None:
+            array = np.asarray(cast(Any, u), dtype=float)
+            shape = (len(t), plant.nu) if array.ndim == 2 else (plant.nu,)
+            self.samples[:] = require_finite(f"{type(plant).__name__}.u", array, shape)
+            self.smooth = array.ndim == 1
+        else:
+            self.smooth = True
+
+    def _choose_reads(self) -> None:
+        reads = tuple(getattr(self.controller, "reads", ()) or (s.name for s in self.plant.outputs))
+        known = self.plant.states + self.plant.outputs
+        self.picks = [index(known, name, "state or output") for name in reads]
+        self.period = getattr(self.controller, "dt", None)
+        self.taken = 0
+        if hasattr(self.controller, "reset"):
+            self.controller.reset()
+
+    def __call__(self, time: float) -> np.ndarray:
+        value = np.asarray(self.law(time), dtype=float).reshape(-1)
+        if value.shape != (self.plant.nu,) or not np.isfinite(value).all():
+            raise ValueError(f"u({time:.6g}) = {value} must be {self.plant.nu} finite numbers")
+        return value
+
+    def decide(self, k: int, x: np.ndarray) -> None:
+        """Ask a sampled controller for the input held from t[k] on."""
+        if self.controller is None:
+            return
+        now = self.t[k]
+        if self.period is None or now >= self.t[0] + self.period * (self.taken - SAME_TIME):
+            previous = self.samples[max(k - 1, 0)]
+            y = self.plant._output(now, x, previous, self.w, self.p)[0]
+            u = np.asarray(self.controller.act(float(now), np.append(x, y)[self.picks]), dtype=float).reshape(-1)
+            if u.shape != (self.plant.nu,) or not np.isfinite(u).all():
+                raise ValueError(f"controller at t = {now:.6g} s gave {u}, must be {self.plant.nu} finite numbers")
+            self.samples[k] = u
+            self.taken += 1
+        else:
+            self.samples[k] = self.samples[k - 1]
+
+
+class _Run:
+    """One simulation: the state at every time of t, interval by interval where the input is held."""
+
+    def __init__(
+        self,
+        plant: Plant,
+        drive: _Drive,
+        t: np.ndarray,
+        x0: np.ndarray,
+        w: np.ndarray,
+        p: np.ndarray,
+        method: str,
+        step: float | None,
+        rtol: float,
+        atol: float,
+        audit: bool,
+        progress: Any,
+    ) -> None:
+        self.plant, self.drive, self.t, self.method, self.step = plant, drive, t, method, step
+        self.rtol, self.atol, self.progress = rtol, atol, progress
+        self.w, self.p = w, p
+        self.audit = audit
+        self.first: float | None = None
+        self.z0 = np.append(x0, 0.0) if audit else x0
+        self.steps = 0
+
+    def march(self) -> tuple[np.ndarray, np.ndarray]:
+        """States (nt, nx) and net work (nt,) at all times."""
+        nx, k = self.plant.nx, 0
+        z = np.empty((len(self.t), len(self.z0)))
+        z[0] = self.z0
+        self.plant.dynamics(z[0, :nx], w=self.w, p=self.p, t=self.t[0])  # raises where the start is singular
+        try:
+            if self.method in ADAPTIVE and self.drive.smooth:
+                z[:] = self._adaptive(self.t, z[0], 0)
+            else:
+                for k in range(len(self.t) - 1):
+                    self.drive.decide(k, z[k][:nx])
+                    z[k + 1] = self._interval(k, z[k])
+                    if self.progress is not None:
+                        self.progress(self.t[k + 1])
+                self.drive.decide(len(self.t) - 1, z[-1][:nx])
+        except (IntegrationError, StabilityLimitError) as stopped:
+            self._name_lost_mass(z[: k + 1, :nx], getattr(stopped, "state", z[k])[:nx])
+            raise
+        return z[:, :nx], z[:, nx] if self.audit else np.zeros(len(self.t))
+
+    def _interval(self, k: int, z: np.ndarray) -> np.ndarray:
+        if self.method in ADAPTIVE:
+            return self._adaptive(self.t[k : k + 2], z, k)[-1]
+        if self.method == "cvodes":
+            return self._cvodes(k, z)
+        return self._fixed(k, z)
+
+    def _fixed(self, k: int, z: np.ndarray) -> np.ndarray:
+        began, ended = self.t[k], self.t[k + 1]
+        count = max(1, int(np.ceil((ended - began) / self.step * (1 - 1e-12))))
+        h = (ended - began) / count
+        if k % max(1, (len(self.t) - 1) // CHECKS) == 0:
+            check_step(self.plant, z, self.method, h, u=self.drive.samples[k], p=self.p, t=began)
+        step, law = stepper(self.plant, self.method), self.drive.law
+        at_times = METHODS[self.method].input_times
+        held = np.tile(self.drive.samples[k], len(at_times))
+        with np.errstate(all="ignore"):
+            for i in range(count):
+                at = began + i * h
+                if law is not None:
+                    held = np.concatenate([self.drive(at + c * h) for c in at_times])
+                after = step(at, z, held, self.w, self.p, h)[0]
+                if not np.isfinite(after).all():
+                    raise IntegrationError(
+                        f"{self.method} diverged at t = {at:.6g} s with a step of {h:.4g} s from state {z}; "
+                        "take a smaller step or an adaptive method",
+                        float(at),
+                        z,
+                        h,
+                    )
+                z = after
+        self.steps += count
+        return z
+
+    def _adaptive(self, times: np.ndarray, z: np.ndarray, k: int) -> np.ndarray:
+        held, law = self.drive.samples[k], self.drive if self.drive.law else None
+        if self.first is None:
+            # At an exact equilibrium every error estimate is zero and the first step would be as long as the run.
+            A = self.plant.jacobians(z[: self.plant.nx], held, w=self.w, p=self.p, t=times[0])[0]
+            self.first = 0.1 / max(np.abs(np.linalg.eigvals(A)).max(initial=0.0), 1e-3)
+        with np.errstate(all="ignore"):
+            if self.method == "radau":
+                return self._radau(times, z, held, law)
+            out, tried, self.first = march(
+                self.plant,
+                times,
+                z,
+                held,
+                law,
+                self.w,
+                self.p,
+                rtol=self.rtol,
+                atol=self.atol,
+                first=min(self.first, times[-1] - times[0]),
+                audit=self.audit,
+                report=self.progress,
+            )
+        self.steps += tried
+        return out
+
+    def _radau(self, times: np.ndarray, z: np.ndarray, held: np.ndarray, law: Any) -> np.ndarray:
+        from scipy.integrate import solve_ivp
+
+        plant, w, p = self.plant, self.w, self.p
+        at = law or (lambda s: held)
+        solution = solve_ivp(
+            lambda s, x: plant._dynamics(s, x, at(s), w, p)[0],
+            (times[0], times[-1]),
+            z,
+            method="Radau",
+            t_eval=times,
+            rtol=self.rtol,
+            atol=self.atol,
+            first_step=min(self.first or np.inf, times[-1] - times[0]),
+            jac=lambda s, x: plant._jacobians(s, x, at(s), w, p)[0].reshape(plant.nx, plant.nx),
+        )
+        self.steps += solution.nfev
+        if not solution.success or not np.isfinite(solution.y).all():
+            done = max(solution.y.shape[1] - 1, 0)
+            stopped = float(solution.t[done]) if solution.y.size else float(times[0])
+            state = solution.y[:, done] if solution.y.size else z
+            raise IntegrationError(
+                f"radau stopped after t = {stopped:.6g} s at state {state}: {solution.message}",
+                stopped,
+                state,
+                0.0,
+            )
+        return solution.y.T
+
+    def _name_lost_mass(self, passed: np.ndarray, last: np.ndarray) -> None:
+        """Raise MassMatrixError where that is why the integration stopped, at `last` (nx,) after `passed` (k, nx)."""
+        if isinstance(self.plant, LagrangianPlant):
+            self.plant.dynamics(passed, w=self.w, p=self.p)
+            if np.isfinite(last).all():
+                self.plant.check_near_singular(last, passed[0], self.p)
+
+    def _cvodes(self, k: int, z: np.ndarray) -> np.ndarray:
+        from .cvodes import advance
+
+        if self.drive.law is not None:
+            raise ValueError('method = "cvodes" needs an input held between times: give an array, not a callable')
+        return advance(
+            self.plant,
+            self.t[k],
+            self.t[k + 1],
+            z,
+            self.drive.samples[k],
+            self.w,
+            self.p,
+            self.rtol,
+            self.atol,
+        )

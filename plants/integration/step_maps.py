@@ -1,0 +1,189 @@
+"""Fixed-step maps x(t) -> x(t + h), written symbolically, and the largest step at which each stays stable.
+
+rk4          explicit, order 4; stable on the imaginary axis up to h |lambda| = 2 sqrt(2)
+rk8          explicit, order 8 in twelve stages; stable on the imaginary axis up to h |lambda| = 5.96
+midpoint     implicit midpoint, order 2, symplectic; stable for every decaying mode
+rosenbrock   RODAS3, linearly implicit, order 3, L-stable: damps what is too stiff to resolve. Coefficients:
+             Sandu et al., "Benchmarking stiff ODE solvers for atmospheric chemistry problems II", 1997
+The input over a step is the parabola through its values at the step's start, middle and end; rk8 takes its value at
+every stage.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.core.casadi_functions import NumericFunction
+from pliant.plants.core.errors import StabilityLimitError
+from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
+
+if TYPE_CHECKING:
+    from pliant.plants.dynamics.plant import Plant
+
+SOLVED = 1e-8  # largest residual of the implicit midpoint rule, relative to the rates
+
+
+@dataclass(frozen=True)
+class Method:
+    """A fixed-step method and its order. An explicit one has a step limit."""
+
+    name: str
+    order: int
+
+    @property
+    def tableau(self) -> Tableau | None:
+        """Of an explicit method."""
+        return TABLEAUS[self.name]() if self.name in TABLEAUS else None
+
+    @property
+    def input_times(self) -> tuple[float, ...]:
+        """Fractions of a step at which it takes the input."""
+        return tuple(TABLEAUS["rk8"]().c.tolist()) if self.name == "rk8" else (0.0, 0.5, 1.0)
+
+
+METHODS = {
+    m.name: m
+    for m in (
+        Method("rk4", 4),
+        Method("rk8", 8),
+        Method("midpoint", 2),
+        Method("rosenbrock", 3),
+    )
+}
+
+
+def _held(us: ca.SX, c: float) -> ca.SX:
+    """The input at fraction c of the step: the parabola through its three values (columns of us)."""
+    return us[:, 0] * (2 * c - 1) * (c - 1) + us[:, 1] * 4 * c * (1 - c) + us[:, 2] * c * (2 * c - 1)
+
+
+def step_map(plant: Plant, method: str) -> ca.Function:
+    """(t, x, us, w, p, h) -> x(t + h), with us (nu, k) the input at the method's k input times."""
+    require_choice("integrate", "method", method, tuple(METHODS))
+    t, x, u, w, p = plant.symbols
+    f = ca.Function("f", [t, x, u, w, p], [plant.expressions[0]])
+    if method == "rk8":
+        return TABLEAUS[method]().step(method, f)
+    us, h = ca.SX.sym("us", plant.nu, 3), ca.SX.sym("h")
+    arguments = [t, x, us, w, p, h]
+    build = {"rk4": _rk4, "midpoint": _midpoint, "rosenbrock": _rosenbrock}[method]
+    return build(plant, f, arguments)
+
+
+def _rk4(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
+    t, x, us, w, p, h = arguments
+    k1 = f(t, x, us[:, 0], w, p)
+    k2 = f(t + h / 2, x + h / 2 * k1, us[:, 1], w, p)
+    k3 = f(t + h / 2, x + h / 2 * k2, us[:, 1], w, p)
+    k4 = f(t + h, x + h * k3, us[:, 2], w, p)
+    after = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return ca.Function("rk4", arguments, ca.cse([after]))
+
+
+def _midpoint(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
+    t, x, us, w, p, h = arguments
+    k = ca.SX.sym("k", plant.nx)
+    residual = k - f(t + h / 2, x + h / 2 * k, us[:, 1], w, p)
+    slope = ca.Function("slope", [k, *arguments], ca.cse([residual]))
+    solve = ca.rootfinder("solve", "newton", slope, {"abstol": 1e-11, "max_iter": 20, "error_on_fail": False})
+    a = [ca.MX.sym(f"a{i}", *s.shape) for i, s in enumerate(arguments)]
+    start = ca.Function("start", arguments, ca.cse([f(t, x, us[:, 0], w, p)]))
+    found = solve(start(*a), *a)
+    left = ca.mmax(ca.fabs(slope(found, *a)))
+    solved = left <= SOLVED * (1 + ca.mmax(ca.fabs(found)))
+    # An unsolved step gives NaN, which the caller reports.
+    return ca.Function("midpoint", a, [ca.if_else(solved, a[1] + a[5] * found, np.nan)])
+
+
+# RODAS3 in the transformed variables that need no matrix-vector products
+_A = ((), (0.0,), (2.0, 0.0), (2.0, 0.0, 1.0))
+_C = ((), (4.0,), (1.0, -1.0), (1.0, -1.0, -8 / 3))
+_M = (2.0, 0.0, 1.0, 1.0)
+_ALPHA = (0.0, 0.0, 1.0, 1.0)
+_GAMMA = (0.5, 1.5, 0.0, 0.0)
+
+
+def _rosenbrock(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
+    t, x, us, w, p, h = arguments
+    pt, px, pu, pw, pp = plant.symbols
+    fx, ft, fu = (ca.jacobian(plant.expressions[0], s) for s in (px, pt, pu))
+    du = (-3 * us[:, 0] + 4 * us[:, 1] - us[:, 2]) / h
+    J, drift = ca.substitute([fx, ft + fu @ du], [pt, pu], [t, us[:, 0]])
+    J, drift = ca.substitute([J, drift], [px, pw, pp], [x, w, p])
+    W = 2 / h * ca.SX.eye(plant.nx) - J
+    U: list[ca.SX] = []
+    stages = [f(t, x, us[:, 0], w, p)]
+    inverse = ca.inv(ca.densify(W))
+    for i in range(4):
+        if i >= 2:
+            at = x + sum((a * k for a, k in zip(_A[i], U) if a), ca.SX.zeros(plant.nx))
+            stages.append(f(t + _ALPHA[i] * h, at, _held(us, _ALPHA[i]), w, p))
+        else:
+            stages.append(stages[0])
+        rhs = stages[-1] + _GAMMA[i] * h * drift
+        rhs += sum((c / h * k for c, k in zip(_C[i], U)), ca.SX.zeros(plant.nx))
+        U.append(inverse @ rhs)
+    after = x + sum((m * k for m, k in zip(_M, U) if m), ca.SX.zeros(plant.nx))
+    return ca.Function("rosenbrock", arguments, ca.cse([after]))
+
+
+@lru_cache(maxsize=64)
+def stepper(plant: Plant, method: str) -> NumericFunction:
+    """The step map of a plant as a numeric function, built once per plant and method."""
+    return NumericFunction(step_map(plant, method))
+
+
+def _limit_of(z: complex, polynomial: np.ndarray, order: int) -> float:
+    """The largest h with |R(h z)| <= 1 for all smaller h, of a mode that does not grow by itself."""
+    towards = z / abs(z)
+    along = polynomial * towards ** np.arange(len(polynomial))
+    squared = np.real(np.convolve(along, np.conj(along)))
+    squared[0] -= 1.0
+    if abs(towards.real) < 1e-9:  # on the imaginary axis powers up to the order cancel exactly, and all odd ones
+        squared[: order + 2] = squared[1::2] = 0.0
+    lowest = int(np.argmax(squared != 0.0))
+    roots = np.roots(squared[lowest:][::-1])
+    real = roots[(np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0)].real
+    return float(real.min()) / abs(z) if len(real) else np.inf
+
+
+def step_limit(plant: Plant, x: Any, method: str = "rk4", *, u: Any = None, p: Any = None) -> float:
+    """The largest stable step [s] of a method at state x (nx,), from the fastest mode of the linearised plant."""
+    return _slowest_limit(plant, x, method, u, p)[0]
+
+
+def _slowest_limit(plant: Plant, x: Any, method: str, u: Any, p: Any) -> tuple[float, complex]:
+    require_choice("integrate", "method", method, tuple(METHODS))
+    tableau, order = METHODS[method].tableau, METHODS[method].order
+    if tableau is None:
+        return np.inf, 0j
+    poles = np.linalg.eigvals(plant.jacobians(x, u, p=p)[0])
+    fastest = np.abs(poles).max(initial=0.0)
+    found = [(np.inf, 0j)]
+    for pole in poles:
+        if abs(pole) <= 1e-6 * fastest or (pole.real > 0 and abs(pole.imag) <= pole.real):
+            continue
+        # A vibration of a moving arm may grow a little as it turns: its limit is that of the steady vibration.
+        steady = pole if pole.real <= 1e-9 * abs(pole) else 1j * abs(pole.imag)
+        found.append((_limit_of(steady, tableau.polynomial, order), complex(pole)))
+    return min(found, key=lambda pair: pair[0])
+
+
+def check_step(plant: Plant, x: Any, method: str, step: float, *, u: Any = None, p: Any = None, t: float = 0.0) -> None:
+    """Raise StabilityLimitError when `step` [s] is past the method's limit at x."""
+    limit, mode = _slowest_limit(plant, x, method, u, p)
+    if step > limit * (1 + 1e-9):
+        raise StabilityLimitError(
+            f"{method} with a step of {step:.4g} s is unstable for {plant.label} at t = {t:.4g} s: its mode at "
+            f"{abs(mode) / (2 * np.pi):.4g} Hz (eigenvalue {mode:.4g} 1/s) needs a step of at most {limit:.4g} s; "
+            'take a smaller step, fewer modes, or method="rosenbrock"',
+            step,
+            mode,
+            limit,
+        )

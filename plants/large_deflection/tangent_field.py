@@ -1,0 +1,228 @@
+"""A beam whose rotation field is exact: its tangent t is a unit vector by construction, its position the integral of t.
+
+The tangent is known at quadrature points xi_b of the reference length, as a function of a few local angles
+a_j(xi_b) = sum_i A_j[b, i] q_i. Everything the equations of motion need then follows from constant matrices:
+position r(xi) = L int_0^xi t, kinetic energy (1/2) rho A L^3 sum_ab W_ab t_a' . t_b' with
+W_ab = int int l_a(x) l_b(y) (1 - max(x, y)) dx dy, l_a the Lagrange polynomials of the points.
+
+Valid    inextensible, unshearable; any rotation in the plane
+Source   the geometric variable-strain approach, with rotations expanded in place of curvatures: the slopes of the
+         linear modes. Curvatures in Legendre polynomials are as accurate but needlessly stiff.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants import beams
+
+Array = np.ndarray
+TINY = 1e-14  # of the largest entry: constants below are rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Gauss-Legendre points on equal panels of [0, 1], and what integrates a polynomial through them."""
+
+    xi: Array  # (m,)
+    weight: Array  # (m,), int_0^1
+    root: Array  # (m, m) lower triangular, root^T root = W
+    panels: int
+
+    @property
+    def first_moment(self) -> Array:
+        """int_0^1 int_0^xi l_b = int (1 - xi) l_b, (m,)."""
+        return self.weight * (1 - self.xi)
+
+    def cumulative(self, xi: Array) -> Array:
+        """int_0^xi l_b for xi (k,) in [0, 1] -> (k, m): positions along the beam from the tangents."""
+        xi = np.atleast_1d(np.asarray(xi, dtype=float))
+        m = len(self.xi) // self.panels
+        panel = np.minimum((xi * self.panels).astype(int), self.panels - 1)
+        out = np.where(np.arange(self.panels) < panel[:, None], 1.0, 0.0).repeat(m, axis=1) * self.weight
+        local = _antiderivatives(m, xi * self.panels - panel) / self.panels
+        for k, j in enumerate(panel):
+            out[k, j * m : (j + 1) * m] = local[k]
+        return out
+
+
+def _antiderivatives(m: int, z: Array) -> Array:
+    """int_0^z l_b of the m Gauss-Legendre points of [0, 1], (k, m)."""
+    from numpy.polynomial import legendre
+
+    x, w = legendre.leggauss(m)
+    k = np.arange(m)
+    project = (2 * k[:, None] + 1) / 2 * legendre.legvander(x, m - 1).T * w  # values to Legendre coefficients
+    integrals = np.array([legendre.legval(2 * z - 1, legendre.legint(row, lbnd=-1)) for row in np.eye(m)])
+    return integrals.T / 2 @ project
+
+
+@lru_cache(maxsize=64)
+def points(m: int, panels: int = 1) -> Points:
+    """m points on each of `panels` equal parts; W is exact for tangents of degree m - 1 on each."""
+    x, w = np.polynomial.legendre.leggauss(m)
+    start = np.arange(panels)[:, None]
+    found = Points(((start + (1 + x) / 2) / panels).ravel(), np.tile(w / (2 * panels), panels), np.empty(0), panels)
+    finer, weight = np.polynomial.legendre.leggauss(m + 1)
+    at, weight = ((start + (1 + finer) / 2) / panels).ravel(), np.tile(weight / (2 * panels), panels)
+    reach = found.cumulative(at)
+    W = reach.T @ (weight[:, None] * reach)
+    root = np.linalg.cholesky(W[::-1, ::-1]).T[::-1, ::-1]
+    return Points(found.xi, found.weight, root, panels)
+
+
+@dataclass(frozen=True, eq=False)
+class TangentField:
+    """t(a_1, .., a_k), d components, at the points, with constant a_j = A_j q.
+
+    angles, tangent: the symbols a (k,) and the expression of t (d,) in them.
+    """
+
+    points: Points
+    angles: ca.SX
+    tangent: ca.SX
+    A: tuple[Array, ...]  # k matrices (m, n)
+
+    def at(self, q: ca.SX, v: ca.SX) -> Tangents:
+        """The tangents and their derivatives at coordinates q and rates v (n,)."""
+        return Tangents(self, q, v)
+
+    def values(self, q: Array) -> Array:
+        """t (m, d) at numeric q."""
+        angles = np.column_stack([A @ q for A in self.A])
+        return np.asarray(ca.Function("t", [self.angles], [self.tangent]).map(len(angles))(angles.T)).T
+
+
+class Tangents:
+    """A field at q, v: t (d lists of (m,)), and P_c = root dt_c/dq, from which mass matrix and forces follow."""
+
+    def __init__(self, field: TangentField, q: ca.SX, v: ca.SX) -> None:
+        a, t = field.angles, field.tangent
+        rate = ca.SX.sym("rate", a.shape[0])
+        along = ca.jtimes(t, a, rate)
+        local = ca.Function("local", [a, rate], [t, ca.jacobian(t, a), along, ca.jtimes(along, a, rate)])
+        m, (d, k) = len(field.points.xi), (t.shape[0], a.shape[0])
+        angle = ca.horzcat(*[sparse(A) @ q for A in field.A])  # (m, k)
+        turn = ca.horzcat(*[sparse(A) @ v for A in field.A])
+        found = [local(angle[b, :].T, turn[b, :].T) for b in range(m)]
+        self.points, self.d = field.points, d
+        self._field = field
+        self.t = [ca.vertcat(*[f[0][c] for f in found]) for c in range(d)]
+        self.rate = [ca.vertcat(*[f[2][c] for f in found]) for c in range(d)]
+        self.bias = [ca.vertcat(*[f[3][c] for f in found]) for c in range(d)]
+        self.slope = [[ca.vertcat(*[f[1][c, j] for f in found]) for j in range(k)] for c in range(d)]
+
+    @property
+    def P(self) -> list[ca.SX]:
+        """root dt_c/dq, d matrices (m, n)."""
+        if not hasattr(self, "_P"):
+            root, A = self.points.root, self._field.A
+            self._P = [
+                ca.horzcat(
+                    *[sum(sparse(root * Aj[:, i]) @ e for Aj, e in zip(A, slopes)) for i in range(A[0].shape[1])]
+                )
+                for slopes in self.slope
+            ]
+        return self._P
+
+    def mass(self) -> ca.SX:
+        """sum_ab W_ab dt_a/dq . dt_b/dq, (n, n); times rho A L^3 it is the mass matrix."""
+        n = self.P[0].shape[1]
+        M = ca.SX(n, n)
+        for i in range(n):
+            for j in range(i + 1):
+                M[i, j] = M[j, i] = sum(ca.dot(p[:, i], p[:, j]) for p in self.P)
+        return ca.densify(M)
+
+    def kinetic(self) -> ca.SX:
+        """sum_ab W_ab t_a' . t_b' / 2 from the rates themselves."""
+        return sum((ca.sumsqr(sparse(self.points.root) @ rate) for rate in self.rate), ca.SX(0)) / 2
+
+    def inertia_force(self) -> ca.SX:
+        """sum_ab W_ab dt_a/dq . (t_b'' where q'' = 0), (n,): to be subtracted from the forces."""
+        root = sparse(self.points.root)
+        return sum((p.T @ (root @ c) for p, c in zip(self.P, self.bias)), ca.SX(0))
+
+    def sum(self, weight: Array) -> ca.SX:
+        """sum_b weight_b t_b, (d,)."""
+        return ca.vertcat(*[ca.dot(ca.DM(weight), t) for t in self.t])
+
+    def sum_rate(self, weight: Array) -> ca.SX:
+        """Its time derivative, (d,)."""
+        return ca.vertcat(*[ca.dot(ca.DM(weight), t) for t in self.rate])
+
+    def sum_bias(self, weight: Array) -> ca.SX:
+        """Its second time derivative where q'' = 0, (d,)."""
+        return ca.vertcat(*[ca.dot(ca.DM(weight), t) for t in self.bias])
+
+    def sum_jacobian(self, weight: Array) -> ca.SX:
+        """Its derivative by q, (d, n)."""
+        through = ca.DM(np.linalg.solve(self.points.root.T, weight))
+        return ca.vertcat(*[through.T @ p for p in self.P])
+
+
+def sparse(matrix: Array) -> ca.DM:
+    """A constant matrix without what is only rounding."""
+    return ca.sparsify(ca.DM(np.where(np.abs(matrix) > TINY * np.abs(matrix).max(initial=0.0), matrix, 0.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class Rotations:
+    """Rotation shapes psi_i(xi), i < n, each one at the tip: a coordinate is the tip rotation [rad] it brings."""
+
+    basis: beams.Basis
+    rotating: bool  # whether shape 0 is a rigid rotation about the root, psi = 1
+
+    @property
+    def n(self) -> int:
+        """How many coordinates."""
+        return self.basis.n + self.rotating
+
+    @property
+    def scale(self) -> Array:
+        """Rotation at the tip that each slope brings, relative to the root."""
+        return self.basis.tip_slope - self._root_slope
+
+    @property
+    def _root_slope(self) -> Array:
+        return np.asarray(self.basis.phi(0.0, 1))
+
+    def __call__(self, xi: Array) -> Array:
+        """psi at xi (k,) -> (k, n)."""
+        bent = (self.basis.phi(xi, 1) - self._root_slope) / self.scale
+        return np.column_stack([np.ones_like(xi), bent]) if self.rotating else bent
+
+    def curvature(self, xi: Array) -> Array:
+        """dpsi/dxi at xi (k,) -> (k, n)."""
+        bent = self.basis.phi(xi, 2) / self.scale
+        return np.column_stack([np.zeros_like(xi), bent]) if self.rotating else bent
+
+    @property
+    def stiffness(self) -> Array:
+        """int psi' psi'^T dxi, (n, n)."""
+        K = self.basis.stiffness / np.outer(self.scale, self.scale)
+        return np.pad(K, ((1, 0), (1, 0))) if self.rotating else K
+
+    def inertia(self, at: Points) -> Array:
+        """int psi psi^T dxi at these points, (n, n)."""
+        psi = self(at.xi)
+        S = psi.T @ (at.weight[:, None] * psi)
+        return (S + S.T) / 2
+
+
+def rotations(root: str, kind: str, n: int, mass_ratio: float = 0.0, inertia_ratio: float = 0.0) -> Rotations:
+    """n bending shapes for a clamped, hinged or driven root, from natural modes ("modes") or polynomials."""
+    if kind == "modes":
+        kind = "pinned-free" if root == "hinged" else "payload"
+    basis = beams.basis(kind, n, tip_mass_ratio=mass_ratio, tip_inertia_ratio=inertia_ratio)
+    return Rotations(basis, root != "clamped")
+
+
+def planar_field(shapes: Rotations, at: Points) -> TangentField:
+    """t = (cos theta, sin theta), theta = psi . q, at these points."""
+    theta = ca.SX.sym("theta")
+    return TangentField(at, theta, ca.vertcat(ca.cos(theta), ca.sin(theta)), (shapes(at.xi),))

@@ -1,0 +1,123 @@
+"""Clamped modes of a structural program's mass and stiffness matrices, and the reader for NASTRAN's files."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from pliant.plants.core.parameters import require_count, require_finite
+from pliant.plants.core.quaternions import skew
+
+Array = np.ndarray
+LOST = 0.05  # of the rigid body's first moment and inertia that lumping may change
+
+
+def clamped_modes(
+    mass: Any, stiffness: Any, positions: Array, root: Sequence[int], modes: int
+) -> tuple[Array, Array, Array]:
+    """(masses (N,), shapes (n, N, 3), frequencies (n,) [rad/s]); shapes of unit modal mass. Nodes at positions (N, 3).
+
+    Guyan's condensation, exact for turns without mass. ValueError where a lumped mass differs between axes, where the
+    lumped body is another one (offset masses, rotary inertia, a coarse mesh) or modes lack.
+    """
+    nodes = len(positions)
+    K = require_finite("from_matrices.stiffness", stiffness, (-1, -1))
+    M = require_finite("from_matrices.mass", mass, K.shape)
+    per_node = len(K) // max(nodes, 1)
+    if per_node * nodes != len(K) or per_node not in (3, 6):
+        raise ValueError(
+            f"from_matrices.stiffness is {K.shape}, must be {3 * nodes} or {6 * nodes} square for {nodes} nodes"
+        )
+    for node in root:
+        require_count("from_matrices", "root", node, 0, nodes - 1)
+    if not len(root):
+        raise ValueError("from_matrices.root = () must name the clamped nodes")
+    places = np.arange(len(K)).reshape(nodes, per_node)
+    moved, turned = places[:, :3], places[:, 3:].ravel()
+    lumped = np.column_stack([M[np.ix_(moved[:, c], moved[:, c])].sum(axis=1) for c in range(3)])
+    spread = np.abs(lumped - lumped.mean(axis=1, keepdims=True)).max()
+    if spread > 1e-6 * np.abs(lumped).max() or lumped.min() < 0:
+        raise ValueError(f"from_matrices.mass: nodal masses {lumped.tolist()} must be equal along the axes and >= 0")
+    masses = lumped.mean(axis=1)
+    _check_lumped(M, masses, positions)
+    free_nodes = np.setdiff1d(np.arange(nodes), list(root))
+    free = moved[free_nodes].ravel()
+    inner = np.setdiff1d(turned, places[list(root)].ravel())
+    inner = inner[np.diag(K)[inner] > 0]
+    Kff = K[np.ix_(free, free)]
+    if inner.size:
+        Kfi = K[np.ix_(free, inner)]
+        Kff = Kff - Kfi @ np.linalg.solve(K[np.ix_(inner, inner)], Kfi.T)
+    carried = np.repeat(masses[free_nodes], 3) > 0
+    if not carried.all():
+        raise ValueError(f"from_matrices.mass: nodes {free_nodes[~carried[::3]].tolist()} must carry mass")
+    require_count("from_matrices", "modes", modes, 0, len(free))
+    if not modes:
+        return masses, np.zeros((0, nodes, 3)), np.zeros(0)
+    squares, vectors = scipy.linalg.eigh(
+        (Kff + Kff.T) / 2, np.diag(np.repeat(masses[free_nodes], 3)), subset_by_index=[0, modes - 1]
+    )
+    if squares[0] <= 1e-9 * np.abs(np.diag(Kff)).max() / masses[free_nodes].max():
+        raise ValueError(f"from_matrices.root = {list(root)} leaves a rigid motion free (omega^2 = {squares[0]:.3g})")
+    shapes = np.zeros((modes, nodes, 3))
+    shapes[:, free_nodes] = vectors.T.reshape(modes, len(free_nodes), 3)
+    return masses, shapes, np.sqrt(squares)
+
+
+def _check_lumped(M: Array, masses: Array, positions: Array) -> None:
+    """ValueError where the lumped masses (N,) have another first moment or inertia about the origin than M."""
+    moved = np.zeros((len(positions), len(M) // len(positions), 6))  # of each freedom in six rigid motions
+    moved[:, :3, :3] = np.eye(3)
+    moved[:, :3, 3:] = -skew(positions)
+    if moved.shape[1] == 6:
+        moved[:, 3:, 3:] = np.eye(3)
+    rigid = moved.reshape(len(M), 6)
+    whole, points = rigid.T @ M @ rigid, np.einsum("p,pia,pib->ab", masses, moved[:, :3], moved[:, :3])
+    reach = np.abs(positions).max(initial=0.0)
+    for name, part, size in (
+        ("first moment", np.s_[:3, 3:], masses.sum() * reach),
+        ("inertia", np.s_[3:, 3:], np.abs(whole[3:, 3:]).max()),
+    ):
+        lost = np.abs(whole[part] - points[part]).max() / max(size, 1e-300)
+        if lost > LOST:
+            raise ValueError(
+                f"from_matrices.mass: lumping at the nodes changes the {name} by {lost:.2g} of itself (<= {LOST}): "
+                "refine the mesh, or put offset masses and rotary inertia on nodes of their own"
+            )
+
+
+def read_nastran(path: str | Path, mass: str, stiffness: str) -> tuple[Array, Array]:
+    """The two real matrices by name from an OP4 file, or OP2 where the name ends so. ImportError without pyYeti."""
+    path = Path(path)
+    if not path.exists():
+        raise ValueError(f"from_nastran: path = {str(path)!r} must be an OP4 or OP2 file")
+    try:
+        if path.suffix.lower() == ".op2":
+            from pyyeti.nastran import op2
+
+            found = op2.rdmats(str(path))
+        else:
+            from pyyeti.nastran import op4
+
+            found = op4.read(str(path))
+    except ImportError as error:
+        raise ImportError("ModalData.from_nastran reads NASTRAN files with pyYeti: pip install pyyeti") from error
+    except (ValueError, RuntimeError, struct.error) as error:
+        raise ValueError(f"from_nastran: {path.name} must be an OP4 or OP2 file: {error}") from error
+    found = {name.lower(): value for name, value in found.items()}
+    for name in (mass, stiffness):
+        if name.lower() not in found:
+            raise ValueError(f"from_nastran: {path.name} has no matrix {name!r}; it has {', '.join(sorted(found))}")
+    dense = []
+    for name in (mass, stiffness):
+        value = found[name.lower()]
+        value = np.asarray(value.toarray() if hasattr(value, "toarray") else value)
+        if np.iscomplexobj(value):
+            raise ValueError(f"from_nastran: matrix {name!r} of {path.name} is complex, must be real")
+        dense.append(value.astype(float))
+    return dense[0], dense[1]

@@ -1,0 +1,401 @@
+"""The flexibility of an appendage as modal data: mass, first moment, inertia and the integrals of its clamped modes.
+
+Axes     origin at the attachment point; a boom or panel lies along +x
+Modes    displacement phi_k(r) of the body clamped at its origin (cantilever modes), so that s = r + sum phi_k eta_k
+Source   "Equations of Motion of Flexible Spacecraft", Eqs (9)-(13) and (24). The lower triangle of (12) is
+         -phi_2k phi_1l, -phi_3k phi_1l, -phi_3k phi_2l, which makes E_kl the transpose of E_lk; (13) is right with it.
+         Every integral follows from Pi = int z z^T dm, z = (1, r, phi_1 .. phi_n).
+"""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pliant.plants.beams.euler_bernoulli_modes import quadrature
+from pliant.plants.beams.section import Beam
+from pliant.plants.beams.shape_functions import basis
+from pliant.plants.core.parameters import is_symbolic, require_count
+from pliant.plants.core.signals import read_only
+
+Array = np.ndarray
+AXES = np.array(
+    [[[0, 0, 0], [0, 0, 1], [0, -1, 0]], [[0, 0, -1], [0, 0, 0], [1, 0, 0]], [[0, 1, 0], [-1, 0, 0], [0, 0, 0]]]
+)
+
+
+def axial(P: Array) -> Array:
+    """int a x b dm (..., 3) from P = int a b^T dm (..., 3, 3)."""
+    return np.einsum("cij,...ij->...c", AXES, P)
+
+
+@dataclass(frozen=True, eq=False)
+class ModalData:
+    """A body of n clamped modes. Integrals run over its mass; arrays are write-protected copies.
+
+    The shortening that n modes cause is s2(r) = -(1/2) sum g_kl(r) eta_k eta_l (zero where it is not known).
+    """
+
+    mass: float  # [kg]
+    first: Array = field(repr=False)  # int r dm (3,) [kg m]
+    second: Array = field(repr=False)  # int r r^T dm (3, 3) [kg m^2]
+    R: Array = field(repr=False)  # int phi_k dm (n, 3) [kg], Eq (9)
+    moments: Array = field(repr=False)  # int r phi_k^T dm (n, 3, 3) [kg m]
+    overlaps: Array = field(repr=False)  # int phi_k phi_l^T dm (n, n, 3, 3) [kg]
+    stiffness: Array = field(repr=False)  # (n, n) [N/m]
+    damping: Array = field(repr=False)  # (n, n) [N s/m]
+    shortening: Array = field(repr=False)  # int g_kl dm (n, n, 3) [kg/m]
+    shortening_moments: Array = field(repr=False)  # int r g_kl^T dm (n, n, 3, 3) [kg]
+    shortening_overlaps: Array = field(repr=False)  # int phi_j g_kl^T dm (n, n, n, 3, 3) [kg/m]
+    shortening_squares: Array = field(repr=False)  # int g_kl g_mn^T dm (n, n, n, n, 3, 3) [kg/m^2]
+    tip: Array = field(repr=False)  # the point that outputs watch (3,) [m]
+    tip_shapes: Array = field(repr=False)  # phi_k there (n, 3)
+    outline: Array = field(repr=False)  # points for drawing (m, 3) [m]
+    outline_shapes: Array = field(repr=False)  # phi_k there (n, m, 3)
+
+    def __post_init__(self) -> None:
+        n = len(self.R)
+        if not (isinstance(self.mass, numbers.Real) and 0 < float(self.mass) < np.inf):
+            raise ValueError(f"ModalData.mass = {self.mass!r} must be > 0 [kg]")
+        shapes: dict[str, tuple[int, ...]] = {"first": (3,), "second": (3, 3), "R": (n, 3), "moments": (n, 3, 3)}
+        shapes |= {"overlaps": (n, n, 3, 3), "stiffness": (n, n), "damping": (n, n), "shortening": (n, n, 3)}
+        shapes |= {"shortening_moments": (n, n, 3, 3), "tip": (3,), "tip_shapes": (n, 3)}
+        shapes |= {"shortening_overlaps": (n, n, n, 3, 3), "shortening_squares": (n, n, n, n, 3, 3)}
+        shapes |= {"outline": (-1, 3), "outline_shapes": (n, -1, 3)}
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, read_only(f"ModalData.{name}", getattr(self, name), shape))
+        for name in ("second", "stiffness", "damping"):
+            value = getattr(self, name)
+            if np.abs(value - value.T).max(initial=0.0) > 1e-9 * np.abs(value).max(initial=0.0):
+                raise ValueError(f"ModalData.{name} = {value.tolist()} must be symmetric")
+        for name, value in (("int z z^T dm", self.pi), ("stiffness", self.stiffness), ("damping", self.damping)):
+            least = np.linalg.eigvalsh((value + value.T) / 2)[0] if len(value) else 0.0
+            if least < -1e-9 * np.abs(value).max(initial=0.0):
+                raise ValueError(f"ModalData: {name} has the eigenvalue {least:.3g}, must be >= 0")
+        if n and np.linalg.eigvalsh(self.modal_mass)[0] <= 1e-12 * np.abs(self.modal_mass).max():
+            raise ValueError(f"ModalData.R: the {n} modes must be independent")
+
+    def __eq__(self, other: object) -> bool:
+        names = self.__dataclass_fields__
+        return isinstance(other, ModalData) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in names
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.mass, *(getattr(self, name).tobytes() for name in ("first", "R", "stiffness", "damping"))))
+
+    @property
+    def n(self) -> int:
+        """How many modes."""
+        return len(self.R)
+
+    @property
+    def centre(self) -> Array:
+        """d, the mass centre (3,) [m]."""
+        return self.first / self.mass
+
+    @property
+    def inertia(self) -> Array:
+        """Inertia about the attachment point (3, 3) [kg m^2]."""
+        return np.trace(self.second) * np.eye(3) - self.second
+
+    @property
+    def modal_mass(self) -> Array:
+        """m_kl = int phi_k . phi_l dm (n, n) [kg]."""
+        return np.einsum("klii->kl", self.overlaps)
+
+    @cached_property
+    def frequencies(self) -> Array:
+        """Natural frequencies clamped (n,) [rad/s], ascending."""
+        import scipy.linalg
+
+        if not self.n:
+            return np.zeros(0)
+        return np.sqrt(np.maximum(scipy.linalg.eigh(self.stiffness, self.modal_mass, eigvals_only=True), 0.0))
+
+    @property
+    def N(self) -> Array:
+        """Eq (10), int [(r . phi_k) 1 - r phi_k^T] dm (n, 3, 3) [kg m]."""
+        return self.C[:, None, None] * np.eye(3) - self.moments
+
+    @property
+    def Y(self) -> Array:
+        """Eq (11), int r x phi_k dm (n, 3) [kg m]."""
+        return axial(self.moments)
+
+    @property
+    def E(self) -> Array:
+        """Eq (12) corrected, int [(phi_k . phi_l) 1 - phi_k phi_l^T] dm (n, n, 3, 3) [kg]."""
+        return self.modal_mass[:, :, None, None] * np.eye(3) - self.overlaps
+
+    @property
+    def Z(self) -> Array:
+        """Eq (13), int phi_l x phi_k dm (n, n, 3) [kg]: opposite in sign to the Z of (8); B and C use this one."""
+        return -axial(self.overlaps)
+
+    @property
+    def C(self) -> Array:
+        """C_k of Eq (24), int r . phi_k dm (n,) [kg m]."""
+        return np.einsum("kii->k", self.moments)
+
+    @cached_property
+    def pi(self) -> Array:
+        """Pi = int z z^T dm (4 + 3 n, 4 + 3 n), z = (1, r, phi_1 .. phi_n)."""
+        n = self.n
+        Pi = np.zeros((4 + 3 * n, 4 + 3 * n))
+        Pi[0, 0] = self.mass
+        Pi[0, 1:4] = self.first
+        Pi[1:4, 1:4] = self.second
+        Pi[0, 4:] = self.R.ravel()
+        Pi[1:4, 4:] = self.moments.transpose(1, 0, 2).reshape(3, 3 * n)
+        Pi[4:, 4:] = self.overlaps.transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+        return np.triu(Pi) + np.triu(Pi, 1).T
+
+    def keep(self, modes: Sequence[int]) -> ModalData:
+        """The same body with these modes only, counted from 0."""
+        chosen = list(modes)
+        for k in chosen:
+            require_count("ModalData.keep", "mode", k, 0, self.n - 1)
+        pair = np.ix_(chosen, chosen)
+        pairs = ("overlaps", "stiffness", "damping", "shortening", "shortening_moments")
+        rows = ("R", "moments", "tip_shapes", "outline_shapes")
+        values: dict[str, Any] = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        values["shortening_overlaps"] = values["shortening_overlaps"][np.ix_(chosen, chosen, chosen)]
+        values["shortening_squares"] = values["shortening_squares"][np.ix_(chosen, chosen, chosen, chosen)]
+        values |= {name: values[name][pair] for name in pairs} | {name: values[name][chosen] for name in rows}
+        return ModalData(**values)
+
+    def slowest(self, count: int) -> ModalData:
+        """The same body with the `count` slowest of its modes, in their order here."""
+        require_count("ModalData.slowest", "count", count, 0, self.n)
+        squares = np.diag(self.stiffness) / np.diag(self.modal_mass)
+        return self.keep(sorted(int(k) for k in np.argsort(squares, kind="stable")[:count]))
+
+    @classmethod
+    def rigid(cls, mass: float, first: Any, inertia: Any) -> ModalData:
+        """A rigid body: first moment (3,) [kg m] and inertia (3, 3) [kg m^2] about the attachment point."""
+        I = read_only("ModalData.inertia", inertia, (3, 3))
+        empty = {"R": (0, 3), "moments": (0, 3, 3), "overlaps": (0, 0, 3, 3), "stiffness": (0, 0), "damping": (0, 0)}
+        empty |= {"shortening": (0, 0, 3), "shortening_moments": (0, 0, 3, 3), "tip_shapes": (0, 3)}
+        first = read_only("ModalData.first", first, (3,))
+        tip = first / mass
+        return cls(
+            mass=mass,
+            first=first,
+            second=np.trace(I) / 2 * np.eye(3) - I,
+            tip=tip,
+            shortening_overlaps=np.zeros((0, 0, 0, 3, 3)),
+            shortening_squares=np.zeros((0, 0, 0, 0, 3, 3)),
+            outline=np.array([np.zeros(3), tip]),
+            outline_shapes=np.zeros((0, 2, 3)),
+            **{name: np.zeros(shape) for name, shape in empty.items()},
+        )
+
+    @classmethod
+    def from_nodes(
+        cls,
+        positions: Any,
+        masses: Any,
+        shapes: Any,
+        *,
+        frequencies: Any = None,
+        stiffness: Any = None,
+        damping: Any = 0.0,
+        shortening: Any = None,
+        tip: int = -1,
+    ) -> ModalData:
+        """Sums over N nodes: positions (N, 3) [m], masses (N,) [kg], shapes (n, N, 3).
+
+        `frequencies` (n,) [rad/s] of orthogonal modes, or `stiffness` (n, n) [N/m]. `damping`: a ratio for every
+        mode, or (n, n) [N s/m]. `shortening` g_kl (n, n, N, 3) [1/m]. `tip`: the node that the outputs watch.
+        """
+        r = read_only("ModalData.positions", positions, (-1, 3))
+        dm = read_only("ModalData.masses", masses, (len(r),))
+        phi = read_only("ModalData.shapes", shapes, (-1, len(r), 3))
+        n = len(phi)
+        if (dm < 0).any():
+            raise ValueError(f"ModalData.masses[{int(np.argmin(dm))}] = {dm.min()} must be >= 0 [kg]")
+        require_count("ModalData", "tip", tip, -len(r), len(r) - 1)
+        g = (
+            np.zeros((n, n, len(r), 3))
+            if shortening is None
+            else read_only("shortening", shortening, (n, n, len(r), 3))
+        )
+        overlaps = np.einsum("p,kpi,lpj->klij", dm, phi, phi)
+        modal_mass = np.einsum("klii->kl", overlaps)
+        if (frequencies is None) == (stiffness is None):
+            raise ValueError("ModalData: exactly one of frequencies [rad/s] and stiffness [N/m] must be given")
+        if stiffness is None:
+            omega = read_only("ModalData.frequencies", frequencies, (n,))
+            stiffness = np.diag(omega**2 * np.diag(modal_mass))
+        K = read_only("ModalData.stiffness", stiffness, (n, n))
+        if np.ndim(damping) == 0:
+            if not 0 <= damping < np.inf:
+                raise ValueError(f"ModalData.damping = {damping!r} must be >= 0 (a ratio)")
+            damping = np.diag(2 * damping * np.sqrt(np.diag(K) * np.diag(modal_mass)))
+        return cls(
+            mass=float(dm.sum()),
+            first=dm @ r,
+            second=np.einsum("p,pi,pj->ij", dm, r, r),
+            R=np.einsum("p,kpi->ki", dm, phi),
+            moments=np.einsum("p,pi,kpj->kij", dm, r, phi),
+            overlaps=overlaps,
+            stiffness=K,
+            damping=damping,
+            shortening=np.einsum("p,klpi->kli", dm, g),
+            shortening_moments=np.einsum("p,pi,klpj->klij", dm, r, g),
+            shortening_overlaps=np.einsum("p,jpa,klpb->jklab", dm, phi, g),
+            shortening_squares=np.einsum("klpa,mnpb->klmnab", g * dm[:, None], g, optimize=True),
+            tip=r[tip],
+            tip_shapes=phi[:, tip],
+            outline=r,
+            outline_shapes=phi,
+        )
+
+    @classmethod
+    def boom(cls, beam: Beam, modes: tuple[int, int] = (1, 1)) -> ModalData:
+        """A uniform slender boom along x: `modes` = (how many in x-y, how many in x-z), int phi^2 dx = L.
+
+        Bending in x-z first; no torsion, no inertia about x.
+        """
+        in_plane, out = _counts(modes, "boom")
+        return _along_x(
+            beam,
+            [(0.0, 1.0)],
+            [(2, out, beam_stiffness(beam, "I_y"), (1.0,)), (1, in_plane, beam_stiffness(beam, "I_z"), (1.0,))],
+        )
+
+    @classmethod
+    def panel(cls, beam: Beam, width: float, modes: tuple[int, int] = (1, 1)) -> ModalData:
+        """A plate-like panel as a pair of such beams at y = +-width/2 [m]: `modes` = (bending, twisting), all in z.
+
+        In bending the beams move together, in twisting against each other; in its plane the panel is stiff.
+        """
+        bending, twisting = _counts(modes, "panel")
+        if not 0 < width < np.inf:
+            raise ValueError(f"ModalData.panel width = {width!r} must be > 0 [m]")
+        lines = [(width / 2, 1.0), (-width / 2, 1.0)]
+        EI = beam_stiffness(beam, "I_y")
+        return _along_x(beam, lines, [(2, bending, EI, (1.0, 1.0)), (2, twisting, EI, (1.0, -1.0))])
+
+    @classmethod
+    def from_matrices(
+        cls, mass: Any, stiffness: Any, positions: Any, *, root: Sequence[int], modes: int, damping: float = 0.0
+    ) -> ModalData:
+        """The slowest clamped modes of a structural model: M, K (6 N, 6 N) or (3 N, 3 N), nodes at positions (N, 3)
+        [m].
+
+        Freedoms of a node stand together: three translations, then three turns. `root`: the clamped nodes, one of
+        them at the attachment point. Masses are lumped at the nodes (rows summed over translations along each
+        axis), turns without mass condensed. ValueError where the lumped body has another first moment or inertia.
+        """
+        from .component_modes import clamped_modes
+
+        r = read_only("ModalData.positions", positions, (-1, 3))
+        masses, shapes, omega = clamped_modes(mass, stiffness, r, root, modes)
+        return cls.from_nodes(r, masses, shapes, frequencies=omega, damping=damping)
+
+    @classmethod
+    def from_nastran(
+        cls,
+        path: str | Path,
+        positions: Any,
+        *,
+        root: Sequence[int],
+        modes: int,
+        mass: str = "mgg",
+        stiffness: str = "kgg",
+        damping: float = 0.0,
+    ) -> ModalData:
+        """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti."""
+        from .component_modes import read_nastran
+
+        M, K = read_nastran(path, mass, stiffness)
+        return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping)
+
+
+def _counts(modes: tuple[int, int], kind: str) -> tuple[int, int]:
+    if not (isinstance(modes, tuple) and len(modes) == 2):
+        raise ValueError(f"ModalData.{kind} modes = {modes!r} must be two counts")
+    for count in modes:
+        require_count(f"ModalData.{kind}", "modes", count, 0, 100)
+    return modes
+
+
+def beam_stiffness(beam: Beam, moment: str) -> float:
+    """E I [N m^2] for bending resisted by I_z (in x-y) or I_y (in x-z); ValueError where it is an expression."""
+    for name in ("length", "density", "area", "E", moment, "damping"):
+        if is_symbolic(getattr(beam, name)):
+            raise ValueError(f"Beam.{name} of an appendage cannot be varied; vary its stiffness_factor instead")
+    return float(beam.E * getattr(beam, moment))
+
+
+def _along_x(
+    beam: Beam,
+    lines: list[tuple[float, float]],
+    families: list[tuple[int, int, float, tuple[float, ...]]],
+) -> ModalData:
+    """Parallel beams along x at (y, share of the beam's mass); families of (direction, modes, EI, sign on each line).
+
+    Gauss's points serve as nodes: they integrate products of the shapes exactly to rounding.
+    """
+    L, most = float(beam.length), max(count for _, count, _, _ in families)
+    xi, weight = quadrature(max(most, 1))
+    n, points = sum(count for _, count, _, _ in families), len(xi)
+    r = np.concatenate([np.column_stack([L * xi, np.full(points, y), np.zeros(points)]) for y, _ in lines])
+    dm = np.concatenate([share * beam.mass * weight for _, share in lines])
+    phi = np.zeros((n, len(r), 3))
+    ends, frequencies, k = np.zeros((n, 3)), np.zeros(n), 0
+    for direction, count, EI, signs in families:
+        if not count:
+            continue
+        shape = basis("clamped-free", count).phi
+        value, end = shape(xi), shape(np.array(1.0))
+        for j in range(count):
+            phi[k, :, direction] = np.concatenate([s * value[:, j] for s in signs])
+            ends[k, direction] = signs[0] * end[j]
+            frequencies[k] = shape.roots[j] ** 2 * np.sqrt(EI / (beam.linear_density * L**4))  # type: ignore[union-attr]
+            k += 1
+    tip = np.array([L, lines[0][0], 0.0])
+    g = np.zeros((n, n, len(r), 3))
+    g[..., 0] = _shortening(families, n, L, xi)
+    data = ModalData.from_nodes(r, dm, phi, frequencies=frequencies, shortening=g)
+    values: dict[str, Any] = {name: getattr(data, name) for name in data.__dataclass_fields__}
+    values |= {"damping": beam.damping * data.stiffness}
+    shown = slice(None, points, max(points // 12, 1))
+    values |= {"tip": tip, "tip_shapes": ends}
+    values |= {
+        "outline": np.vstack([r[shown], tip]),
+        "outline_shapes": np.concatenate([phi[:, shown], ends[:, None]], axis=1),
+    }
+    return ModalData(**{name: _tidy(value) for name, value in values.items()})
+
+
+def _shortening(families: list[tuple[int, int, float, tuple[float, ...]]], n: int, L: float, xi: Array) -> Array:
+    """g_kl (n, n, lines * points) [1/m] along x: the integral of phi_k' . phi_l' from the root to x = L xi."""
+    most = max(count for _, count, _, _ in families)
+    g = np.zeros((n, n, len(families[0][3]), len(xi)))
+    if not most:
+        return g.reshape(n, n, len(families[0][3]) * len(xi))
+    node, weight = quadrature(most)
+    slope = basis("clamped-free", most).phi(xi[:, None] * node, 1) / L
+    growth = np.einsum("pqi,pqj,q,p->ijp", slope, slope, weight, L * xi)
+    modes = [(direction, j, np.array(signs)) for direction, count, _, signs in families for j in range(count)]
+    for k, (along, i, sign) in enumerate(modes):
+        for l, (other, j, turned) in enumerate(modes):
+            if along == other:
+                g[k, l] = (sign * turned)[:, None] * growth[i, j]
+    return g.reshape(n, n, len(families[0][3]) * len(xi))
+
+
+def _tidy(value: Any) -> Any:
+    """Rounding in place of a zero of the theory (orthogonal modes) becomes that zero."""
+    if np.ndim(value) < 1:
+        return value
+    return np.where(np.abs(value) > 1e-13 * np.abs(value).max(initial=0.0), value, 0.0)

@@ -1,0 +1,1 @@
+"""From a CasADi function to compiled C on many lanes: code generation, packing, compiler, cache, loader, threads."""

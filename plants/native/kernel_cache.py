@@ -1,0 +1,135 @@
+"""Compiled kernels on disk: one folder per user, written atomically, loaded only if nobody else could have written it.
+
+Every file ends in the SHA-256 of what stands before, so a damaged file is noticed and built again. Nothing relies on a
+lock: processes that build the same kernel at once each rename a whole file into place.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+import tempfile
+from pathlib import Path
+
+import platformdirs
+
+from pliant.plants.core.errors import PliantError
+
+MAGIC = b"pliant-kernel-1\n"
+TRAILER = len(MAGIC) + 32
+
+
+class CacheError(PliantError):
+    """The cache folder, or a file in it, could have been written by somebody else."""
+
+
+def folder() -> Path:
+    """Where compiled kernels are kept: $PLIANT_CACHE, or the user's cache folder."""
+    chosen = os.environ.get("PLIANT_CACHE")
+    return Path(chosen) if chosen else Path(platformdirs.user_cache_dir("pliant")) / "kernels"
+
+
+def _refuse(path: Path, why: str) -> CacheError:
+    return CacheError(
+        f"{path} {why}: compiled code is not loaded from it. Remove it, take back its ownership and "
+        "`chmod go-w` it, or set PLIANT_CACHE to a folder of your own"
+    )
+
+
+def check_own(path: Path) -> None:
+    """Raise CacheError unless this user owns the path and nobody else may write it."""
+    if not hasattr(os, "geteuid"):
+        return
+    info = os.lstat(path)
+    if stat.S_ISLNK(info.st_mode):
+        raise _refuse(path, "is a symbolic link")
+    if info.st_uid != os.geteuid():
+        raise _refuse(path, f"belongs to user {info.st_uid}, not to user {os.geteuid()}")
+    if info.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        raise _refuse(path, f"may be written by others (mode {stat.S_IMODE(info.st_mode):o})")
+
+
+def checked_folder(create: bool = True) -> Path:
+    """The cache folder, made if missing; CacheError where it, or a folder above it, is open to other users."""
+    path = folder()
+    if create:
+        path.mkdir(parents=True, exist_ok=True, mode=0o700)
+    if path.exists():
+        check_own(path)
+        for above in path.absolute().parents:
+            info = os.stat(above)
+            open_to_others = info.st_mode & (stat.S_IWGRP | stat.S_IWOTH) and not info.st_mode & stat.S_ISVTX
+            if hasattr(os, "geteuid") and (open_to_others or info.st_uid not in (0, os.geteuid())):
+                raise _refuse(above, "stands above the cache and may be changed by another user")
+    return path
+
+
+def seal(content: bytes) -> bytes:
+    """Content followed by its mark and digest; a shared library may carry bytes after its end."""
+    return content + MAGIC + hashlib.sha256(content).digest()
+
+
+def unseal(data: bytes) -> bytes | None:
+    """The content, or None where the file is damaged."""
+    content, trailer = data[:-TRAILER], data[-TRAILER:]
+    whole = trailer == MAGIC + hashlib.sha256(content).digest()
+    return content if whole else None
+
+
+def path_of(name: str) -> Path | None:
+    """The path of a whole file in the cache, or None; a damaged file is removed."""
+    path = checked_folder() / name
+    try:
+        check_own(path)
+        data = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    if unseal(data) is None:
+        path.unlink(missing_ok=True)
+        return None
+    return path
+
+
+def read_text(name: str) -> str | None:
+    """The text of a whole file in the cache, or None."""
+    path = path_of(name)
+    content = unseal(path.read_bytes()) if path else None
+    return content.decode() if content is not None else None
+
+
+def write_aside(content: bytes) -> Path:
+    """Write sealed content under a temporary name in the cache folder; `publish` gives it its own."""
+    handle, name = tempfile.mkstemp(prefix="building-", dir=checked_folder())
+    with os.fdopen(handle, "wb") as file:
+        file.write(seal(content))
+        file.flush()
+        os.fsync(file.fileno())
+    os.chmod(name, 0o700)
+    return Path(name)
+
+
+def publish(aside: Path, name: str) -> Path:
+    """Rename a file written aside into place: other processes see all of it or nothing."""
+    path = aside.with_name(name)
+    os.replace(aside, path)
+    return path
+
+
+def write(name: str, content: bytes) -> Path:
+    """Write a whole file atomically."""
+    return publish(write_aside(content), name)
+
+
+def entries() -> list[Path]:
+    """All files in the cache."""
+    path = checked_folder(create=False)
+    return sorted(p for p in path.iterdir() if p.is_file()) if path.exists() else []
+
+
+def clear() -> int:
+    """Remove every file of the cache; returns how many."""
+    found = entries()
+    for path in found:
+        path.unlink(missing_ok=True)
+    return len(found)

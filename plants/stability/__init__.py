@@ -1,0 +1,34 @@
+"""Stability of a linear model about a nominal motion, constant, periodic or neither.
+
+assess(model)          the verdict, from all methods that apply: `assessment`, `verdict`
+frozen_time(model)     eigenvalues along the nominal: `frozen`
+slow_variation(model)  whether they may be believed: `frozen`
+floquet(model)         multipliers and modes of a periodic model: `floquet`
+growth(model)          the transition matrix over windows, finite-time Lyapunov exponents: `growth`
+lyapunov(model)        a quadratic certificate that varies with time: `certificate`
+"""
+
+from __future__ import annotations
+
+from .assessment import assess
+from .floquet import Floquet, floquet
+from .frozen_time import FrozenTime, SlowVariation, frozen_time, slow_variation
+from .lyapunov_certificate import Certificate, lyapunov
+from .transition_growth import Growth, growth
+from .verdict import METHODS, Verdict
+
+__all__ = [
+    "METHODS",
+    "Certificate",
+    "Floquet",
+    "FrozenTime",
+    "Growth",
+    "SlowVariation",
+    "Verdict",
+    "assess",
+    "floquet",
+    "frozen_time",
+    "growth",
+    "lyapunov",
+    "slow_variation",
+]

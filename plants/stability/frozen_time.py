@@ -1,0 +1,224 @@
+"""Frozen-time eigenvalues along a nominal, and the test that says whether they may be believed.
+
+The roots of A(t) at fixed t decide nothing by themselves: they depend on the coordinates where those move, and a model
+may grow while all are in the left half-plane (Markus and Yamabe 1960) or decay while some are not. Where A(t) changes
+slowly enough they do decide (Rosenbrock 1963; Desoer 1969; Ilchmann, Owens and Praetzel-Wolters 1987). The test here:
+A^T P + P A = -I at each t; V = y^T P(t) y falls where the largest eigenvalue of P' is below 1, and P' follows from
+A^T P' + P' A = -(A'^T P + P A'). The classical norm bound |A'| < 1/(2 |P|^2) is the same with norms in place of P'.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import scipy.linalg as sla
+
+from pliant.plants.linear.lti import LinearModel
+
+from .state_matrix_path import Model, Path, as_pieces, kept, scaling
+
+ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
+
+
+@dataclass(frozen=True, eq=False)
+class FrozenTime:
+    """Eigenvalues (nt, nx) [1/s] of A at the times t (nt,) [s], rightmost first, and what they would suggest."""
+
+    t: np.ndarray = field(repr=False)
+    eigenvalues: np.ndarray = field(repr=False)
+    critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis
+    coordinates: str  # in which the roots were taken; in others that move against these they differ
+
+    @property
+    def rightmost(self) -> np.ndarray:
+        """Largest real part (nt,) [1/s]."""
+        return self.eigenvalues.real.max(axis=1, initial=-np.inf)
+
+    @property
+    def threshold(self) -> float:
+        """Real part [1/s] that rounding can make of zero."""
+        return ROUNDING * float(np.abs(self.eigenvalues).max(initial=0.0))
+
+    @property
+    def suggests(self) -> str:
+        """stable, unstable or marginal: no verdict unless `slow_variation` allows it."""
+        worst = float(self.rightmost.max())
+        return "unstable" if worst > self.threshold else "stable" if worst < -self.threshold else "marginal"
+
+
+def frozen_time(
+    model: Model | LinearModel,
+    *,
+    states: Sequence[str] | None = None,
+    coordinates: str | None = None,
+    points: int | None = None,
+) -> FrozenTime:
+    """Eigenvalues along the nominal at its nodes, or at about `points` of them.
+
+    `coordinates` says in words what the states are measured in; None: their names. Critical times lie between two
+    nodes and are refined on the interpolated A(t).
+    """
+    said = coordinates or said_coordinates(model, states)
+    keep = kept(model, states)
+    if isinstance(model, LinearModel):
+        _require_continuous("frozen_time", model)
+        values = _ordered(model.A[np.ix_(keep, keep)][None])
+        return FrozenTime(np.zeros(1), values, (), said)
+    times, found = [], []
+    crossings: list[float] = []
+    for piece in as_pieces(model).pieces:
+        A = piece.A[:, keep][:, :, keep]
+        part = frozen_along(Path(piece.t, A, scaling(A)), _thinned(piece.t, points), said)
+        crossings += part.critical_times
+        times.append(part.t)
+        found.append(part.eigenvalues)
+    return FrozenTime(np.concatenate(times), np.concatenate(found), tuple(crossings), said)
+
+
+def frozen_along(path: Path, t: np.ndarray, coordinates: str) -> FrozenTime:
+    """The same at the times t (nt,) of one smooth piece."""
+    values = _ordered(path(t))
+    return FrozenTime(t, values, tuple(_crossings(path, t, values)), coordinates)
+
+
+def _thinned(t: np.ndarray, points: int | None) -> np.ndarray:
+    every = 1 if points is None else max(1, -(-len(t) // points))
+    return t[np.unique(np.r_[np.arange(0, len(t), every), len(t) - 1])]
+
+
+def said_coordinates(model: Any, states: Sequence[str] | None) -> str:
+    names = tuple(states) if states is not None else model_states(model)
+    return "the model's own states " + (", ".join(names) if len(names) <= 8 else f"{names[0]} .. {names[-1]}")
+
+
+def model_states(model: Any) -> tuple[str, ...]:
+    """Names of the states of a model or of pieces."""
+    return model.state_names if isinstance(model, LinearModel) else as_pieces(model).pieces[0].state_names
+
+
+def _ordered(A: np.ndarray) -> np.ndarray:
+    values = np.linalg.eigvals(A).astype(complex)
+    return np.take_along_axis(values, np.argsort(-values.real, axis=1, kind="stable"), axis=1)
+
+
+def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
+    """Times [s] at which the rightmost real part passes the rounding threshold, by bisection."""
+    limit = ROUNDING * float(np.abs(values).max(initial=0.0))
+    above = values.real.max(axis=1, initial=-np.inf) > limit
+    found = []
+    for k in np.flatnonzero(above[1:] != above[:-1])[:100]:
+        low, high = float(t[k]), float(t[k + 1])
+        for _ in range(30):
+            middle = (low + high) / 2
+            if (np.linalg.eigvals(path(middle)).real.max() > limit) == above[k]:
+                low = middle
+            else:
+                high = middle
+        found.append((low + high) / 2)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class SlowVariation:
+    """Whether frozen-time roots may be believed (also as a truth value), and how far inside the bound the model is."""
+
+    allowed: bool
+    used: float  # largest eigenvalue of P' over the motion: the share of the decay that the motion of A eats; < 1
+    decay: float  # rate [1/s] of the slowest mode that V proves; 0 where not allowed
+    rate: float  # largest |A'| [1/s^2], and ..
+    bound: float  # .. 1/(2 max |P|^2) [1/s^2]: the classical sufficient bound on it
+    worst_time: float  # [s] where the test is tightest
+    why: str
+
+    def __bool__(self) -> bool:
+        return self.allowed
+
+    @property
+    def inside(self) -> float:
+        """1 - used: 1 for a constant model, 0 at the bound, below 0 beyond it."""
+        return 1.0 - self.used
+
+
+def slow_variation(
+    model: Model | LinearModel, *, states: Sequence[str] | None = None, points: int | None = None
+) -> SlowVariation:
+    """Whether A(t) varies slowly enough, at its nodes and midway between, for its frozen roots to decide."""
+    keep = kept(model, states)
+    if isinstance(model, LinearModel):
+        _require_continuous("slow_variation", model)
+        worst = float(np.linalg.eigvals(model.A[np.ix_(keep, keep)]).real.max(initial=-np.inf))
+        return SlowVariation(True, 0.0, max(-worst, 0.0), 0.0, np.inf, 0.0, "A is constant: its roots decide")
+    pieces = as_pieces(model).pieces
+    if len(pieces) > 1:
+        return _refused("the nominal has jumps: no rate bounds them")
+    A = pieces[0].A[:, keep][:, :, keep]
+    path = Path(pieces[0].t, A, scaling(A))
+    return slow_along(path, _thinned(pieces[0].t, points))
+
+
+def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
+    """The same at the times t (nt,) of one smooth piece and midway between them."""
+    t = np.sort(np.r_[t, (t[1:] + t[:-1]) / 2])
+    at, moving = path(t), path.rate(t)
+    S = _coordinates(at.mean(axis=0))
+    at, moving = (np.linalg.solve(S, a @ S) for a in (at, moving))
+    lam, V = np.linalg.eig(at)
+    right = lam.real.max(axis=1)
+    if right.max() >= -ROUNDING * np.abs(lam).max():
+        k = int(right.argmax())
+        return _refused(f"a frozen root has real part {right[k]:.3g} at {t[k]:.6g} s", float(t[k]))
+    P = _lyapunov(at, lam, V, np.broadcast_to(np.eye(path.n), at.shape))
+    half = moving.transpose(0, 2, 1) @ P
+    motion = np.linalg.eigvalsh(_lyapunov(at, lam, V, half + half.transpose(0, 2, 1)))[:, -1]
+    size = np.linalg.eigvalsh(P)[:, -1]
+    k = int(motion.argmax())
+    used = max(float(motion[k]), 0.0)
+    rate = float(np.linalg.norm(moving, 2, axis=(1, 2)).max())
+    bound = float(1 / (2 * size.max() ** 2))
+    allowed = bool(np.isfinite(motion).all() and used < 1)
+    decay = float(((1 - motion) / (2 * size)).min()) if allowed else 0.0
+    verb = "uses" if allowed else "needs"
+    why = f"the motion of A {verb} {used:.3g} of the frozen decay (below 1 is allowed), most at {t[k]:.6g} s"
+    return SlowVariation(allowed, used, decay, rate, bound, float(t[k]), why)
+
+
+def _refused(why: str, time: float = np.nan) -> SlowVariation:
+    return SlowVariation(False, np.inf, 0.0, np.inf, 0.0, time, why)
+
+
+def _coordinates(mean: np.ndarray) -> np.ndarray:
+    """S (n, n) with x = S y: real modal coordinates of the mean A, where its decay is even; else none."""
+    lam, V = np.linalg.eig(mean)
+    if lam.real.max(initial=-1.0) >= 0 or np.linalg.cond(V) > 1e6:
+        return np.eye(len(mean))
+    columns, k = [], 0
+    while k < len(lam):
+        size = np.sqrt(-2 * lam[k].real)
+        if lam[k].imag != 0:
+            columns += [V[:, k].real / size, V[:, k].imag / size]
+            k += 2
+        else:
+            columns.append(V[:, k].real / size)
+            k += 1
+    return np.array(columns).T
+
+
+def _lyapunov(A: np.ndarray, lam: np.ndarray, V: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """P (m, n, n) with A^T P + P A = -Q, through the eigenvectors V of A; directly where those are nearly parallel."""
+    inverse = np.linalg.inv(V)
+    left = V.conj().transpose(0, 2, 1)
+    X = -(left @ Q @ V) / (lam.conj()[:, :, None] + lam[:, None, :])
+    P = (inverse.conj().transpose(0, 2, 1) @ X @ inverse).real
+    miss = np.abs(A.transpose(0, 2, 1) @ P + P @ A + Q).max(axis=(1, 2))
+    for k in np.flatnonzero(~(miss <= 1e-8 * np.maximum(np.abs(Q).max(axis=(1, 2)), 1e-300))):
+        P[k] = sla.solve_continuous_lyapunov(A[k].T, -Q[k])
+    return (P + P.transpose(0, 2, 1)) / 2
+
+
+def _require_continuous(method: str, model: LinearModel) -> None:
+    """ValueError for a sampled model: its eigenvalues are in the z plane."""
+    if model.dt is not None:
+        raise ValueError(f"{method}: model.dt = {model.dt:g} must be None (continuous time); assess takes sampled ones")

@@ -1,0 +1,142 @@
+"""Whether A(t) is periodic, and with which period: what Floquet's theory must know before it may speak."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pliant.plants.linear.ltv import LTVModel
+
+from .state_matrix_path import scaling
+
+CLOSES = 1e-5  # of the range of A(t): how near A must come back
+ONE_SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # first derivative at the first of five nodes
+TURNS = 2e-2  # of the largest |dA/dt|: how near its rate must come back
+
+
+def varying(model: LTVModel) -> tuple[np.ndarray, float]:
+    """The entries of A(t) that vary, (nt, m), and their largest range.
+
+    In scaled coordinates, where a slow motion's entries are not lost beside a fast one's squared frequency.
+    """
+    scale = scaling(model.A)
+    flat = (model.A * scale / scale[:, None]).reshape(len(model.t), -1)
+    spread = np.ptp(flat, axis=0)
+    moving = spread > 1e-12 * np.abs(flat).max(initial=1e-300)
+    return flat[:, moving], float(spread.max(initial=0.0))
+
+
+def why_not(model: LTVModel, period: float) -> str:
+    """Why A(t) does not have this period [s] as far as the model reaches; "" where it has."""
+    return _why_not(model, period, *varying(model))
+
+
+def _why_not(model: LTVModel, period: float, flat: np.ndarray, spread: float) -> str:
+    t, span = model.t, float(model.t[-1] - model.t[0])
+    if period > span * (1 + 1e-9):
+        return f"the model covers {span:.6g} s, less than the period {period:.6g} s"
+    if not flat.shape[1]:
+        return ""
+    if abs(period - span) <= 1e-9 * span:
+        miss = float(np.abs(flat[-1] - flat[0]).max()) / spread
+    else:
+        late = t + period <= t[-1] + 1e-9 * span
+        later = _spline(t, flat)(np.minimum(t[late] + period, t[-1]))
+        miss = float(np.abs(later - flat[late]).max()) / spread
+    if miss > CLOSES:
+        return f"A(t + T) differs from A(t) by {miss:.2g} of its range for T = {period:.6g} s"
+    return ""
+
+
+def find(model: LTVModel) -> tuple[float | None, str]:
+    """The period [s] and where it comes from, or None and why there is none.
+
+    Either A(t) repeats itself at least once within the model, or the whole model closes: A, its rate and the nominal
+    state come back (angles up to whole turns, quaternions up to their sign).
+    """
+    flat, spread = varying(model)
+    span = float(model.t[-1] - model.t[0])
+    if not flat.shape[1]:
+        return span, "A is constant"
+    repeated = _repeats(model, flat, spread)
+    if repeated is not None:
+        return repeated, f"A(t) repeats every {repeated:.6g} s"
+    reason = _why_not(model, span, flat, spread) or _why_not_smooth(model, flat) or _why_not_closed(model)
+    if reason:
+        return None, reason
+    return span, f"the nominal closes after {span:.6g} s and is taken as one period"
+
+
+def _spline(t: np.ndarray, values: np.ndarray) -> Any:
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(t, values)
+
+
+def _uniform(t: np.ndarray) -> bool:
+    h = np.diff(t)
+    return bool(h.max() - h.min() <= 1e-7 * h[0])
+
+
+def _why_not_smooth(model: LTVModel, flat: np.ndarray) -> str:
+    t, few = model.t, min(12, len(model.t))
+    if len(t) >= 5 and _uniform(t):
+        begin, end = ONE_SIDED @ flat[:5] / (t[1] - t[0]), -ONE_SIDED @ flat[:-6:-1] / (t[1] - t[0])
+    else:
+        begin, end = _spline(t[:few], flat[:few])(t[0], 1), _spline(t[-few:], flat[-few:])(t[-1], 1)
+    largest = np.abs(np.diff(flat, axis=0) / np.diff(t)[:, None]).max()
+    miss = float(np.abs(end - begin).max() / largest)
+    return f"dA/dt at the end differs from that at the start by {miss:.2g} of its largest" if miss > TURNS else ""
+
+
+def _why_not_closed(model: LTVModel) -> str:
+    for signal, x in zip(model.states, model.x.T):
+        miss = abs(x[-1] - x[0])
+        if signal.unit == "rad":
+            miss = abs(miss - 2 * np.pi * round(miss / (2 * np.pi)))
+        elif signal.unit in ("", "-"):
+            miss = min(miss, abs(x[-1] + x[0]))
+        if miss > 1e-4 * np.ptp(x) + 1e-9:
+            return f"the nominal {signal.name} ends at {x[-1]:.6g}, not at {x[0]:.6g} {signal.unit} where it began"
+    return ""
+
+
+def _repeats(model: LTVModel, flat: np.ndarray, spread: float) -> float | None:
+    """The shortest shift [s], at most half the span, after which A(t) is the same."""
+    t, n = model.t, len(model.t)
+    if n < 17:
+        return None
+    rng = np.random.default_rng(0)
+    centred = (flat - flat.mean(axis=0)) / np.ptp(flat, axis=0)
+    few = centred @ rng.uniform(0.5, 1.0, (flat.shape[1], 2)) / flat.shape[1]
+    uniform = few if _uniform(t) else _spline(t, few)(np.linspace(t[0], t[-1], n))
+    half = n // 2 + 1
+    square = np.vstack([np.zeros(1), np.cumsum((uniform**2).sum(axis=1))[:, None]])[:, 0]
+    pad = np.fft.rfft(uniform, 2 * n, axis=0)
+    cross = np.fft.irfft((np.abs(pad) ** 2).sum(axis=1))[:half]
+    shift = np.arange(half)
+    distance = (square[n - shift] + square[n] - square[shift] - 2 * cross) / (n - shift)
+    low = (distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])
+    level = 2 * square[n] / n
+    step = (t[-1] - t[0]) / (n - 1)
+    near = np.flatnonzero(low & (distance[1:-1] < 0.1 * level))[:8] + 1
+    path = _spline(t, few) if len(near) else None
+    for k in near:
+        found = _refined(path, t, float(k * step), step)
+        if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9) and not _why_not(model, found, flat, spread):
+            return found
+    return None
+
+
+def _refined(path: Any, t: np.ndarray, shift: float, step: float) -> float:
+    """The shift [s] near `shift` at which the path repeats best, by Gauss-Newton."""
+    limit = shift
+    for _ in range(20):
+        at = t[t + shift <= t[-1]]
+        miss, rate = path(at + shift) - path(at), path(at + shift, 1)
+        change = float((miss * rate).sum() / (rate**2).sum())
+        shift -= change
+        if abs(change) < 1e-14 * limit or abs(shift - limit) > 2 * step:
+            break
+    return shift

@@ -1,0 +1,181 @@
+"""A(t) of a linear model as a function of time, in coordinates scaled once for all times.
+
+Between the nodes A is a cubic spline, as in `LTVModel`; over a period of equidistant nodes a trigonometric polynomial
+where its harmonics die out, else a periodic cubic spline. A nominal with jumps is a `PiecewiseLTV`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy.linalg as sla
+
+from pliant.plants.core.signals import index
+from pliant.plants.linear import magnus
+from pliant.plants.linear.lti import LinearModel
+from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
+
+DROPPED = 1e-11  # of the largest |A|: harmonics that are left out, root of the sum of squares
+MOST_HARMONICS = 256
+NOISE, WIDEST = 1e-12, 2.0**30  # of entries that scaling ignores; of scales from their median
+CHUNK = 4096  # steps whose matrices are held at a time
+MOST_STEPS = 2**20
+CAUTIOUS = 3.0  # every other node left out, a cubic spline's error is 16 times its own where nodes are close, less else
+
+
+Model = LinearModel | LTVModel | PiecewiseLTV | Sequence[LTVModel]
+
+
+def as_pieces(model: Model) -> PiecewiseLTV:
+    """The model as pieces: one where it has no jump; a list is joined without jumps of the state.
+
+    ValueError for a LinearModel, which has no times. A constant jump j moves all deviations alike: only J matters.
+    """
+    if isinstance(model, PiecewiseLTV):
+        return model
+    models = (model,) if isinstance(model, LTVModel) else model
+    if not isinstance(models, Sequence) or not models or not all(isinstance(m, LTVModel) for m in models):
+        raise ValueError(f"model is a {type(model).__name__}, must be an LTVModel, PiecewiseLTV or a list of LTVModel")
+    n = len(models[0].states)
+    return PiecewiseLTV(tuple(models), ((np.eye(n), np.zeros(n)),) * (len(models) - 1))
+
+
+def kept(model: Any, states: Sequence[str] | None) -> list[int]:
+    """Positions of the named states (None: all)."""
+    signals = as_pieces(model).pieces[0].states if not isinstance(model, LinearModel) else model.states
+    if states is None:
+        return list(range(len(signals)))
+    found = [index(signals, name, "state") for name in states]
+    if not found or len(set(found)) < len(found):
+        raise ValueError(f"states = {tuple(states)} must name one state or more, each once")
+    return found
+
+
+def scaling(A: np.ndarray) -> np.ndarray:
+    """Powers of two (n,), largest 1: in z = x / scale the rows and columns of A (nt, n, n) are of like size.
+
+    Entries that are rounding beside the largest of their row or column do not count.
+    """
+    mean = np.abs(A).mean(axis=0)
+    if not len(mean) or not mean.any():
+        return np.ones(len(mean))
+    across, down = mean.max(axis=1, keepdims=True), mean.max(axis=0, keepdims=True)
+    mean[mean < NOISE * np.minimum(across, down)] = 0.0
+    with np.errstate(invalid="ignore"):  # SciPy casts the scales to integers for a permutation that is not asked for
+        _, (scale, _) = sla.matrix_balance(mean, permute=False, separate=True)
+    scale = np.clip(scale / np.median(scale), 1 / WIDEST, WIDEST)
+    return scale / scale.max()
+
+
+class Path:
+    """A(t) = base + what varies, from values A (nt, n, n) at times t; `period`: t[-1] is a period after t[0]."""
+
+    def __init__(self, t: np.ndarray, A: np.ndarray, scale: np.ndarray, *, periodic: bool = False) -> None:
+        A = A * scale / scale[:, None]
+        self.t, self.n, self.scale = t, A.shape[-1], scale
+        self.size = float(np.abs(A).max(initial=0.0))  # [1/s]
+        self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > 1e-14 * self.size)
+        self.base, flat = A.mean(axis=0), A[:, self.rows, self.columns]
+        self.harmonics, self.error = 0, 0.0  # error [1/s]: of A between the nodes
+        self._values: Any = None
+        if not len(self.rows):
+            return
+        self.base[self.rows, self.columns] = 0.0
+        if periodic:
+            flat = flat.copy()
+            flat[0] = flat[-1] = (flat[0] + flat[-1]) / 2
+            if np.ptp(np.diff(t)) <= 1e-7 * np.diff(t).mean() and len(t) >= 5 and self._trigonometric(flat):
+                return
+        self._spline(flat, periodic)
+
+    def _trigonometric(self, flat: np.ndarray) -> bool:
+        c = np.fft.rfft(flat[:-1], axis=0) / (len(flat) - 1)
+        c[1:] *= 2.0
+        if len(flat) % 2:
+            c[-1] /= 2.0
+        size = np.abs(c).max(axis=1)
+        tail = np.sqrt(np.cumsum(size[::-1] ** 2)[::-1])
+        K = int(np.sum(tail > DROPPED * self.size))  # harmonics 0 .. K-1 are kept
+        if K > MOST_HARMONICS or (len(c) == K and tail[3 * len(c) // 4] > 1e-4 * self.size):
+            return False
+        K = max(K, 1)
+        self.harmonics = K - 1
+        self.error = float(tail[K] if len(c) > K else tail[-1])
+        omega, start = 2 * np.pi / (self.t[-1] - self.t[0]) * np.arange(K), self.t[0]
+        weights = np.concatenate([c[:K].real, -c[:K].imag])
+
+        def values(t: np.ndarray) -> np.ndarray:
+            angle = np.outer(t - start, omega)
+            return np.hstack([np.cos(angle), np.sin(angle)]) @ weights
+
+        self._values = values
+        return True
+
+    def _spline(self, flat: np.ndarray, periodic: bool) -> None:
+        from scipy.interpolate import CubicSpline
+
+        self.spline = CubicSpline(self.t, flat, bc_type="periodic" if periodic else "not-a-knot")
+        self._values = self.spline
+        if len(self.t) >= 9:
+            half = np.unique(np.r_[np.arange(0, len(self.t), 2), len(self.t) - 1])
+            coarse = CubicSpline(self.t[half], flat[half], bc_type="periodic" if periodic else "not-a-knot")
+            self.error = float(np.sqrt(np.mean((coarse(self.t) - flat) ** 2, axis=0)).max() / CAUTIOUS)
+        else:  # nothing to judge it by
+            self.error = float(np.ptp(flat, axis=0).max())
+        self.harmonics = min(len(self.t) - 1, 64) if periodic else 0
+
+    @property
+    def constant(self) -> bool:
+        return not len(self.rows)
+
+    def __call__(self, t: Any) -> np.ndarray:
+        """A (.., n, n) in scaled coordinates at the times t."""
+        t = np.asarray(t, dtype=float)
+        found = np.broadcast_to(self.base, (t.size, self.n, self.n))
+        if not self.constant:
+            found = found.copy()
+            found[:, self.rows, self.columns] = self._values(t.ravel())
+        return found.reshape(*t.shape, self.n, self.n)
+
+    def rate(self, t: np.ndarray) -> np.ndarray:
+        """dA/dt (nt, n, n) [1/s^2] at the times t by central differences of the interpolant, one-sided at the ends."""
+        span = self.t[-1] - self.t[0]
+        step = 1e-4 * span / max(len(self.t) - 1, 1)
+        low, high = np.maximum(t - step, self.t[0]), np.minimum(t + step, self.t[-1])
+        return (self(high) - self(low)) / (high - low)[:, None, None]
+
+    def transitions(self, edges: np.ndarray) -> np.ndarray:
+        """Phi (m, n, n) between consecutive times edges (m+1,), in scaled coordinates."""
+        h = np.diff(edges)
+        if self.constant and np.ptp(h) <= 1e-12 * h.mean():
+            return np.broadcast_to(magnus.expm(self.base[None] * h.mean()), (len(h), self.n, self.n))
+        found = np.empty((len(h), self.n, self.n))
+        for k in range(0, len(h), CHUNK):
+            part = slice(k, k + CHUNK)
+            found[part] = magnus.steps(self(edges[:-1][part, None] + h[part, None] * magnus.GAUSS3), h[part])
+        return found
+
+    def between(self, nodes: np.ndarray, parts: int = 1) -> np.ndarray:
+        """Phi (m, n, n) between consecutive nodes (m+1,), each interval in `parts` equal steps, few held at a time."""
+        if parts == 1:
+            return self.transitions(nodes)
+        found, at_once = np.empty((len(nodes) - 1, self.n, self.n)), max(1, CHUNK // parts)
+        for k in range(0, len(found), at_once):
+            begin, h = nodes[k : k + at_once + 1], np.diff(nodes[k : k + at_once + 1])
+            inner = begin[:-1, None] + h[:, None] * np.arange(parts) / parts
+            steps = self.transitions(np.append(inner.ravel(), begin[-1]))
+            found[k : k + at_once] = magnus.product(steps.reshape(-1, parts, self.n, self.n))
+        return found
+
+    def over(self, length: float, steps: int) -> np.ndarray:
+        """Phi (n, n) from t[0] over `length` [s] in `steps` equal steps, a multiple of the lesser of it and CHUNK."""
+        few = min(steps, CHUNK)
+        return magnus.product(self.between(self.t[0] + np.linspace(0.0, length, few + 1), steps // few))
+
+    def fastest(self) -> float:
+        """Largest |eigenvalue| [1/s] at a few times."""
+        at = self.t[:: max(1, len(self.t) // 8)] if not self.constant else self.t[:1]
+        return float(np.abs(np.linalg.eigvals(self(at))).max(initial=0.0))

@@ -1,0 +1,206 @@
+"""A linear-quadratic regulator designed on a scene's plant, run on that plant and on plants that differ.
+
+Stability is told by the sampled loop about the goal, the modes named and told apart as in controllers/spillover.py.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pliant.controllers import LQR, Controller
+from pliant.controllers.analysis.spillover import case_of
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import EquilibriumError, Plant, PliantError, Trajectory
+from pliant.plants.core import parameters
+from pliant.studies.common import operating_point
+from pliant.studies.common.reference_motions import Progress, silent
+
+PAYLOAD = "payload.mass"
+FACTORS = (0.5, 1.5)
+MANY_MODES = 6  # of each link, in the dearer plant
+RTOL = 1e-8
+LONG = 8_000  # steps above which the stiff method is cheaper
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The regulator on one plant."""
+
+    name: str
+    variant: str
+    states: int
+    stable: bool | None  # about the goal; None where it could not be told
+    radius: float | None  # largest |z| of the sampled loop
+    worst_mode: str  # the least damped mode of the loop, or the unstable one
+    spillover: bool
+    cost: float | None
+    final_error: float | None  # largest of the signals `driven_to_goal` at the end [their unit]
+    saturated: float | None  # share of control times at a limit
+    failure: str | None = None
+    motion: Trajectory | None = field(default=None, repr=False)
+
+    def to_json(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "motion"}
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        if self.stable is None:
+            return f"not known: {self.failure}"
+        if self.stable:
+            return f"stable, largest |z| {self.radius:.4f}"
+        why = "unstable by spillover" if self.spillover else "unstable"
+        return f"{why}: {self.worst_mode}"
+
+
+@dataclass(frozen=True, eq=False)
+class Following:
+    """An LQR about a goal that moves steadily: what it reads is measured from where the goal then is."""
+
+    law: LQR
+    drift: np.ndarray  # (len(reads),) d/dt of the goal's values of what it reads
+
+    @property
+    def K(self) -> np.ndarray:
+        return self.law.K
+
+    @property
+    def poles(self) -> np.ndarray:
+        return self.law.poles
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        return self.law.reads
+
+    @property
+    def dt(self) -> float | None:
+        return self.law.dt
+
+    def reset(self) -> None:
+        self.law.reset()
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        """u (nu,) at time t [s] since the goal's motion began."""
+        return self.law.act(t, np.asarray(y, dtype=float) - self.drift * t)
+
+
+def regulator(scene: Scene) -> LQR | Following:
+    """The scene's cost as an LQR about its goal, sampled at the control period, within the limits.
+
+    It follows a goal whose `goal_rates` say how it moves, with the gain for where it is at t = 0. UncontrollableError
+    where the inputs cannot hold the goal or the cost does not see it, EquilibriumError where nothing can, because the
+    goal moves otherwise.
+    """
+    limits = np.array(scene.limits)
+    Q, R = scene.quadratic()
+    model = scene.feedback_model
+    law = LQR.design(model, Q, R, dt=scene.dt, limits=(-limits, limits))
+    left = "" if scene.goal_at_rest else operating_point.moving_on(model)
+    if left:
+        raise EquilibriumError(
+            f"the goal of scene {scene.name!r} is no equilibrium, {left} there: a regulator about it would pull back "
+            "what has to move on",
+            float(np.abs(model.f0).max()),
+        )
+    return Following(law, scene.goal_drift(law.reads)) if scene.goal_rates else law
+
+
+def driven_to_goal(scene: Scene) -> tuple[str, ...]:
+    """The signals whose end error is told: what the goal names, or what the scene compares where it names nothing.
+
+    For a quaternion the attitude's outputs, where they are weighed.
+    """
+    named = tuple(name for name, _ in scene.goal if not name.startswith("quaternion"))
+    moved = tuple(name for name, _ in scene.goal_rates)
+    attitude = tuple(name for name in scene.weighted if name.startswith("attitude"))
+    return (*attitude, *moved, *(() if attitude else named)) or scene.compare
+
+
+def variations(scene: Scene) -> list[tuple[str, Plant]]:
+    """The scene's plant, with other payloads (without one: the first randomised parameter), and with more modes."""
+    plant = scene.plant
+    found: list[tuple[str, Plant]] = [("the design plant", plant)]
+    loaded = PAYLOAD in parameters.quantities(plant) and parameters.get(plant, PAYLOAD)
+    path = PAYLOAD if loaded else next(iter(scene.randomise), (None,))[0]
+    if path is not None and parameters.get(plant, path):
+        for factor in FACTORS:
+            changed = parameters.put(plant, path, factor * parameters.get(plant, path))
+            found.append((f"{path} {factor - 1:+.0%}", changed))
+    dear = dearer(plant)
+    found.append((f"{dear.label}", dear))
+    return found
+
+
+def dearer(plant: Plant) -> Plant:
+    """The plant with many modes a link; the finest of its ladder where that adds no state."""
+    modes, more = getattr(plant, "modes", None), plant
+    if isinstance(modes, tuple):
+        many = tuple(max(MANY_MODES, n) for n in modes)
+        more = dataclasses.replace(plant, modes=many)  # type: ignore[call-arg]
+    elif isinstance(modes, int):
+        more = dataclasses.replace(plant, modes=max(MANY_MODES, modes))  # type: ignore[call-arg]
+    return more if more.nx > plant.nx else plant.ladder()[-1]
+
+
+def closed_loop(
+    scene: Scene, law: LQR | Following | None = None, *, progress: Progress | None = None
+) -> tuple[LQR | Following, tuple[Loop, ...]]:
+    """The regulator and its loops, the design plant first."""
+    told, law = progress or silent, law or regulator(scene)
+    cases = variations(scene)
+    loops = []
+    for i, (case, plant) in enumerate(cases):
+        told(i / len(cases), case)
+        loops.append(_loop(scene, law, case, plant))
+    told(1.0, "closed loop")
+    return law, tuple(loops)
+
+
+def _loop(scene: Scene, law: LQR | Following, name: str, plant: Plant) -> Loop:
+    played = scene.with_plant(plant)
+    loop = Loop(name, plant.label, plant.nx, None, None, "", False, None, None, None)
+    try:
+        radius, worst, lacking = _stability(played, law, scene.plant)
+        stable = radius < 1
+        loop = dataclasses.replace(
+            loop, stable=stable, radius=radius, worst_mode=worst, spillover=lacking and not stable
+        )
+        motion = run(played, law)
+    except PliantError as failure:
+        return dataclasses.replace(loop, failure=f"{type(failure).__name__}: {failure}")
+    at_limit = np.isclose(np.abs(motion.u[:-1]), np.array(scene.limits), rtol=1e-9).any(axis=1)
+    return dataclasses.replace(
+        loop,
+        cost=played.cost(motion),
+        final_error=end_error(scene, motion),
+        saturated=float(at_limit.mean()),
+        motion=motion,
+    )
+
+
+def end_error(scene: Scene, motion: Trajectory) -> float:
+    """Largest distance from the goal at the motion's end of the signals `driven_to_goal` [their unit]."""
+    told = driven_to_goal(scene)
+    goal = scene.goal_values(told) + scene.goal_drift(told) * motion.t[-1]
+    ended = np.array([motion[name][-1] for name in told])
+    return float(np.abs(ended - goal).max())
+
+
+def run(scene: Scene, law: Controller) -> Trajectory:
+    """The scene under a controller that reads the true signals; raises what simulation or controller raise."""
+    plant, x0 = scene.plant, scene.initial[0]
+    fastest = np.abs(np.linalg.eigvals(plant.jacobians(*scene.target)[0])).max(initial=0.0)
+    # An explicit method of order 8 takes steps of about 5 over the fastest rate
+    method = "cvodes" if fastest * scene.duration / 5 > LONG else "dop853"
+    return plant.simulate(x0, law, scene.times, method=method, rtol=RTOL, atol=RTOL / 100)
+
+
+def _stability(scene: Scene, law: LQR | Following, design: Plant) -> tuple[float, str, bool]:
+    """(largest |z|, its mode in words, whether the design model lacks it) of the loop about the plant's own goal."""
+    model = scene.feedback_model
+    case = case_of(model, law, model if scene.plant is design else scene.with_plant(design).feedback_model)
+    return float(np.exp(case.growth * scene.dt)), case.mode, case.lacking

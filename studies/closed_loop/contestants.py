@@ -1,0 +1,84 @@
+"""Who plays on the scoreboard, and what is played: controllers by name, scenes and scenes with tighter limits."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from pliant.envs import scenes
+from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.parameters import require_choice
+
+if TYPE_CHECKING:
+    from pliant.controllers import Controller
+
+Maker = Callable[[Scene], "Controller"]
+
+
+@dataclass(frozen=True)
+class Designed:
+    """A class of pliant.controllers, by name: called with a scene, it is designed for it with these options."""
+
+    name: str
+    options: tuple[tuple[str, Any], ...] = ()
+
+    def __call__(self, scene: Scene) -> Controller:
+        from pliant import controllers
+
+        return getattr(controllers, self.name).for_scene(scene, **dict(self.options))
+
+
+def trained(scene: Scene) -> Controller:
+    """The policy that is shipped for the scene. ValueError for a scene without one."""
+    from pliant.controllers import Policy
+
+    return Policy.for_scene(scene.name)
+
+
+CONTESTANTS: Mapping[str, Maker] = {
+    "LQR": Designed("LQR"),
+    "LQR, delay known": Designed("Predictive"),
+    "TVLQR": Designed("TVLQR"),
+    "MPC": Designed("MPC"),
+    "NMPC": Designed("NMPC"),
+    "LQG": Designed("LQG"),
+    "PD": Designed("PD"),
+    "PD, shaped": Designed("PD", (("shape", "zvd"),)),
+    "computed torque": Designed("ComputedTorque"),
+    "trained policy": trained,
+}
+
+
+def _changed(name: str, suffix: str, about: str, **changes: Any) -> Scene:
+    return dataclasses.replace(scenes.get(name, **changes), name=f"{name}-{suffix}", about=about)
+
+
+def single_link_gentle() -> Scene:
+    """The slew, but the tip may bend by 10 mm in place of 300: LQR's first torque bends it by 16 mm."""
+    bounds = (("tip_deflection", 0.01), ("hub_angle_rate", 12.0))
+    return _changed("single-link-slew", "gentle", "the slew with a tip that may bend by 10 mm", bounds=bounds)
+
+
+def two_link_weak() -> Scene:
+    """The reach with an elbow motor of 10 N m in place of 15: holding the goal takes 8.3."""
+    return _changed(
+        "two-link-reach", "weak", "the reach with an elbow motor of 10 N m in place of 15", limits=(40.0, 10.0)
+    )
+
+
+VARIANTS: Mapping[str, Callable[[], Scene]] = {
+    "single-link-slew-gentle": single_link_gentle,
+    "two-link-reach-weak": two_link_weak,
+}
+
+
+def playable(names: tuple[str, ...] | None = None) -> tuple[Scene, ...]:
+    """The scenes with inputs, and those with tighter limits, by name; all where None."""
+    known = (*scenes.names(), *VARIANTS)
+    wanted = known if names is None else names
+    for name in wanted:
+        require_choice("scoreboard", "scene", name, known)
+    found = [VARIANTS[name]() if name in VARIANTS else scenes.get(name) for name in wanted]
+    return tuple(scene for scene in found if scene.plant.nu)

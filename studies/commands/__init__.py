@@ -1,0 +1,1 @@
+"""The command line; only it imports typer and rich."""

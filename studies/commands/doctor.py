@@ -1,0 +1,99 @@
+"""What native code this machine gets: `pliant doctor` and `pliant cache info | clear | verify`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pliant.plants.native import compiler, kernel_cache, kernel_loader, thread_pool
+from pliant.studies.common.atomic_files import dumps
+from pliant.studies.common.console import show
+
+
+def findings() -> dict[str, Any]:
+    """Compiler, flags, vector width, cache and a trial kernel; `advice` says what to do where something is missing."""
+    found: dict[str, Any] = {
+        "native wanted": kernel_loader.wanted(),
+        "processors": thread_pool.available(),
+        "advice": [],
+    }
+    found["cache folder"] = str(kernel_cache.folder())
+    if not kernel_loader.wanted():
+        found["advice"].append("PLIANT_NATIVE=0 turns native code off; unset it to use compiled kernels")
+    try:
+        kernel_cache.checked_folder()
+        found["cache"] = f"{len(kernel_cache.entries())} files, {_size() / 1e6:.2f} MB"
+    except (kernel_cache.CacheError, OSError) as refused:
+        found["cache"] = "refused"
+        found["advice"].append(str(refused))
+    try:
+        tools = compiler.toolchain()
+    except (compiler.CompileError, kernel_cache.CacheError) as missing:
+        found["compiler"] = None
+        found["advice"].append(f"{missing}. Install gcc or clang (or `pip install ziglang`), or set CC")
+        return found
+    found["compiler"] = " ".join(tools.command)
+    found["version"] = tools.version
+    found["vector width [bit]"] = tools.width
+    found["flags"] = " ".join(tools.compile_flags)
+    found["vector math"] = "libmvec" if "-lmvec" in tools.link_flags else "none: sin and cos are not vectorised"
+    if "-lmvec" not in tools.link_flags:
+        found["advice"].append("no libmvec: kernels with sin and cos run slower; glibc with gcc or clang has it")
+    found["thread pool"] = "compiled" if thread_pool.spreader() is not None else "Python's"
+    found["trial kernel"] = "compiled, agrees with the virtual machine" if _trial() else "not used"
+    return found
+
+
+def _trial() -> bool:
+    from pliant.plants import SingleLinkArm
+
+    return SingleLinkArm.textbook().stepper(0.001, batch=8).native
+
+
+def _size() -> int:
+    return sum(path.stat().st_size for path in kernel_cache.entries())
+
+
+def advise(as_json: bool) -> None:
+    """Print the findings."""
+    found = findings()
+    if as_json:
+        print(dumps(found))
+        return
+    show("Native code", ("what", "is"), [(name, str(value)) for name, value in found.items() if name != "advice"])
+    for line in found["advice"] or ["Nothing is missing."]:
+        print(line)
+
+
+def manage_cache(action: str, as_json: bool) -> bool:
+    """Show ("info"), empty ("clear") or check ("verify") the cache; False where a file is refused or damaged."""
+    bad: list[str] = []
+    result: dict[str, Any] = {"folder": str(kernel_cache.folder())}
+    if action == "clear":
+        result["removed"] = kernel_cache.clear()
+    elif action == "verify":
+        bad = _bad_files()
+        result |= {"files": len(kernel_cache.entries()), "bad": bad}
+    else:
+        names = [path.name for path in kernel_cache.entries()]
+        result["bytes"] = _size()
+        for kind in ("kernel", "threads", "toolchain", "building"):
+            result[f"{kind} files"] = sum(name.startswith(kind) for name in names)
+    if as_json:
+        print(dumps(result))
+    else:
+        show("Cache", ("what", "is"), [(k, "; ".join(v) if isinstance(v, list) else str(v)) for k, v in result.items()])
+    return not bad
+
+
+def _bad_files() -> list[str]:
+    """Files that another user could have written, and damaged ones."""
+    bad = []
+    for path in kernel_cache.entries():
+        try:
+            kernel_cache.check_own(path)
+        except kernel_cache.CacheError as refused:
+            bad.append(str(refused))
+            continue
+        if kernel_cache.unseal(path.read_bytes()) is None:
+            bad.append(f"{path.name} is damaged; it will be built again when needed")
+    return bad

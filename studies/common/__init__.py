@@ -1,0 +1,1 @@
+"""Files, the machine, number formats, progress, motions computed once."""

@@ -1,0 +1,141 @@
+"""What the commands share: a progress bar on stderr, plain errors, settings by name."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import typer
+from typer.core import TyperGroup
+
+if TYPE_CHECKING:
+    from pliant.envs.scenes.scene import Scene
+
+    from .reference_motions import Progress
+
+SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
+
+
+class Commands(TyperGroup):
+    """Bad input ends with its message and exit code 2, any other failure that a plant reports with 1."""
+
+    def invoke(self, ctx: Any) -> Any:
+        from pliant.plants import PliantError
+
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:  # the reader, such as `head`, has seen enough
+            raise
+        except (ValueError, OSError) as error:
+            complain(str(error))
+            raise typer.Exit(2) from None
+        except PliantError as error:
+            complain(f"{type(error).__name__}: {error}")
+            raise typer.Exit(1) from None
+
+
+def complain(message: str) -> None:
+    """One line on stderr."""
+    print(f"error: {message}", file=sys.stderr)
+
+
+@contextmanager
+def bar(title: str) -> Iterator[Progress]:
+    """A progress bar on stderr; where that is no terminal, a line now and then."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _lines(title)
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[doing]}"),
+    )
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task(title, total=1.0, doing="")
+        yield lambda fraction, doing: progress.update(task, completed=fraction, doing=doing)
+
+
+def _lines(title: str) -> Progress:
+    last = -1
+
+    def tell(fraction: float, doing: str) -> None:
+        nonlocal last
+        tenth = int(10 * fraction + 1e-9)
+        if tenth > last:
+            last = tenth
+            print(f"{title} {10 * tenth:3d} %  {doing}", file=sys.stderr, flush=True)
+
+    return tell
+
+
+def show(title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], *, caption: str = "") -> None:
+    """A table on stdout; numbers to four digits, set right."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", caption=caption or None, caption_justify="left")
+    numeric = [any(isinstance(row[i], (int, float)) for row in rows) for i in range(len(head))]
+    for name, right in zip(head, numeric):
+        table.add_column(name, justify="right" if right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(_text(v)) for v in row))
+    Console().print(table)
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def scene_with(name: str, settings: Sequence[str]) -> Scene:
+    """A named scene with NAME=VALUE settings: keywords of its own, parameters or fields of its plant, or fields of it.
+
+    ValueError for a scene, name or value that is not known or out of range.
+    """
+    from pliant.envs import scenes
+    from pliant.plants.core import parameters
+
+    parts = [setting.partition("=") for setting in settings]
+    for setting, (path, equals, _) in zip(settings, parts):
+        if not equals or not path:
+            raise ValueError(f"--set {setting!r} must be NAME=VALUE")
+    scene = scenes.get(name)
+    own = {key: p.default for key, p in inspect.signature(scenes.SCENES[name]).parameters.items()}
+    given = {path: _value(path, text, own[path]) for path, _, text in parts if path in own}
+    scene = scenes.get(name, **given) if given else scene
+    for path, _, text in parts:
+        if path in own:
+            continue
+        if path in SCENE_FIELDS:
+            scene = dataclasses.replace(scene, **{path: _value(path, text, getattr(scene, path))})
+        else:
+            before = parameters.get(scene.plant, path)
+            scene = scene.with_plant(parameters.put(scene.plant, path, _value(path, text, before)))
+    return scene
+
+
+def _value(path: str, text: str, before: Any) -> Any:
+    """The text as a value of the kind that it replaces."""
+    if isinstance(before, str):
+        return text
+    try:
+        value = ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        raise ValueError(f"--set {path}={text} must be a value like {before!r}") from None
+    if isinstance(before, float) and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(before, tuple) and isinstance(value, list):
+        return tuple(value)
+    return value

@@ -1,0 +1,95 @@
+"""A scene's open-loop motion played by any fidelity, as accurately as wanted, each only once.
+
+The scene's nominal inputs are held over each control period, as a controller would hold them. Every
+integrator then solves the same problem, time goes into the plant and not into the input, and a fixed step of
+any method keeps its order because the jumps fall between steps. A step is at most the control period.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import Plant, PliantError, Trajectory
+
+TIGHT = 1e-10  # rtol of a converged motion; atol is a hundredth
+Progress = Callable[[float, str], None]  # fraction done, what is being done
+
+
+def silent(fraction: float, task: str) -> None:
+    """No progress shown."""
+
+
+def share(progress: Progress | None, start: float, stop: float) -> Progress:
+    """Progress of a part that takes the fractions from start to stop of the whole."""
+    if progress is None:
+        return silent
+    return lambda fraction, task: progress(start + (stop - start) * min(max(fraction, 0.0), 1.0), task)
+
+
+class Motions:
+    """Motions of one scene, kept."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._kept: dict[Plant, np.ndarray | PliantError] = {}
+        self._starts: dict[Plant, np.ndarray] = {}
+
+    @cached_property
+    def ladder(self) -> tuple[Plant, ...]:
+        """The plant's variants, cheapest first."""
+        return tuple(self.scene.plant.ladder())
+
+    @cached_property
+    def held(self) -> np.ndarray:
+        """Input (nt, nu) held from each control time to the next."""
+        return np.array([self.scene.nominal_input(t) for t in self.scene.times])
+
+    def run(self, plant: Plant, **options: Any) -> Trajectory:
+        """The motion from the start, options as in Plant.simulate."""
+        if plant not in self._starts:
+            self._starts[plant] = self.scene.with_plant(plant).initial[0]
+        return plant.simulate(self._starts[plant], self.held, self.scene.times, **options)
+
+    def compared(self, motion: Trajectory) -> np.ndarray:
+        """The outputs (nt, n) that the scene compares."""
+        return np.stack([motion[name] for name in self.scene.compare], axis=1)
+
+    def converged(self, plant: Plant) -> np.ndarray:
+        """The compared outputs (nt, n) at tight tolerance; raises what the simulation raised."""
+        if plant not in self._kept:
+            try:
+                self._kept[plant] = self.compared(self.run(plant, rtol=TIGHT, atol=TIGHT / 100))
+            except PliantError as failure:
+                self._kept[plant] = failure
+        found = self._kept[plant]
+        if isinstance(found, PliantError):
+            raise found
+        return found
+
+    def difference(self, plant: Plant, other: Plant) -> float:
+        """Largest difference of any compared output between two fidelities; infinite where one fails."""
+        try:
+            return float(np.abs(self.converged(plant) - self.converged(other)).max())
+        except PliantError:
+            return float("inf")
+
+    @cached_property
+    def reference(self) -> Plant:
+        """The finest variant."""
+        return self.ladder[-1]
+
+    @cached_property
+    def shown_convergence(self) -> tuple[str, float]:
+        """The variant nearest to the reference, and how far it is from it: what is shown of its error.
+
+        Not the variant below it on the ladder: that may have poorer shape functions at nearly the same cost.
+        """
+        self.converged(self.reference)
+        others = [(self.difference(plant, self.reference), plant.label) for plant in self.ladder[:-1]]
+        distance, label = min(others)
+        return label, distance

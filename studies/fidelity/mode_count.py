@@ -1,0 +1,146 @@
+"""How many flexible modes a stability answer needs, from linear models alone, checked once by nonlinear simulation."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pliant.plants import Plant, Trajectory
+from pliant.plants.core.parameters import require_count
+from pliant.plants.stability import assess, growth
+
+
+@dataclass(frozen=True)
+class ModeCount:
+    """The stability answer with one number of flexible modes."""
+
+    modes: int
+    states: int
+    verdict: str
+    margin: float  # [1/s]
+    change: float | None  # of the margin when one more mode is taken [1/s]
+
+
+@dataclass(frozen=True)
+class ModesNeeded:
+    """How many modes the stability answer needs, and how the nonlinear simulation agrees."""
+
+    modes: int | None  # None: more than tried
+    tolerance: float  # [1/s]
+    rows: tuple[ModeCount, ...]
+    linear_growth: float  # factor by which the worst deviation changes over the nominal, by the linear model ..
+    nonlinear_growth: float  # .. and by simulating the plant with and without it
+    why: str
+
+    @property
+    def difference(self) -> float:
+        """Relative difference of the two growths."""
+        return abs(self.linear_growth - self.nonlinear_growth) / max(self.nonlinear_growth, 1e-300)
+
+
+def modes_needed(
+    plant: Plant,
+    nominal: Trajectory | Callable[[Plant], Trajectory],
+    tolerance: float,
+    *,
+    most: int = 6,
+    with_modes: Callable[[Plant, int], Plant] | None = None,
+    size: float = 1e-6,
+    **options: Any,
+) -> ModesNeeded:
+    """The fewest flexible modes from which on more change neither the verdict nor the margin by `tolerance` [1/s].
+
+    `nominal`: a motion, of which each variant takes the states that it has, its own further states zero; or a function
+    that gives the motion of a variant. Variants have 1 .. `most` modes: `plant.modes`, or `with_modes(plant, n)`. Only
+    linear models decide; then the chosen variant is simulated once with a deviation of `size` (of each state's scale)
+    in the direction that grows most, and once without. `options` as in `assess`.
+    """
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise ValueError(f"modes_needed.tolerance = {tolerance!r} must be > 0 [1/s]")
+    require_count("modes_needed", "most", most, 1, 1000)
+    vary = with_modes or _with_modes
+    found, variants = [], [vary(plant, n) for n in range(1, most + 1)]
+    for variant in variants:
+        motion = _nominal_of(variant, nominal)
+        verdict = assess(variant.linearize_along(motion), thorough=False, **options)
+        found.append((variant, motion, verdict))
+    rows = []
+    for n, (variant, _, verdict) in enumerate(found, start=1):
+        change = abs(found[n][2].margin - verdict.margin) if n < len(found) else None
+        rows.append(ModeCount(n, variant.nx, verdict.verdict, verdict.margin, change))
+    chosen = _settled(rows, tolerance)
+    variant, motion, verdict = found[(chosen or most) - 1]
+    linear, nonlinear = _growths(variant, motion, size)
+    last = rows[-1]
+    if chosen is None:
+        why = f"with {most} modes the margin still changes by {rows[-2].change:.2g} 1/s" if most > 1 else "one tried"
+    else:
+        settled = f"margin within {tolerance:.2g} of {last.margin:.4g} 1/s"
+        why = f"with {chosen} of up to {most} modes: {last.verdict}, {settled}"
+    why += f"; the worst deviation changes by a factor of {linear:.4g}, in nonlinear simulation {nonlinear:.4g}"
+    return ModesNeeded(chosen, float(tolerance), tuple(rows), linear, nonlinear, why)
+
+
+def _settled(rows: Sequence[ModeCount], tolerance: float) -> int | None:
+    """The fewest modes whose answer all larger numbers share; the last itself is shown by none."""
+    chosen = None
+    for row in reversed(rows[:-1]):
+        same = row.verdict == rows[-1].verdict and abs(row.margin - rows[-1].margin) <= tolerance
+        if not same:
+            break
+        chosen = row.modes
+    return chosen
+
+
+def _with_modes(plant: Any, n: int) -> Any:
+    """The plant with n modes in each flexible body."""
+    if hasattr(plant, "modes"):
+        before = plant.modes
+        return dataclasses.replace(plant, modes=(n,) * len(before) if isinstance(before, tuple) else n)
+    if hasattr(plant, "appendages"):
+        return dataclasses.replace(plant, appendages=tuple(_with_modes(a, n) for a in plant.appendages))
+    raise ValueError(f"modes_needed: {type(plant).__name__} has no field modes: give with_modes(plant, n)")
+
+
+def _nominal_of(plant: Plant, nominal: Any) -> Trajectory:
+    if callable(nominal):
+        return nominal(plant)
+    x = np.zeros((len(nominal.t), plant.nx))
+    rate = np.zeros_like(x)
+    have = {s.name: k for k, s in enumerate(nominal.states)}
+    slope = nominal.derivative()
+    for k, signal in enumerate(plant.states):
+        if signal.name in have:
+            x[:, k], rate[:, k] = nominal.x[:, have[signal.name]], slope[:, have[signal.name]]
+    if not set(have) & {s.name for s in plant.states}:
+        raise ValueError(f"modes_needed.nominal has states {tuple(have)}, must share some with {plant.label}")
+    return Trajectory.from_arrays(nominal.t, x, nominal.u, plant=plant, dx=rate, w=nominal.w, hold=nominal.hold)
+
+
+def _growths(plant: Plant, motion: Trajectory, size: float) -> tuple[float, float]:
+    """Growth of the worst deviation over the nominal: by the linear model, and by two simulations."""
+    from scipy.interpolate import CubicSpline
+
+    model = plant.linearize_along(motion)
+    linear = growth(model)
+    u = CubicSpline(motion.t, motion.u) if motion.u.shape[1] else None
+    if motion.hold == "zero-order":
+        u = motion.u
+    into, _ = _maps(plant, motion.x[0], len(linear.direction))
+    start = motion.x[0] + size * into @ linear.direction
+    ends = [plant.simulate(x0, u, motion.t, rtol=1e-11, atol=1e-14).x[-1] for x0 in (motion.x[0], start)]
+    _, back = _maps(plant, ends[0], len(linear.direction))
+    return linear.total, float(np.linalg.norm(back @ (ends[1] - ends[0]) / linear.scale) / size)
+
+
+def _maps(plant: Any, x: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """From the n deviations of the linear model to those of the states at x (nx,), and back."""
+    if n == plant.nx:
+        return np.eye(n), np.eye(n)
+    from pliant.plants.spacecraft.linearisation import deviation_maps
+
+    return deviation_maps(plant, x)

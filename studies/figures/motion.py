@@ -1,0 +1,208 @@
+"""The pictures of a motion and of an arm's shape; the other figures_* hold the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import Plant, Trajectory
+from pliant.plants.core.signals import Signal, names
+
+from . import arm_outline
+from .controllers import controllers
+from .linear_models import eigenvalues, frozen
+from .speed_accuracy import ladder, settings, speed_accuracy
+from .stability import evidence
+from .style import COLOURS, INK, QUIET, WIDTH, inline, panels, save, styled
+
+__all__ = [
+    "controllers",
+    "eigenvalues",
+    "evidence",
+    "frozen",
+    "histories",
+    "inline",
+    "ladder",
+    "save",
+    "settings",
+    "speed_accuracy",
+    "stroboscopic",
+    "tip_path",
+]
+
+UNITS = {  # in the order of the panels
+    "1": "attitude",
+    "rad": "angles",
+    "rad/s": "turning rates",
+    "m": "lengths",
+    "m/s": "speeds",
+    "m/s^2": "accelerations",
+    "N": "forces",
+    "N m": "torques",
+    "N m s": "momenta",
+}
+DEFLECTED = {"m": "deflections", "m/s": "rates of deflection"}
+APART = 30.0  # ratio of the peaks of signals that are not drawn in one panel
+ROUNDING = 1e-9  # of the largest peak, below which a signal is no more than that
+LONG_LABEL = 18  # characters of a label above which it has two lines
+MANY = 6  # panels above which there are two columns
+
+
+def words(name: str) -> str:
+    """A signal's name for a legend."""
+    return name.replace("_", " ")
+
+
+def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list[str]]]:
+    """Names of the goal's states and of the outputs by unit and size, without what the tip's path shows; the inputs."""
+    outputs, signals = scene.plant.outputs, _told_states(scene)
+    on_the_path = scene.compare if len(scene.compare) >= 2 else ()
+    signals += [s for s in outputs if s.name not in on_the_path]
+    zero = still(scene, motions)
+    signals = [s for s in signals if s.name not in zero]
+    found = []
+    for unit, label in UNITS.items():
+        own = [[s.name] for s in signals if s.unit == unit and s.name in scene.compare]  # else it may hide
+        rest = [s.name for s in signals if s.unit == unit and s.name not in scene.compare]
+        for chosen in (*own, *_alike(rest, motions)):
+            bent = all("deflection" in name for name in chosen) or (unit == "m" and arm_outline.in_space(scene.plant))
+            found.append((f"{DEFLECTED.get(unit, label) if bent else label} [{unit}]", chosen))
+    inputs = [s for s in scene.plant.inputs if s.name not in zero]
+    for unit in dict.fromkeys(s.unit for s in inputs):
+        found.append((f"inputs [{unit}]", [s.name for s in inputs if s.unit == unit]))
+    return found
+
+
+def _told_states(scene: Scene) -> list[Signal]:
+    """The states that goal or cost name and that are no outputs already."""
+    outputs, told = scene.plant.outputs, {*dict(scene.goal), *dict(scene.goal_rates), *scene.weighted}
+    shown = {*names(outputs), *(s.name.removeprefix("body_") for s in outputs)}
+    return [s for s in scene.plant.states if s.name in told and s.name not in shown and "quaternion" not in s.name]
+
+
+def still(scene: Scene, motions: Sequence[Trajectory]) -> tuple[str, ...]:
+    """What would be drawn but is zero throughout every motion."""
+    signals = names((*_told_states(scene), *scene.plant.outputs, *scene.plant.inputs))
+    return tuple(name for name in signals if not any(np.any(m[name]) for m in motions))
+
+
+def _alike(chosen: list[str], motions: Sequence[Trajectory]) -> list[list[str]]:
+    """The signals in groups whose peaks are of one size, largest first; what is only rounding is in the first.
+
+    A signal that another one equals throughout is left out.
+    """
+    seen: dict[bytes, str] = {}
+    for name in chosen:
+        seen.setdefault(b"".join(m[name].tobytes() for m in motions), name)
+    chosen = list(seen.values())
+    peak = {name: max(float(np.abs(m[name]).max()) for m in motions) for name in chosen}
+    least = ROUNDING * max(peak.values(), default=0.0)
+    peak = {name: value if value > least else 0.0 for name, value in peak.items()}
+    groups: list[list[str]] = []
+    for name in sorted((n for n in chosen if peak[n] > 0), key=lambda n: -peak[n]):
+        if not groups or APART * peak[name] < peak[groups[-1][0]]:
+            groups.append([])
+        groups[-1].append(name)
+    still = [name for name in chosen if peak[name] == 0]
+    if still:
+        groups = [[*(groups[0] if groups else ()), *still], *groups[1:]]
+    return [sorted(group, key=chosen.index) for group in groups]
+
+
+@styled
+def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title: str = "") -> Figure:
+    """Angles, deflections, their rates and inputs against time; several motions differ by line style."""
+    groups = _groups(scene, [motion for _, motion in motions])
+    columns = 1 if len(groups) <= MANY else 2
+    rows = -(-len(groups) // columns)
+    figure, axes = panels(rows, columns, height=1.45, width=WIDTH * (1.0 if columns == 1 else 1.4), sharex=True)
+    for ax in axes[len(groups) :]:
+        ax.remove()
+        axes[len(groups) - 2].tick_params(labelbottom=True)
+    axes = axes[: len(groups)]
+    goal, limits = dict(scene.goal), dict(zip(names(scene.plant.inputs), scene.limits))
+    styles = ("-", "--", ":", "-.")
+    for ax, (label, chosen) in zip(axes, groups):
+        for i, name in enumerate(chosen):
+            for k, (_, motion) in enumerate(motions):
+                held = "steps-post" if name in limits and motion.hold == "zero-order" else "default"
+                style = styles[k % len(styles)]
+                ax.plot(motion.t, motion[name], style, color=COLOURS[i], drawstyle=held, lw=1.4 - 0.2 * (k > 0))
+            ax.plot([], [], color=COLOURS[i], label=words(name))
+            if name in goal:
+                ax.axhline(goal[name], color=COLOURS[i], lw=0.8, ls=(0, (1, 3)))
+        shown = max(np.abs(m[n]).max() for _, m in motions for n in chosen)
+        for i, name in enumerate(chosen):
+            if name in limits and limits[name] < 1.3 * shown:
+                for sign in (-1, 1):
+                    ax.axhline(sign * limits[name], color=COLOURS[i], lw=0.8, ls=(0, (5, 2)), alpha=0.7)
+        ax.set_ylabel(label if len(label) <= LONG_LABEL else label.replace(" [", "\n["))
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    for ax in axes[-columns:]:
+        ax.set_xlabel("time [s]")
+    axes[0].set_title(title)
+    if len(motions) > 1:
+        lines = [Line2D([], [], color=INK, ls=styles[k % len(styles)], label=n) for k, (n, _) in enumerate(motions)]
+        figure.legend(handles=lines, loc="outside lower center", ncols=min(len(lines), 4))
+    return figure
+
+
+@styled
+def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
+    """The path of the tip in the plane, for each motion."""
+    figure, (ax,) = panels(1, height=3.2, width=6.4)
+    figure.set_layout_engine("compressed")  # else the legend beside equal axes is cut off
+    x, y = scene.compare[:2]
+    for i, (name, motion) in enumerate(motions):
+        ax.plot(motion[x], motion[y], color=COLOURS[i], label=name, lw=1.6 - 0.2 * i)
+        every = max(1, round(0.25 / (motion.t[1] - motion.t[0])))
+        ax.plot(motion[x][::every], motion[y][::every], ".", color=COLOURS[i], ms=4)
+    target = scene.plant.measure(*scene.target)
+    known = names(scene.plant.outputs)
+    start = scene.plant.measure(*scene.initial)
+    for point, marker, label in ((start, "o", "start"), (target, "*", "goal")):
+        at = [point[known.index(n)] for n in (x, y)]
+        ax.plot(*at, marker, color=INK, ms=9 if marker == "*" else 6, mfc="none", label=label, zorder=4)
+    ax.set_aspect("equal", adjustable="box")
+    ax.set_xlabel(f"{words(x)} [m]")
+    ax.set_ylabel(f"{words(y)} [m]")
+    ax.set_title("Tip path, a dot every 0.25 s")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+@styled
+def stroboscopic(
+    cases: Sequence[tuple[str, Plant, Trajectory]], *, count: int = 16, until: float | None = None
+) -> Figure:
+    """The arm's shape at `count` times, early ones faint, side by side for each case; with the tip's path."""
+    ends = np.concatenate([arm_outline.lines(plant, motion.x[::10]).reshape(-1, 2) for _, plant, motion in cases])
+    wide, high = np.ptp(ends, axis=0)
+    flat = 1.2 + WIDTH / len(cases) * high / max(wide, 1e-9)
+    height = 3.6 if arm_outline.whirls(cases[0][1], cases[0][2]) else min(3.6, flat)
+    figure, axes = panels(1, len(cases), height=height, sharex=True, sharey=True)
+    figure.set_layout_engine("compressed")
+    for ax, (name, plant, motion) in zip(axes, cases):
+        last = len(motion.t) if until is None else int(np.searchsorted(motion.t, until * (1 + 1e-9))) + 1
+        picks = np.unique(np.linspace(0, min(last, len(motion.t)) - 1, count).round().astype(int))
+        from_hub = arm_outline.whirls(plant, motion)
+        curves = arm_outline.lines(plant, motion.x[picks], from_hub=from_hub)
+        faint = LineCollection(list(curves), colors=COLOURS[0], linewidths=1.3)
+        faint.set_alpha(list(np.linspace(0.2, 1.0, len(picks))))
+        ax.add_collection(faint)
+        everywhere = arm_outline.lines(plant, motion.x[:last], from_hub=from_hub)
+        ax.plot(*everywhere[:, -1].T, color=COLOURS[1], lw=1.0, label="tip")
+        ax.plot(0, 0, "o", color=INK, ms=5)
+        ax.plot(*curves[:, -1].T, ".", color=COLOURS[1], ms=5)
+        ax.set_aspect("auto" if from_hub else "equal", adjustable="box")
+        ax.autoscale_view()
+        ax.set_title(f"{name}, seen from the hub, y stretched" if from_hub else name)
+        ax.set_xlabel("x [m]")
+        ax.axhline(0, color=QUIET, lw=0.5, zorder=0)
+    axes[0].set_ylabel("y [m]")
+    return figure

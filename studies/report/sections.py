@@ -1,0 +1,267 @@
+"""What the report says, section by section."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant.studies.common import operating_point
+from pliant.studies.common.formatting import details, measured, paragraph, pictures, table
+from pliant.studies.fidelity.speed_accuracy import Row
+from pliant.studies.figures import arm_outline
+
+from . import control_sections
+
+if TYPE_CHECKING:
+    from .report import Findings
+
+FRAMES = 76  # of the arm that the slider moves
+ROUNDED = 1e-12  # of the largest eigenvalue, below which a real part is rounding
+LINEAR = 1e-5  # error of a prediction against its size, below which it is the integrator's
+
+
+def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
+    """(title, HTML) of every section."""
+
+    def drawn(*wanted: str) -> str:
+        return pictures(inlined, *wanted)
+
+    return [
+        ("The answer", _answer(found)),
+        ("The motion", _motion(found) + drawn("motion", "shapes", "tip_path")),
+        ("Modes and frequencies", _modes(found)),
+        ("The linear model at the goal", _goal(found) + drawn("eigenvalues")),
+        ("The linear model along the motion", _along(found) + drawn("frozen_eigenvalues")),
+        ("Stability along the motion", control_sections.stability(found) + drawn("stability")),
+        ("LQR in closed loop", control_sections.loops(found) + drawn("closed_loop")),
+        ("Controllers in closed loop", control_sections.controllers(found) + drawn("controllers")),
+        ("Speed against accuracy", _chart(found) + drawn("speed_accuracy") + _front(found) + drawn("settings")),
+        ("The smallest model", _choice(found) + drawn("ladder")),
+        ("Versions and machine", table(("what", "value"), list(found.machine.items()))),
+    ]
+
+
+def _answer(found: Findings) -> str:
+    scene, tolerance = found.scene, measured(found.scene.tolerance, found.scene.unit)
+    text = paragraph(found.choice.text)
+    away = measured(found.scene_error, scene.unit)
+    own = f"The scene's own plant, {scene.plant.label}, is {away} from the finest variant"
+    if found.scene_error > scene.tolerance:
+        more = f"{own}: more than the tolerance of {tolerance}. Positions on this page carry that error."
+        text += paragraph(more, "warning")
+    else:
+        text += paragraph(f"{own}, within the tolerance of {tolerance}.")
+    text += paragraph(control_sections.verdict(found))
+    costs = paragraph(control_sections.contest(found)) if control_sections.contest(found) else ""
+    if found.law is None:
+        return text + paragraph(f"There is no LQR about the goal. {found.no_law}.", "warning") + costs
+    stable = [loop for loop in found.loops if loop.stable]
+    words = f"The LQR designed on it is stable on {len(stable)} of {len(found.loops)} plants"
+    if found.loops[0].cost is not None and not costs:
+        words += f"; on the design plant it costs {found.loops[0].cost:.4g}"
+    text += paragraph(f"{words}.")
+    for loop in found.loops:
+        if not loop.stable:
+            text += paragraph(f"On {loop.name}: {loop.verdict}.", "warning")
+    return text + costs
+
+
+def _motion(found: Findings) -> str:
+    """The arm that a slider moves, open loop and under LQR."""
+    from pliant.studies.figures import motion
+
+    scene = found.scene
+    inputs = f"the torques that take the rigid plant along a minimum-jerk motion of {scene.move_time:g} s"
+    if scene.drive is not None:
+        inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
+    text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
+    zero = motion.still(scene, [found.nominal])
+    if zero:
+        text += paragraph(f"Zero throughout and not drawn: {', '.join(zero)}.")
+    whirls = arm_outline.whirls(scene.plant, found.open_loop)
+    if whirls:
+        text += paragraph("The hub turns more than once: shapes are drawn as seen from it.")
+    if arm_outline.in_space(scene.plant):
+        text += paragraph(
+            "The hub is drawn as the homogeneous box of its mass and inertia, every panel from its two long edges; "
+            "what twists it is not drawn."
+        )
+    if not arm_outline.has_shape(scene.plant):
+        return text
+    motions = [("open loop", found.open_loop)]
+    motions += [("LQR", loop.motion) for loop in found.loops[:1] if loop.motion is not None]
+    picks = np.unique(np.linspace(0, len(scene.times) - 1, FRAMES).round().astype(int))
+    data = {
+        "t": [round(float(t), 4) for t in scene.times[picks]],
+        "arms": [
+            {"name": name, "lines": arm_outline.lines(scene.plant, m.x[picks], 13, from_hub=whirls).round(4).tolist()}
+            for name, m in motions
+        ],
+    }
+    packed = json.dumps(data, separators=(",", ":"))
+    return text + (
+        '<div id="arm"><svg role="img" aria-label="the arm over time"></svg><div class="controls">'
+        '<button type="button">Play</button><input type="range" min="0" value="0" step="1" aria-label="time">'
+        '<output></output><span class="key"></span></div>'
+        f'<script type="application/json">{packed}</script></div>\n'
+    )
+
+
+def _modes(found: Findings) -> str:
+    modes = found.goal.modes()
+    nothing = ROUNDED * max(abs(m.eigenvalue) for m in modes)
+    rows = [
+        (
+            m.number,
+            m.frequency_hz,
+            m.damping_ratio if abs(m.eigenvalue.real) > nothing else 0.0,
+            m.eigenvalue.real if abs(m.eigenvalue.real) > nothing else 0.0,
+            m.eigenvalue.imag,
+            m.dominant_state,
+        )
+        for m in modes
+    ]
+    head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
+    space = arm_outline.in_space(found.scene.plant)
+    free = ", joints free" if found.scene.goal and not space and not getattr(found.scene.plant, "driven", {}) else ""
+    text = paragraph(f"Modes of the linear model at the goal{free}.") + table(head, rows)
+    count = min(6, max((len(f) for _, f in found.frequencies), default=0))
+    if count:
+        held = " with the joints locked" if found.scene.goal else ""
+        held = " of the free spacecraft without spin or loads, driven hinges held" if space else held
+        text += paragraph(f"Undamped natural frequencies [Hz] at the goal{held}, by variant.")
+        if any((f < 0).any() for _, f in found.frequencies):
+            text += paragraph("A negative one stands for negative stiffness: that variant runs away from the goal.")
+        locked = [(label, *_filled(f, count)) for label, f in found.frequencies]
+        marked = [i for i, (label, _) in enumerate(found.frequencies) if label == found.scene.plant.label]
+        text += table(("variant", *(f"{i + 1}" for i in range(count))), locked, marked=marked)
+    return text
+
+
+def _filled(values: np.ndarray, count: int) -> list[float | None]:
+    """The first `count` values, None where there are fewer."""
+    return [float(values[i]) if i < len(values) else None for i in range(count)]
+
+
+def _goal(found: Findings) -> str:
+    model = found.goal
+    growing = [v.real for v in model.eigenvalues if v.real > 1e-9 * max(abs(v), 1.0)]
+    state = "No eigenvalue has a positive real part."
+    if growing:
+        state = f"{len(growing)} eigenvalues have a positive real part, the largest {max(growing):.3g} 1/s."
+    text = paragraph(
+        f"Exact, by automatic differentiation, {operating_point.words(model)}. {state} "
+        "The matrices are in linearization.json."
+    )
+    if operating_point.residual(model):
+        more = (
+            "The goal is no equilibrium: deviations from it are not those of this model alone, its residual acts too."
+        )
+        text += paragraph(more, "warning")
+    return text
+
+
+def _along(found: Findings) -> str:
+    frozen = "" if found.judgement.found else "Frozen eigenvalues describe it only where it is slow against them. "
+    text = paragraph(
+        f"The linear time-varying model along the open-loop motion. {frozen}To test the model, the motion is "
+        "started off the nominal and its deviation in "
+        f"{', '.join(found.scene.compare)} is compared with the prediction; the error should fall with power 2 "
+        "of the perturbation."
+    )
+    rows, linear = [], all(error <= LINEAR * predicted for _, error, predicted in found.ltv_errors)
+    if linear:
+        text += paragraph(
+            f"It does not here, because the motion is linear in {found.perturbed.name}: what is left is rounding and "
+            "the tolerance of the integrator."
+        )
+    for i, (size, error, predicted) in enumerate(found.ltv_errors):
+        power = "–"
+        if i and error > 0 and not linear:
+            before = found.ltv_errors[i - 1]
+            power = f"{np.log(error / before[1]) / np.log(size / before[0]):.2f}"
+        rows.append(
+            (
+                f"{size:g} {found.perturbed.unit}",
+                measured(predicted, found.scene.unit),
+                measured(error, found.scene.unit),
+                power,
+            )
+        )
+    head = (f"perturbation of {found.perturbed.name}", "predicted", "error of the prediction", "falls with power")
+    return text + table(head, rows)
+
+
+def _chart(found: Findings) -> str:
+    chart = found.chart
+    ref = chart.reference
+    text = paragraph(
+        "Each point is one variant by one method at one step. Error: largest difference of "
+        f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
+        f"period) from {ref.variant} at rtol {ref.rtol:g}. That reference is confirmed by {ref.nearest} to "
+        f"{measured(ref.difference, chart.unit)}; what all variants leave out is not in it. Time: integration only, "
+        f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
+    )
+    fast = chart.fastest()
+    if not chart.measured:
+        return text + paragraph("No setting was measured: see below why.", "warning")
+    if fast is None:
+        return text + paragraph(f"No setting is within {measured(chart.tolerance, chart.unit)}.", "warning")
+    return text + paragraph(
+        f"Fastest within the tolerance of {measured(chart.tolerance, chart.unit)}: {fast.variant} by {fast.setting}, "
+        f"{(fast.seconds or 0) * 1e3:.3g} ms a simulated second."
+    )
+
+
+def _front(found: Findings) -> str:
+    chart = found.chart
+
+    def line(row: Row) -> tuple[Any, ...]:
+        return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
+
+    head = (
+        "variant",
+        "method",
+        "ms per simulated second",
+        f"error [{chart.unit}]",
+        f"of it by the step [{chart.unit}]",
+    )
+    front = sorted((r for r in chart.measured if r.pareto), key=lambda r: r.error or 0.0)
+    marked = [i for i, r in enumerate(chart.measured) if r.pareto]
+    text = paragraph("The Pareto front:") + table(head, [line(r) for r in front])
+    everything = table(head, [line(r) for r in chart.measured], marked=marked)
+    text += details(f"All {len(chart.measured)} measured rows", everything)
+    if chart.failed:
+        reasons = table(("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed])
+        text += details(f"{len(chart.failed)} settings without a result, and why", reasons)
+    return text
+
+
+def _choice(found: Findings) -> str:
+    choice = found.choice
+    text = paragraph(
+        "A rung of the ladder is taken when it agrees with the finest one; agreement of two neighbours is not "
+        "enough, for both may lack the same effect."
+    )
+    rows = [
+        (
+            r.variant,
+            r.states,
+            measured(r.change, choice.unit) if r.change is not None else "–",
+            measured(r.error, choice.unit) if r.error else "–",
+            "chosen" if r.chosen else r.note,
+        )
+        for r in choice.rungs
+    ]
+    marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
+    text += table(("variant", "states", "from the next rung", "from the finest", ""), rows, marked=marked)
+    effects = []
+    for e in choice.effects:
+        change = f"{e.chosen}, not {e.other}" if e.kept else f"{e.other} for {e.chosen}"
+        effects.append((e.name, change, measured(e.change, choice.unit), "kept" if e.kept else "left out"))
+    if effects:
+        text += paragraph("What each effect is worth, changed alone in the chosen model:")
+        text += table(("effect", "change", "worth", ""), effects)
+    return text

@@ -1,0 +1,5 @@
+"""Every controller on every scene beside the full-information bound."""
+
+from .scoreboard import Scoreboard, scoreboard
+
+__all__ = ["Scoreboard", "scoreboard"]

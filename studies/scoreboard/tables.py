@@ -1,0 +1,176 @@
+"""A scoreboard as json, as markdown and as a folder with both and one picture a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pliant.studies.common import machine
+from pliant.studies.common.atomic_files import write_json
+
+if TYPE_CHECKING:
+    from pliant.studies.closed_loop.scores import Row
+
+    from .scoreboard import Scoreboard
+
+WORDS = {
+    "exact": "on the design model itself: no model error",
+    "finer": "on the plant one fidelity higher",
+    "varied": "finer plant; payload, stiffness, damping +-30 %, other starts, noise on every reading",
+    "delayed": "the same runs, every input one control period late",
+}
+HEAD = (
+    "controller",
+    "cost",
+    "/ bound",
+    "median",
+    "10 - 90 %",
+    "failed",
+    "settled [s]",
+    "peak [mm]",
+    "residual [mm]",
+    "at limit",
+    "effort",
+    "act [us]",
+    "99 % [us]",
+)
+NOTES = """\
+Cost is the scene's, mean over the runs, with the charge for an early end. / bound: mean cost over the mean of the
+least that a full-information optimal control problem reaches in the same runs; median and 10 - 90 %: of the single
+runs' ratios. Failed: runs that diverged, left a bound or whose controller gave up. Settled: median time from which on
+all that the goal names stays within 5 % of its way. Peak: largest deflection; residual: half of what it still swings
+in the last tenth. At limit: share of the control periods with an input at its limit. Effort: root mean square of the
+inputs, of their limits. Act: median and 99th percentile of the time of one call. Controllers are designed on the
+design plant, for bounds 10 % inside those that end a run.
+"""
+
+
+def table(board: Scoreboard, command: str = "") -> dict[str, Any]:
+    """For json: everything but the motions."""
+    return {
+        "command": command,
+        "seeds": board.seeds,
+        "seed": board.seed,
+        "cases": WORDS,
+        "machine": machine.describe(),
+        "scenes": [vars(entry) for entry in board.entries],
+        "bounds": [
+            {"scene": scene, "case": case, "costs": costs, "reason": board.remarks[scene, case]}
+            for (scene, case), costs in board.bounds.items()
+        ],
+        "rows": [row.to_json() for row in board.rows],
+    }
+
+
+def write(board: Scoreboard, folder: Path, command: str = "") -> list[Path]:
+    """scoreboard.json, scoreboard.md and SCENE.png in `folder`, which may hold a former board."""
+    from pliant.studies.figures.scoreboard import scene_figure
+    from pliant.studies.figures.style import save
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [folder / "scoreboard.json", folder / "scoreboard.md"]
+    write_json(files[0], table(board, command))
+    files[1].write_text(markdown(board, command), encoding="utf-8")
+    for entry in board.entries:
+        files.append(folder / f"{entry.scene}.png")
+        save(scene_figure(board, entry.scene), files[-1])
+    return files
+
+
+def markdown(board: Scoreboard, command: str = "") -> str:
+    """The tables, one a scene and case."""
+    text = ["# Scoreboard\n", NOTES]
+    if command:
+        text.append(f"Made by `{command}`: {board.seeds} runs of each varied and delayed case, seed {board.seed}.\n")
+    for entry in board.entries:
+        text.append(f"## {entry.scene}\n\n{entry.about}. Designed on {entry.design} ({entry.design_states} states), ")
+        text[-1] += f"played on {entry.plant} ({entry.plant_states} states), {entry.substeps} RK4 steps a period.\n"
+        if entry.remark:
+            text.append(f"{entry.remark}: the cases after the first are played on it.\n")
+        text.append(f"![{entry.scene}]({entry.scene}.png)\n")
+        for case, words in WORDS.items():
+            rows = [row for row in board.rows if (row.scene, row.case) == (entry.scene, case)]
+            text += [f"**{case}**: {words}. {_bound(board, entry.scene, case)}\n", _rows(rows)]
+            text += _reasons(rows)
+    return "\n".join(text)
+
+
+def _bound(board: Scoreboard, scene: str, case: str) -> str:
+    costs = board.bounds[scene, case]
+    known = [c for c in costs if c is not None]
+    if not known:
+        return f"No bound: {board.remarks[scene, case] or 'none was asked for'}."
+    part = f" of {len(known)} runs" if len(costs) > 1 else ""
+    lost = f" ({len(costs) - len(known)} more were not found: {board.remarks[scene, case]})"
+    return f"Bound {number(sum(known) / len(known))}{part}{lost if len(known) < len(costs) else ''}."
+
+
+def _rows(rows: Sequence[Row]) -> str:
+    lines = ["| " + " | ".join(HEAD) + " |", "|---|" + "---:|" * (len(HEAD) - 1)]
+    lines += ["| " + " | ".join(cells(row)) + " |" for row in rows if row.runs]
+    return "\n".join(lines) + "\n" if len(lines) > 2 else ""
+
+
+def _reasons(rows: Sequence[Row]) -> list[str]:
+    """Why rows are missing, and the first failure of each controller that failed."""
+    lines = [f"- {row.controller}: none. {row.reason}" for row in rows if not row.runs]
+    lines += [f"- {row.controller}: first failure: {row.reason}" for row in rows if row.runs and row.reason]
+    return ["\n".join(lines) + "\n"] if lines else []
+
+
+def cells(row: Row) -> list[str]:
+    """The cells of a row with runs."""
+    many = row.runs > 1 and row.ratio_low is not None
+    spread = f"{number(row.ratio_low)} - {number(row.ratio_high)}" if many else "-"
+    settled = number(row.settling) if row.settling is not None else ("not" if row.unsettled else "-")
+    return [
+        row.controller,
+        number(row.cost),
+        number(row.ratio),
+        number(row.ratio_median) if many else "-",
+        spread,
+        f"{row.failures}/{row.runs}" if row.failures else "0",
+        settled,
+        number(None if row.peak is None else 1e3 * row.peak),
+        number(None if row.residual is None else 1e3 * row.residual),
+        "-" if row.at_limit is None else f"{100 * row.at_limit:.0f} %",
+        number(row.effort),
+        number(row.act_median),
+        number(row.act_p99),
+    ]
+
+
+SHORT = ("single-link-slew", "single-link-slew-gentle", "two-link-reach", "two-link-reach-weak", "spacecraft-slew")
+
+
+def short(found: Mapping[str, Any], scenes: Sequence[str] = SHORT) -> str:
+    """A few columns of a board's json: finer / varied ratios by scene, and the time of an act on two-link-reach."""
+    rows = {(r["scene"], r["case"], r["controller"]): r for r in found["rows"]}
+    names = dict.fromkeys(r["controller"] for r in found["rows"])
+    lines = ["| cost / bound | " + " | ".join(scenes) + " | act [us] |", "|---|" + "---:|" * (len(scenes) + 1)]
+    for name in names:
+        own = [[rows.get((scene, case, name), {}) for case in ("finer", "varied")] for scene in scenes]
+        act = rows.get(("two-link-reach", "varied", name), {}).get("act_median")
+        words = [" / ".join((_brief(a, "ratio"), _brief(b, "ratio_median"))) if a.get("runs") else "-" for a, b in own]
+        lines.append(f"| {name} | " + " | ".join(words) + f" | {'-' if act is None else f'{act:.3g}'} |")
+    return "\n".join(lines) + "\n"
+
+
+def _brief(row: Mapping[str, Any], key: str) -> str:
+    """A ratio, or how many runs failed where half of them did."""
+    if not row.get("runs"):
+        return "-"
+    if 2 * row["failures"] >= row["runs"]:
+        return f"{row['failures']} of {row['runs']} failed" if row["runs"] > 1 else "failed"
+    return "-" if row[key] is None else f"{row[key]:.3g}"
+
+
+def number(value: float | None) -> str:
+    """Three digits, four near one, or a dash."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if 0.8 <= abs(value) < 10:
+        return f"{value:.3f}"
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"

@@ -1,0 +1,175 @@
+"""One piece of a scoreboard's work: a controller's runs, a case's bounds, or what a scene was played with."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import PliantError
+from pliant.studies.closed_loop.closed_loop import driven_to_goal
+from pliant.studies.closed_loop.contestants import Designed, Maker
+from pliant.studies.closed_loop.evaluation_scene import accurate, finer, play, require_signals
+from pliant.studies.closed_loop.rollout import Conditions, nominal, randomised, rollout
+from pliant.studies.closed_loop.scores import deflections, score
+
+CASES = ("exact", "finer", "varied", "delayed")
+MANY = ("varied", "delayed")  # cases of many runs
+CHUNK = 16  # runs that one worker plays before it tells
+LARGEST = 30_000  # states over all periods of a run whose bound is sought
+LONG = (Designed("NMPC"), Designed("TVLQR"))  # what is not played on such runs: their designs take minutes
+MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
+DELAY = 1  # [control periods] of the delayed case
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A scene, and what it was played with."""
+
+    scene: str
+    about: str
+    design: str
+    design_states: int
+    plant: str  # of all cases but "exact"
+    plant_states: int
+    limits: tuple[float, ...]
+    substeps: int
+    step_error: float  # of the compared outputs, by the step
+    varied: tuple[tuple[str, float, float], ...]
+    noise: Mapping[str, float]  # standard deviation of each reading
+    remark: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A motion as the figures show it: t (n,), goal signals, deflections and inputs by name (n,)."""
+
+    t: np.ndarray
+    signals: Mapping[str, np.ndarray]
+    u: np.ndarray  # (n - 1, nu)
+
+
+@lru_cache(maxsize=16)
+def played_scene(scene: Scene, case: str) -> tuple[Scene, float, str]:
+    """(the scene as the case plays it, the error by the step, a remark)."""
+    plant, remark = scene.plant, ""
+    if case != "exact":
+        try:
+            plant = finer(scene.plant)
+        except ValueError as error:
+            remark = str(error)
+    return *accurate(play(scene, plant)), remark
+
+
+@lru_cache(maxsize=32)
+def _conditions(scene: Scene, case: str, seeds: int, seed: int) -> tuple[Conditions, ...]:
+    played = played_scene(scene, case)[0]
+    if case not in MANY:
+        return (nominal(played),)
+    drawn = randomised(played, seeds, seed)
+    return tuple(dataclasses.replace(c, delay=DELAY if case == "delayed" else 0) for c in drawn)
+
+
+@lru_cache(maxsize=8)
+def _designed(scene: Scene, maker: Maker) -> Any:
+    """The controller, or the reason why there is none. It is told bounds that are tighter by MARGIN."""
+    told = dataclasses.replace(scene, bounds=tuple((name, (1 - MARGIN) * value) for name, value in scene.bounds))
+    try:
+        return maker(told)
+    except (PliantError, ValueError) as error:
+        return f"{type(error).__name__}: {str(error).splitlines()[0]}"
+
+
+def work(
+    scene: Scene, case: str, name: str, maker: Maker | None, first: int, last: int, seeds: int, seed: int
+) -> tuple[tuple[str, str, str], int, Any]:
+    """One task, in a process of its own."""
+    key = (scene.name, case, name)
+    if case == "entry":
+        return key, 0, _entry(scene, seeds, seed)
+    if maker is None:
+        return key, first, _bounds(scene, case, first, last, seeds, seed)
+    size = scene.steps * scene.plant.nx
+    if size > LARGEST and maker in LONG:
+        return key, first, f"not played: {size} states over all periods are more than {LARGEST}"
+    law = _designed(scene, maker)
+    if isinstance(law, str):
+        return key, first, law
+    played = played_scene(scene, case)[0]
+    try:
+        require_signals(law.reads, scene, played)
+    except ValueError as error:
+        return key, first, f"cannot play {played.plant.label}: {error}"
+    scores, times, line = [], [], None
+    counts: dict[str, int] = {}
+    for given in _conditions(scene, case, seeds, seed)[first:last]:
+        run = rollout(played, law, given)
+        scores.append(score(played, run))
+        times.append(run.act_ns)
+        _count(counts, law)
+        if case == "finer":
+            line = Line(run.t, {n: run[n] for n in shown(played)}, run.u)
+    return key, first, (scores, np.concatenate(times), line, counts)
+
+
+def _count(counts: dict[str, int], law: Any) -> None:
+    """Add up what the controller itself recorded of a run: calls, acts without a solution, and so on."""
+    record = getattr(law, "record", None)
+    for name, value in (vars(record) if record is not None else {}).items():
+        if isinstance(value, int):
+            counts[name] = counts.get(name, 0) + value
+
+
+def _bounds(scene: Scene, case: str, first: int, last: int, seeds: int, seed: int) -> Any:
+    from pliant.studies.closed_loop.optimal_bound import bound
+
+    played = played_scene(scene, case)[0]
+    costs: list[float | None] = []
+    size = played.steps * played.plant.nx
+    if size > LARGEST:
+        reason = f"not sought: {size} states over all periods are more than {LARGEST}"
+        return [None] * (last - first), reason, None
+    law = _designed(scene, Designed("LQR"))
+    line, reason = None, ""
+    for given in _conditions(scene, case, seeds, seed)[first:last]:
+        try:
+            cost, x, u = bound(played, given, None if isinstance(law, str) else law)
+        except PliantError as error:
+            costs.append(None)
+            reason = f"{type(error).__name__}: {str(error).splitlines()[0]}"
+            continue
+        costs.append(cost)
+        if case == "finer":
+            held = np.vstack([u, u[-1:]])
+            values = played.signal_values(x, played.plant.measure(x, held), shown(played))
+            line = Line(played.times, dict(zip(shown(played), values.T, strict=True)), u)
+    return costs, reason, line
+
+
+def shown(scene: Scene) -> tuple[str, ...]:
+    """The signals that a figure shows of a motion: what the goal names, then the deflections."""
+    return tuple(dict.fromkeys((*driven_to_goal(scene), *deflections(scene))))
+
+
+def _entry(scene: Scene, seeds: int, seed: int) -> Entry:
+    played, error, remark = played_scene(scene, "finer")
+    noise = _conditions(scene, "varied", seeds, seed)[0].noise
+    return Entry(
+        scene.name,
+        scene.about,
+        scene.plant.label,
+        scene.plant.nx,
+        played.plant.label,
+        played.plant.nx,
+        scene.limits,
+        played.substeps,
+        error,
+        played.randomise,
+        {s.name: float(v) for s, v in zip(played.signals, noise, strict=True)},
+        remark,
+    )

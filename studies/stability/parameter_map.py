@@ -1,0 +1,194 @@
+"""A chart of stability over two parameters: one verdict per point of a grid, in parallel through joblib.
+
+The same call runs on this machine or on a cluster: `backend` is joblib's. "loky" and "threading" need nothing, "dask"
+(pip install pliant[dask]) uses the dask.distributed client that is open, "ray" (pip install pliant[ray]) the cluster
+that is initialised, or a local one.
+"""
+
+from __future__ import annotations
+
+import json
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.stability import assess
+from pliant.studies.common.reference_motions import Progress, silent
+from pliant.studies.fidelity.mode_count import ModeCount, ModesNeeded, modes_needed
+
+__all__ = ["ModeCount", "ModesNeeded", "StabilityMap", "map_stability", "modes_needed"]
+
+KINDS = ("stable", "marginal", "undecided", "unstable", "failed")
+BACKENDS = ("loky", "threading", "multiprocessing", "sequential", "dask", "ray")
+TASKS = 64  # portions that the grid is cut into, where it has that many points
+
+Builder = Callable[..., Any]  # build(first, second) -> LinearModel, LTVModel or PiecewiseLTV
+
+
+@dataclass(frozen=True, eq=False)
+class StabilityMap:
+    """Row i belongs to values[0][i] of the first parameter, column j to values[1][j] of the second."""
+
+    names: tuple[str, str]
+    values: tuple[np.ndarray, np.ndarray]
+    verdicts: np.ndarray = field(repr=False)  # (n0, n1) words of KINDS
+    margins: np.ndarray = field(repr=False)  # (n0, n1) decay rate [1/s] of the slowest deviation; NaN where it failed
+    methods: np.ndarray = field(repr=False)  # (n0, n1) the deciding method
+    failures: Mapping[tuple[int, int], str]  # why a point has no verdict
+    seconds: float  # wall time
+    backend: str
+
+    def share(self, verdict: str) -> float:
+        """The share of the points with this verdict."""
+        require_choice("StabilityMap.share", "verdict", verdict, KINDS)
+        return float(np.mean(self.verdicts == verdict))
+
+    def to_json(self) -> dict[str, Any]:
+        margins = [[m if np.isfinite(m) else None for m in row] for row in self.margins.tolist()]
+        return {
+            "names": list(self.names),
+            "values": [v.tolist() for v in self.values],
+            "verdicts": self.verdicts.tolist(),
+            "margins": margins,
+            "methods": self.methods.tolist(),
+            "failures": [{"at": list(at), "why": why} for at, why in self.failures.items()],
+            "seconds": self.seconds,
+            "backend": self.backend,
+        }
+
+    def save(self, table: str | Path | None = None, picture: str | Path | None = None, **options: Any) -> None:
+        """Write the table as json and the picture as its ending says; options as in `stability_figures.chart`."""
+        if table is not None:
+            Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+        if picture is not None:
+            from pliant.studies.figures import stability, style
+
+            style.save(stability.chart(self, **options), picture)
+
+
+def map_stability(
+    plant: Plant | Builder,
+    grid: Mapping[str, Any],
+    *,
+    nominal: Trajectory | None = None,
+    at: Mapping[str, float] | None = None,
+    period: float | None = None,
+    jobs: int = -1,
+    backend: str = "loky",
+    progress: Progress | None = None,
+    **options: Any,
+) -> StabilityMap:
+    """The verdict at each point of `grid`, {first name: values, second name: values}.
+
+    `plant`: a function build(first, second) of two numbers that returns a model; or a Plant, whose parameters the grid
+    names ("payload.mass"): it is linearised along `nominal`, the same at all points, or, where that is None, in the
+    equilibrium of each point with the states `at` held. A point that cannot be built is "failed" with its reason.
+    `period` and `options` as in `assess`. `jobs` and `backend` are joblib's; a cluster must be able to import what
+    `plant` needs.
+    """
+    names, axes = _checked(grid)
+    require_choice("map_stability", "backend", backend, BACKENDS)
+    tell = silent if progress is None else progress
+    build = _Point(plant, names, nominal, dict(at or {})) if isinstance(plant, Plant) else plant
+    if not callable(build):
+        raise ValueError(
+            f"map_stability.plant is a {type(plant).__name__}, must be a Plant or a function of two numbers"
+        )
+    options = {"thorough": False, "period": period, **options}
+    points = [(i, j) for i in range(len(axes[0])) for j in range(len(axes[1]))]
+    portions = [points[k::TASKS] for k in range(min(TASKS, len(points)))]
+    verdicts = np.full((len(axes[0]), len(axes[1])), "failed", dtype="<U9")
+    methods, margins = np.full(verdicts.shape, "", dtype="<U16"), np.full(verdicts.shape, np.nan)
+    failures: dict[tuple[int, int], str] = {}
+    began, done = clock.perf_counter(), 0
+    tell(0.0, f"{len(points)} points")
+    for results in _run(build, axes, portions, options, jobs, backend):
+        for point, verdict, margin, method, why in results:
+            verdicts[point], margins[point], methods[point] = verdict, margin, method
+            if why:
+                failures[point] = why
+        done += len(results)
+        tell(done / len(points), f"{done} of {len(points)} points")
+    took = clock.perf_counter() - began
+    return StabilityMap(names, axes, verdicts, margins, methods, dict(sorted(failures.items())), took, backend)
+
+
+def _checked(grid: Mapping[str, Any]) -> tuple[tuple[str, str], tuple[np.ndarray, np.ndarray]]:
+    if len(grid) != 2:
+        raise ValueError(f"map_stability.grid = {sorted(grid)} must name two parameters")
+    first, second = grid
+    axes = tuple(require_finite(f"map_stability.grid[{name!r}]", grid[name], (-1,)) for name in (first, second))
+    for name, axis in zip((first, second), axes):
+        if len(axis) < 1 or (np.diff(axis) <= 0).any():
+            raise ValueError(f"map_stability.grid[{name!r}] must be one or more ascending values")
+    return (first, second), (axes[0], axes[1])
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A plant's model with two parameters as given: no rebuild per value."""
+
+    plant: Plant
+    names: tuple[str, str]
+    nominal: Trajectory | None
+    at: dict[str, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "plant", self.plant.vary(*self.names))
+
+    def __call__(self, first: float, second: float) -> Any:
+        p = np.array([first, second])
+        if self.nominal is not None:
+            return self.plant.linearize_along(self.nominal, p=p)
+        x0, u0 = self.plant.equilibrium(self.at, p=p)
+        return self.plant.linearize(x0, u0, p=p)
+
+
+def _portion(
+    build: Builder, axes: tuple[np.ndarray, np.ndarray], points: Sequence[tuple[int, int]], options: dict[str, Any]
+) -> list[tuple[tuple[int, int], str, float, str, str]]:
+    found = []
+    for i, j in points:
+        try:
+            verdict = assess(build(float(axes[0][i]), float(axes[1][j])), **options)
+            found.append(((i, j), verdict.verdict, verdict.margin, verdict.method, ""))
+        except (ValueError, PliantError, np.linalg.LinAlgError) as failure:
+            found.append(((i, j), "failed", np.nan, "", f"{type(failure).__name__}: {failure}"))
+    return found
+
+
+def _run(
+    build: Builder,
+    axes: tuple[np.ndarray, np.ndarray],
+    portions: Sequence[Sequence[tuple[int, int]]],
+    options: dict[str, Any],
+    jobs: int,
+    backend: str,
+) -> Any:
+    """Results as they come, where the backend can hand them over one by one."""
+    import joblib
+
+    if backend == "ray":
+        try:
+            from ray.util.joblib import register_ray
+        except ImportError as error:
+            raise ImportError("map_stability.backend = 'ray' needs ray: pip install pliant[ray]") from error
+        register_ray()
+    if backend == "dask":
+        try:
+            import distributed  # noqa: F401  joblib registers its backend with it
+        except ImportError as error:
+            raise ImportError("map_stability.backend = 'dask' needs dask: pip install pliant[dask]") from error
+    settings: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
+    with joblib.parallel_config(backend=backend, n_jobs=jobs, **settings):
+        tasks = [joblib.delayed(_portion)(build, axes, points, options) for points in portions]
+        running, _ = joblib.parallel.get_active_backend()
+        by_one = getattr(running, "supports_return_generator", False)
+        pool = joblib.Parallel(return_as="generator_unordered" if by_one else "list")
+        yield from pool(tasks)

@@ -1,0 +1,325 @@
+"""Training: what it writes, going on from a checkpoint, what the lanes charge, and the network as NumPy runs it."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from pliant.controllers import Policy, rl
+from pliant.envs import scenes
+
+SCENE = scenes.get("single-link-slew")
+SMALL = rl.PPOSettings(num_envs=32, n_steps=16, batch_size=128, n_epochs=2, width=8)
+SMALL_SAC = rl.SACSettings(num_envs=8, learning_starts=64, gradient_steps=1, buffer_size=1000, batch_size=32, width=8)
+NAMES = {"policy.npz", "policy.json", "curve.json", "checkpoint.npz", "checkpoint.json"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"algorithm": "dqn"}, "algorithm = 'dqn' must be one of 'ppo', 'sac'"),
+        ({"seed": -1}, "seed = -1 must be an integer"),
+        ({"seconds": 0.0}, "seconds = 0.0 must be finite and > 0"),
+        ({"seconds": float("nan")}, "seconds = nan"),
+        ({"steps": 0}, "steps = 0 must be an integer"),
+        ({"steps": 1, "seconds": 1.0}, "give one of them"),
+        ({"num_envs": 0}, "num_envs = 0"),
+        ({"threads": 0}, "threads = 0"),
+        ({"resume": True}, "needs the folder"),
+        ({"settings": SMALL_SAC}, "settings = SACSettings must be PPOSettings"),
+    ],
+)
+def test_bad_input_is_named(changes, words):
+    with pytest.raises(ValueError, match=words):
+        rl.train(SCENE, **changes)
+
+
+def test_without_stable_baselines_it_says_what_to_install(monkeypatch):
+    monkeypatch.setattr(rl, "_installed", lambda: False)
+    with pytest.raises(ImportError, match=r"pliant\[rl\]"):
+        rl.train(SCENE, steps=1)
+
+
+def test_evaluation_charges_what_the_scene_charges():
+    """A policy that always gives the same torque, in the environment and by the adaptive integrator."""
+    ny = len(SCENE.observe)
+    constant = Policy(
+        weights=(np.zeros((1, ny)),),
+        biases=(np.array([0.05]),),
+        mean=np.zeros(ny),
+        std=np.ones(ny),
+        scene=SCENE.name,
+        reads=SCENE.observe,
+        goal=SCENE.goal_values(SCENE.observe),
+        inputs=("hub_torque",),
+        limits=np.array(SCENE.limits),
+        dt=SCENE.dt,
+    )
+    motion = SCENE.plant.simulate(SCENE.initial[0], constant, SCENE.times, rtol=1e-8, atol=1e-10)
+    assert np.allclose(motion.u, 2.0)
+    assert rl.evaluate(constant, SCENE) == pytest.approx(SCENE.cost(motion), rel=1e-5)
+    wild = dataclasses.replace(constant, biases=(np.array([1.0]),))
+    left = rl.evaluate(wild, SCENE)  # turns faster than the scene's bound: the rest of the time is charged
+    assert left > SCENE.early_end_rate * SCENE.dt * 10
+
+
+@pytest.fixture(scope="module")
+def stable_baselines():
+    pytest.importorskip("torch")
+    return pytest.importorskip("stable_baselines3")
+
+
+@pytest.fixture(scope="module")
+def trained(stable_baselines, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run")
+    told = []
+    found = rl.train(
+        SCENE,
+        steps=2048,
+        seed=3,
+        folder=folder,
+        settings=SMALL,
+        threads=1,
+        command="as asked",
+        progress=lambda share, words: told.append((share, words)),
+    )
+    return folder, found, told
+
+
+def test_training_writes_what_it_should(trained):
+    folder, found, told = trained
+    assert {path.name for path in folder.iterdir()} == NAMES
+    assert found.steps == 2048 and found.rate > 0 and found.seconds > 0
+    curve = json.loads((folder / "curve.json").read_text())["curve"]
+    assert [rl.Evaluation(**point) for point in curve] == list(found.curve)
+    assert found.curve[0].steps == 0 and found.curve[-1].steps == 2048
+    assert found.cost == min(point.cost for point in found.curve)
+    saved = Policy.load(folder / "policy")
+    assert saved.made["command"] == "as asked" and saved.made["seed"] == 3
+    assert saved.made["settings"]["num_envs"] == 32
+    assert rl.evaluate(saved, SCENE) == pytest.approx(found.cost, rel=1e-12)
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares) and shares[-1] == 1.0 and "torch thread" in told[0][1]
+
+
+def test_same_seed_same_policy_and_another_seed_another(trained):
+    _, found, _ = trained
+    again = rl.train(SCENE, steps=2048, seed=3, settings=SMALL, threads=1)
+    other = rl.train(SCENE, steps=2048, seed=4, settings=SMALL, threads=1)
+    assert [p.cost for p in again.curve] == [p.cost for p in found.curve]
+    assert [p.cost for p in other.curve] != [p.cost for p in found.curve]
+
+
+def test_global_state_is_left_alone(stable_baselines):
+    import random
+
+    import torch
+
+    torch.set_num_threads(1)
+    random.seed(1)
+    np.random.seed(1)  # noqa: NPY002
+    torch.manual_seed(1)
+    wanted = random.random(), np.random.random(), float(torch.rand(()))  # noqa: NPY002
+    random.seed(1)
+    np.random.seed(1)  # noqa: NPY002
+    torch.manual_seed(1)
+    rl.train(SCENE, steps=512, settings=SMALL, threads=2)
+    assert (random.random(), np.random.random(), float(torch.rand(()))) == wanted  # noqa: NPY002
+    assert torch.get_num_threads() == 1
+
+
+def test_folder_of_a_run_is_not_overwritten(trained):
+    folder, _, _ = trained
+    with pytest.raises(ValueError, match="holds a run: go on with resume=True"):
+        rl.train(SCENE, steps=2048, folder=folder, settings=SMALL)
+
+
+def copy(folder, target):
+    for path in folder.iterdir():
+        (target / path.name).write_bytes(path.read_bytes())
+    return target
+
+
+def test_resumed_run_goes_on(trained, tmp_path):
+    folder, before, _ = trained
+    goes_on = copy(folder, tmp_path)
+    same = rl.train(SCENE, steps=2048, seed=3, folder=goes_on, resume=True, settings=SMALL, threads=1)
+    assert same.steps == 2048 and same.curve == before.curve  # nothing left to do
+    after = rl.train(SCENE, steps=4096, seed=3, folder=goes_on, resume=True, settings=SMALL, threads=1)
+    assert after.steps == 4096
+    assert after.curve[: len(before.curve)] == before.curve
+    assert after.cost <= before.cost and after.seconds > before.seconds
+    first = after.curve[len(before.curve)]
+    assert first.steps == 2048 and first.cost == pytest.approx(before.curve[-1].cost, rel=1e-3)
+
+
+def test_checkpoint_restores_everything(trained, stable_baselines):
+    """Weights, both moments of every optimiser's parameter and the observations' statistics, bit for bit."""
+    from pliant.controllers.learning import checkpoint, training
+    from pliant.controllers.learning.training_callback import Run
+    from pliant.controllers.learning.training_env import TrainingLanes, normalised
+
+    folder, _, _ = trained
+    env = normalised(TrainingLanes(SCENE, 32, spread=1.5, bounded=False, seed=9, threads=1))
+    run = Run(SCENE, env, None, (None, 4096), {}, lambda a, b: None, 0.0)
+    model = training._model(SMALL, env, 9, run)
+    checkpoint.restore(folder, checkpoint.read_words(folder), model, env)
+    assert model.num_timesteps == 2048
+    with np.load(folder / "checkpoint.npz") as arrays:
+        for name, tensor in model.policy.state_dict().items():
+            assert np.array_equal(arrays[f"/model/policy/{name}"], tensor.numpy()), name
+        state = model.policy.optimizer.state_dict()["state"]
+        assert len(state) == len(list(model.policy.parameters()))
+        for key, moments in state.items():
+            for name in ("step", "exp_avg", "exp_avg_sq"):
+                have = arrays[f"/model/policy.optimizer/state/{key}/{name}"]
+                assert np.array_equal(have, np.asarray(moments[name])) and np.any(have)
+        assert np.array_equal(arrays["observations.var"], env.obs_rms.var)
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (lambda f: (f / "checkpoint.json").unlink(), "holds no checkpoint"),
+        (lambda f: (f / "checkpoint.json").write_text("{"), "cannot be read"),
+        (lambda f: (f / "checkpoint.npz").write_bytes(b"no zip"), "does not fit"),
+    ],
+)
+def test_damaged_checkpoints_are_refused(trained, tmp_path, damage, words):
+    folder = copy(trained[0], tmp_path)
+    damage(folder)
+    with pytest.raises(ValueError, match=words):
+        rl.train(SCENE, steps=4096, folder=folder, resume=True, settings=SMALL)
+
+
+def test_checkpoint_of_something_else_is_refused(trained, tmp_path):
+    folder = copy(trained[0], tmp_path)
+    with pytest.raises(ValueError, match="scene = 'single-link-slew' must be 'two-link-reach'"):
+        rl.train(scenes.get("two-link-reach"), steps=4096, folder=folder, resume=True, settings=SMALL)
+    wider = dataclasses.replace(SMALL, width=16)
+    with pytest.raises(ValueError, match="does not fit"):
+        rl.train(SCENE, steps=4096, folder=folder, resume=True, settings=wider)
+
+
+def test_seconds_are_kept(stable_baselines):
+    found = rl.train(SCENE, seconds=1.0, settings=SMALL, threads=1)
+    assert 0.9 < found.seconds < 3.0 and found.steps > 0
+
+
+def test_sac_trains_and_goes_on(stable_baselines, tmp_path):
+    found = rl.train(SCENE, "sac", steps=200, folder=tmp_path, settings=SMALL_SAC, threads=1)
+    assert found.policy.squash and found.policy.activation == "relu"
+    assert {path.name for path in tmp_path.iterdir()} == NAMES
+    more = rl.train(SCENE, "sac", steps=400, folder=tmp_path, resume=True, settings=SMALL_SAC, threads=1)
+    assert more.steps == 400 and len(more.curve) > len(found.curve)
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
+    """A zip with normalised observations and as a Policy: 1e-6 of the limits."""
+    import torch
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    from pliant.controllers.learning.sb3_export import ALGORITHMS
+
+    env = VecNormalize(SCENE.sb3_env(16, randomise=True), clip_obs=2.0)
+    env.reset()
+    for _ in range(5):
+        env.step(np.full((16, 1), 0.5, dtype=np.float32))
+    model = ALGORITHMS[algorithm]("MlpPolicy", env, seed=1, device="cpu")
+    model.save(tmp_path / "model.zip")
+    env.save(str(tmp_path / "statistics.pkl"))
+    p = Policy.from_sb3_zip(
+        tmp_path / "model.zip", SCENE, algorithm=algorithm, statistics=tmp_path / "statistics.pkl", trust=True
+    )
+    rng, points = np.random.default_rng(2), []
+    for _ in range(50):
+        obs = rng.normal(size=4)
+        alone, _ = model.predict(env.normalize_obs(obs.astype(np.float32)[None]), deterministic=True)
+        points.append((obs, alone[0], p.act(0.0, obs + p.goal)))
+    model.policy.double()
+    for obs, alone, u in points:
+        z = torch.from_numpy(np.clip((obs - env.obs_rms.mean) / np.sqrt(env.obs_rms.var + env.epsilon), -2, 2))
+        with torch.no_grad():
+            if algorithm == "ppo":
+                action = model.policy.action_net(model.policy.mlp_extractor.policy_net(z)).clamp(-1, 1)
+            else:
+                action = torch.tanh(model.policy.actor.mu(model.policy.actor.latent_pi(z)))
+        assert np.abs(u / 40 - action.numpy()).max() < 1e-9
+        assert np.abs(u / 40 - alone).max() < 1e-6  # through its own single precision
+    assert len({float(u[0]) for *_, u in points}) > 20
+
+
+def test_zip_of_another_scene_is_refused(stable_baselines, tmp_path):
+    from stable_baselines3 import PPO
+
+    PPO("MlpPolicy", SCENE.sb3_env(1), device="cpu").save(tmp_path / "model.zip")
+    with pytest.raises(ValueError, match="network from 4 to 1 numbers must be from 8 to 2"):
+        Policy.from_sb3_zip(tmp_path / "model.zip", scenes.get("two-link-reach"), trust=True)
+
+
+def test_lanes_charge_as_their_docstring_says(stable_baselines):
+    from pliant.controllers.learning import training_env as module
+
+    lanes = module.TrainingLanes(SCENE, 4, spread=0.0, bounded=False, seed=0, threads=1)
+    lanes.venv.reset()
+    rate = 10.0  # the slew's: weight 10 on an error of 1 rad
+    assert lanes.unit == pytest.approx(0.5 * rate)
+    raw = np.array([-0.01, -0.2, -3.0, -500.0])
+    infos = [{}, {}, {}, {"TimeLimit.truncated": False}]
+    lanes.venv.step_wait = lambda: (None, raw, np.array([False, False, False, True]), infos)
+    lanes.venv.step_async = lambda actions: None
+    lanes.step_async(np.array([[0.0], [2.0], [0.0], [0.0]]))
+    _, rewards, _, _ = lanes.step_wait()
+    knee = module.KNEE * SCENE.dt * rate / lanes.unit
+    wanted = [-0.002, -0.04 - module.EXCESS, -knee * (1 + np.log(0.6 / knee)), -module.EARLY_END]
+    assert rewards == pytest.approx(wanted, rel=1e-5)
+
+
+def test_lanes_start_out_of_step(stable_baselines):
+    from pliant.controllers.learning.training_env import TrainingLanes
+
+    lanes = TrainingLanes(SCENE, 64, spread=1.5, bounded=False, seed=0, threads=1)
+    obs = lanes.reset()
+    assert len(np.unique(lanes.venv.vector._done)) > 20
+    assert obs[:, 0].min() < -1.5 and obs[:, 0].max() > 0.2  # on both sides of the goal
+    assert np.isfinite(obs).all() and lanes.seen.shape == (64 * SCENE.steps, 4)
+    again = lanes.reset()
+    assert np.array_equal(obs, again)
+    lanes.close()
+
+
+def test_busy_machine_gets_one_thread(stable_baselines, monkeypatch):
+    import torch
+
+    from pliant.controllers.learning import torch_threads
+
+    before = torch.get_num_threads()
+    monkeypatch.setattr(torch_threads, "available", lambda: 2)
+    monkeypatch.setattr(torch_threads.os, "getloadavg", lambda: (1.5, 0.0, 0.0), raising=False)
+    assert torch_threads.choose() == (1, "the machine is busy, load 1.5")
+    monkeypatch.setattr(torch_threads.os, "getloadavg", lambda: (0.5, 0.0, 0.0), raising=False)
+    for seconds, wanted in (({1: 1.0, 2: 0.6}, 2), ({1: 1.0, 2: 0.95}, 1), ({1: 1.0, 2: 30.0}, 1)):
+        monkeypatch.setattr(torch_threads, "_seconds", seconds.get)
+        threads, why = torch_threads.choose()
+        assert threads == wanted and "2 threads take" in why
+    monkeypatch.setattr(torch_threads, "available", lambda: 1)
+    assert torch_threads.choose() == (1, "one processor")
+    torch.set_num_threads(before)
+
+
+def test_scenes_that_cannot_be_learned_are_refused():
+    from types import SimpleNamespace
+
+    class Blind:
+        name, observe, plant = "blind", (), SCENE.plant
+
+    class Inert:
+        name, observe, plant = "inert", ("tip_x",), SimpleNamespace(nu=0)
+
+    with pytest.raises(ValueError, match="'blind': observe"):
+        rl.train(Blind())
+    with pytest.raises(ValueError, match="'inert': its plant has no inputs"):
+        rl.train(Inert())

@@ -1,0 +1,211 @@
+"""Riccati designs against closed forms, python-control and rolled costs; modes named in errors."""
+
+import control
+import numpy as np
+import pytest
+from scipy.integrate import quad_vec
+from scipy.linalg import block_diag, expm
+
+from pliant.controllers import riccati
+from pliant.plants.core.errors import PliantError, UncontrollableError
+
+DOUBLE = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
+
+
+def random_problem(seed, n=5, m=2):
+    rng = np.random.default_rng(seed)
+    roots = rng.normal(size=(n + m, n + m))
+    M = roots @ roots.T + np.eye(n + m)
+    return rng.normal(size=(n, n)), rng.normal(size=(n, m)), M[:n, :n], M[n:, n:], M[:n, n:]
+
+
+def test_double_integrator():
+    K, P, poles = riccati.lqr(*DOUBLE, np.diag([1.0, 1.0]), np.eye(1))
+    np.testing.assert_allclose(K, [[1, np.sqrt(3)]], rtol=1e-13)
+    np.testing.assert_allclose(P, [[np.sqrt(3), 1], [1, np.sqrt(3)]], rtol=1e-13)
+    np.testing.assert_allclose(np.sort_complex(poles), (-np.sqrt(3) + np.array([-1j, 1j])) / 2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("a", [-2.0, 0.0, 0.7, 3.0])
+@pytest.mark.parametrize("q", [0.1, 4.0])
+def test_scalar(a, q):
+    b, r = 2.0, 0.5
+    p = r / b**2 * (a + np.sqrt(a**2 + b**2 * q / r))
+    found = riccati.lqr([[a]], [[b]], [[q]], [[r]])
+    assert found.P[0, 0] == pytest.approx(p, rel=1e-12)
+    assert found.poles[0] == pytest.approx(-np.sqrt(a**2 + b**2 * q / r), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_python_control_agrees(seed):
+    A, B, Q, R, N = random_problem(seed)
+    K, P, poles = control.lqr(A, B, Q, R, N, method="scipy")
+    found = riccati.lqr(A, B, Q, R, N)
+    np.testing.assert_allclose(found.K, K, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(found.P, P, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(np.sort_complex(found.poles), np.sort_complex(poles), rtol=1e-7)
+    K, P, _ = control.dlqr(A, B, Q, R, N, method="scipy")
+    found = riccati.dlqr(A, B, Q, R, N)
+    np.testing.assert_allclose(found.K, K, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(found.P, P, rtol=1e-7, atol=1e-9)
+
+
+def test_rolled_discrete_cost_is_the_cost_to_go():
+    A, B, Q, R, N = random_problem(7)
+    K, P, _ = riccati.dlqr(A, B, Q, R, N)
+    start = x = np.arange(1.0, 6.0)
+    cost = 0.0
+    for _ in range(400):
+        u = -K @ x
+        cost += x @ Q @ x + u @ R @ u + 2 * x @ N @ u
+        x = A @ x + B @ u
+    assert cost == pytest.approx(start @ P @ start, rel=1e-10)
+
+
+@pytest.mark.parametrize("scale", [1.0, 300.0])  # the second one is stiff: |A| dt = 60
+def test_sampled_cost_is_the_integrated_one(scale):
+    rng = np.random.default_rng(5)
+    A, B = np.array([[0.0, 1.0], [-scale, -0.2 * scale]]), np.array([[0.0], [scale]])
+    Q, R, N, dt = np.diag([3.0, 0.5]), np.array([[2.0]]), np.array([[0.1], [0.2]]), 0.2
+    found = riccati.sampled(A, B, Q, R, N, dt=dt)
+    x, u = rng.normal(size=2), rng.normal(size=1)
+    wide = np.vstack([np.hstack([A, B]), np.zeros((1, 3))])
+    M = np.block([[Q, N], [N.T, R]])
+
+    def rate(s):
+        z = expm(wide * s) @ np.concatenate([x, u])
+        return z @ M @ z
+
+    cost = x @ found.Q @ x + u @ found.R @ u + 2 * x @ found.N @ u
+    assert cost == pytest.approx(quad_vec(rate, 0, dt, epsrel=1e-12)[0], rel=1e-10)
+    np.testing.assert_allclose(found.A, expm(A * dt), atol=1e-12)
+
+
+def test_sampled_cost_of_the_integrator():
+    # x' = u, cost q x^2 + r u^2: int (x + u s)^2 = x^2 h + x u h^2 + u^2 h^3/3.
+    h, q, r = 0.3, 2.0, 5.0
+    found = riccati.sampled([[0.0]], [[1.0]], [[q]], [[r]], dt=h)
+    values = [m[0, 0] for m in found]
+    np.testing.assert_allclose(values, [1, h, q * h, r * h + q * h**3 / 3, q * h**2 / 2], rtol=1e-14)
+
+
+def test_integral_action_removes_a_constant_load():
+    A, B = np.array([[0.0, 1.0], [-2.0, -0.1]]), np.array([[0.0], [1.0]])
+    K, P, poles = riccati.lqi(A, B, [[1.0, 0.0]], np.diag([1.0, 1.0, 4.0]), [[1.0]])
+    wide = np.block([[A, np.zeros((2, 1))], [np.array([[1.0, 0, 0]])]]) - np.vstack([B, [[0]]]) @ K
+    rest = np.linalg.solve(wide, -np.array([0, 0.7, 0]))
+    assert poles.real.max() < 0 and P.shape == (3, 3)
+    np.testing.assert_allclose(rest[:2], 0, atol=1e-14)
+    assert abs(rest[2]) > 0.1
+
+
+def test_kalman_scalar():
+    # a x + e w seen with v: p = (a + sqrt(a^2 + e^2 W/V)) V (Kalman and Bucy 1961)
+    a, e, W, V = -0.4, 2.0, 0.3, 0.05
+    L, P = riccati.kalman([[a]], [[e]], [[1.0]], [[W]], [[V]])
+    p = (a + np.sqrt(a**2 + e**2 * W / V)) * V
+    assert P[0, 0] == pytest.approx(p, rel=1e-12) and L[0, 0] == pytest.approx(p / V, rel=1e-12)
+
+
+def test_kalman_double_integrator_and_python_control():
+    # White acceleration of density q seen with r: L = [sqrt 2 w, w^2], w = (q/r)^(1/4)
+    q, r = 3.0, 0.02
+    w = (q / r) ** 0.25
+    L, _ = riccati.kalman(DOUBLE[0], DOUBLE[1], [[1.0, 0.0]], [[q]], [[r]])
+    np.testing.assert_allclose(L[:, 0], [np.sqrt(2) * w, w**2], rtol=1e-12)
+    A, B, *_ = random_problem(3)
+    L, P = riccati.kalman(A, B, np.eye(5)[:2], np.eye(2), np.diag([0.1, 0.2]))
+    theirs = control.lqe(A, B, np.eye(5)[:2], np.eye(2), np.diag([0.1, 0.2]), method="scipy")
+    np.testing.assert_allclose(L, theirs[0], rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(P, theirs[1], rtol=1e-7, atol=1e-9)
+
+
+def oscillator(f, zeta=0.0):
+    w = 2 * np.pi * f
+    return np.array([[0.0, 1.0], [-(w**2), -2 * zeta * w]])
+
+
+CASES = {
+    "free body": (DOUBLE[0], ("theta1", "omega1"), ("mode 0.00 Hz (theta1)",)),
+    "undamped": (oscillator(18.9), ("q21", "v21"), ("mode 18.90 Hz (q21)",)),
+    "two free bodies": (
+        block_diag(DOUBLE[0], DOUBLE[0]),
+        ("theta1", "omega1", "theta2", "omega2"),
+        ("mode 0.00 Hz (theta1)", "mode 0.00 Hz (theta2)"),
+    ),
+    "growing": (np.array([[0.3]]), ("heat",), ("mode 0.05 Hz (heat)",)),
+}
+
+
+@pytest.mark.parametrize("dt", [None, 0.01])
+@pytest.mark.parametrize("case", CASES)
+def test_modes_out_of_reach_are_named(case, dt):
+    A, names, expected = CASES[case]
+    n = len(A)
+    A = block_diag(DOUBLE[0], A)  # one double integrator that is reached
+    B = np.vstack([DOUBLE[1], np.zeros((n, 1))])
+    mix = np.eye(n + 2) if n == 4 else np.eye(n + 2) + np.diag(np.full(n + 1, 1e-3), -1)
+    A, B = mix @ A @ np.linalg.inv(mix), mix @ B
+    with pytest.raises(UncontrollableError, match="cannot be reached by the input") as caught:
+        if dt is None:
+            riccati.lqr(A, B, np.eye(n + 2), np.eye(1), names=("phi", "rate", *names))
+        else:
+            riccati.dlqr(expm(A * dt), dt * B, np.eye(n + 2), np.eye(1), names=("phi", "rate", *names), dt=dt)
+    assert set(caught.value.modes) == set(expected)
+
+
+@pytest.mark.parametrize("dt", [None, 0.01])
+@pytest.mark.parametrize("case", CASES)
+def test_modes_that_the_cost_does_not_see_are_named(case, dt):
+    A, names, expected = CASES[case]
+    n = len(A)
+    A, B, Q = block_diag(DOUBLE[0], A), np.eye(n + 2), np.diag([1.0, 0.0] + n * [0.0])
+    with pytest.raises(UncontrollableError, match="cannot be seen by the cost") as caught:
+        if dt is None:
+            riccati.lqr(A, B, Q, np.eye(n + 2), names=("phi", "rate", *names))
+        else:
+            riccati.dlqr(expm(A * dt), dt * B, Q, np.eye(n + 2), names=("phi", "rate", *names), dt=dt)
+    assert set(caught.value.modes) == set(expected)
+
+
+def test_filter_errors():
+    A = block_diag(DOUBLE[0], oscillator(2.0))
+    known = {"names": ("theta", "omega", "q", "v")}
+    with pytest.raises(UncontrollableError, match=r"mode 2\.00 Hz \(q\) cannot be seen by the output"):
+        riccati.kalman(A, np.eye(4), np.eye(4)[:1], np.eye(4), np.eye(1), **known)
+    with pytest.raises(UncontrollableError, match=r"mode 2\.00 Hz \(q\) is not driven by the noise"):
+        riccati.kalman(A, np.eye(4)[:, 1:2], np.eye(4), np.eye(1), np.eye(4), **known)
+
+
+def test_modes_that_decay_need_not_be_reached_and_weak_ones_are():
+    A = block_diag(DOUBLE[0], oscillator(5.0, 0.01))
+    B = np.array([[0.0], [1.0], [0.0], [0.0]])
+    assert riccati.lqr(A, B, np.eye(4), np.eye(1)).poles.real.max() < 0
+    B[3] = 1e-4
+    assert riccati.lqr(block_diag(DOUBLE[0], oscillator(5.0)), B, np.eye(4), np.eye(1)).poles.real.max() < 0
+
+
+def test_a_wrong_solution_is_refused(monkeypatch):
+    good = riccati.sla.solve_continuous_are
+    monkeypatch.setattr(riccati.sla, "solve_continuous_are", lambda *a, **k: -good(*a, **k))
+    with pytest.raises(PliantError, match="relative residual of"):
+        riccati.lqr(*DOUBLE, np.eye(2), np.eye(1))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"Q": [[1, 2], [0, 1]]}, r"Q\[0, 1\] = 2 must equal Q\[1, 0\], 0"),
+        ({"Q": np.diag([1.0, -1.0])}, r"Q has eigenvalue -1, must be >= 0"),
+        ({"R": [[0.0]]}, r"R has eigenvalue 0, must be > 0"),
+        ({"N": [[9.0], [0.0]]}, r"\[\[Q, N\], \[N', R\]\] has eigenvalue -8, must be >= 0"),
+        ({"A": np.eye(3)}, r"B has shape \(2, 1\), must be \(3, -1\)"),
+        ({"B": [[np.nan], [0]]}, r"B\[0, 0\] = nan must be finite"),
+        ({"names": ("a",)}, r"names = \('a',\) must be 2 names"),
+    ],
+)
+def test_bad_input(change, message):
+    with pytest.raises(ValueError, match=message):
+        riccati.lqr(**{"A": DOUBLE[0], "B": DOUBLE[1], "Q": np.eye(2), "R": np.eye(1), **change})
+    with pytest.raises(ValueError, match=r"dt = 0 must be > 0"):
+        riccati.sampled(*DOUBLE, np.eye(2), np.eye(1), dt=0)

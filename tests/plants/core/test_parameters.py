@@ -1,0 +1,106 @@
+"""Parameters as inputs: one set of functions for every value, equal to a plant rebuilt with that value."""
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+
+from pliant.plants import Payload, SingleLinkArm, TwoLinkArm
+from pliant.plants.core import parameters
+
+ARM, LINK = TwoLinkArm.textbook(), SingleLinkArm.textbook()
+PATHS = ("payload.mass", "link1.damping")
+VALUES = [(0.5, 0.0), (0.25, 1e-4), (2.0, 3e-3)]
+
+
+def rebuilt(arm, paths, values):
+    for path, value in zip(paths, values):
+        arm = parameters.put(arm, path, value)
+    return arm
+
+
+@pytest.mark.parametrize("changes", [{}, {"basis": "polynomial", "kinematics": "stiffened"}, {"tip_slope": False}])
+@pytest.mark.parametrize("values", VALUES)
+def test_functions_of_p_equal_the_rebuilt_plant(changes, values, random_state):
+    plain = dataclasses.replace(ARM, **changes)
+    varied, exact = plain.vary(*PATHS), rebuilt(plain, PATHS, values)
+    x, u = random_state(plain, 1, 0.3), np.array([1.0, -0.5])
+    np.testing.assert_allclose(varied.dynamics(x, u, p=values), exact.dynamics(x, u), rtol=1e-12)
+    seen, expected = varied.measure(x, u, p=values), exact.measure(x, u)
+    np.testing.assert_allclose(seen[:-1], expected[:-1], rtol=1e-14)
+    np.testing.assert_allclose(seen[-1], expected[-1], rtol=1e-11)  # tip_acceleration: dynamics are in it
+    for ours, theirs in zip(varied.jacobians(x, u, p=values), exact.jacobians(x, u)):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12 * np.abs(theirs).max(initial=1.0))
+    assert varied.energy(x, p=values) == pytest.approx(exact.energy(x), rel=1e-13)
+    np.testing.assert_allclose(varied.mass_matrix(x, p=values), exact.mass_matrix(x), rtol=1e-13)
+    motion = varied.simulate(x, u, [0, 0.05], p=values, audit=True)
+    np.testing.assert_allclose(motion.x, exact.simulate(x, u, [0, 0.05]).x, rtol=1e-7, atol=1e-9)
+    assert motion.stats["energy_balance"] < 1e-9
+
+
+@pytest.mark.parametrize(
+    "path", ["gravity", "joint_mass", "hub_inertia.0", "joint_friction.1", "link1.E", "link2.length",
+             "payload.inertia", "payload.offset.0"]
+)  # fmt: skip
+def test_every_kind_of_parameter(path, random_state):
+    varied, x = ARM.vary(path), random_state(ARM, 2)
+    value = 0.3 + 1.01 * parameters.get(ARM, path)
+    np.testing.assert_allclose(varied.dynamics(x, p=[value]), rebuilt(ARM, [path], [value]).dynamics(x), rtol=1e-10)
+    assert varied.parameters[0].name == path and varied.parameters[0].unit
+    np.testing.assert_array_equal(varied.dynamics(x), varied.dynamics(x, p=varied.nominal_parameters))
+
+
+def test_loaded_shape_functions_stay_those_of_the_nominal_payload(random_state):
+    """basis="payload": shapes are numbers, so another mass moves the nominal shapes; with many it makes no matter."""
+    few, many = (dataclasses.replace(LINK, basis="payload", modes=n) for n in (2, 12))
+    x = random_state(few, 3)
+    mass = 1.5 * LINK.payload.mass
+    heavier = [rebuilt(arm, ["payload.mass"], [mass]) for arm in (few, many)]
+    for arm in (few, many):
+        z = np.zeros(arm.nx)
+        varied = arm.vary("payload.mass")
+        np.testing.assert_allclose(varied.dynamics(z, [1.0]), arm.dynamics(z, [1.0]), rtol=1e-12)
+    heavy = few.vary("payload.mass").measure(x, p=[mass])
+    np.testing.assert_array_equal(heavy[:-1], few.measure(x)[:-1])  # the last one, tip_acceleration, moves
+    errors = []
+    for arm, exact in zip((few, many), heavier):
+        ours = arm.vary("payload.mass").natural_frequencies(locked=("hub_angle",), p=[mass])[0]
+        errors.append(ours / exact.natural_frequencies(locked=("hub_angle",))[0] - 1)
+    assert 0 < errors[1] < 1e-6 < errors[0] < 1e-2
+    damped = few.vary("link.damping")
+    exact = rebuilt(few, ["link.damping"], [1e-3])
+    np.testing.assert_allclose(damped.dynamics(x, p=[1e-3]), exact.dynamics(x), rtol=1e-12)
+
+
+def test_a_batch_may_have_its_own_parameters_in_every_row(random_state):
+    varied = ARM.vary(*PATHS)
+    x = np.array([random_state(ARM, k) for k in range(3)])
+    rows = varied.dynamics(x, p=VALUES)
+    for k in range(3):
+        np.testing.assert_array_equal(rows[k], varied.dynamics(x[k], p=VALUES[k]))
+    shared = varied.dynamics(x[0], p=VALUES)
+    assert shared.shape == (3, 12) and not np.array_equal(shared[0], shared[1])
+
+
+def test_varied_plant_pickles_and_climbs_its_ladder(random_state):
+    varied = ARM.vary(*PATHS)
+    same = pickle.loads(pickle.dumps(varied))
+    assert same == varied and [s.unit for s in same.parameters] == ["kg", "s"]
+    x = random_state(ARM, 5)
+    np.testing.assert_array_equal(same.dynamics(x, p=VALUES[2]), varied.dynamics(x, p=VALUES[2]))
+    for step in varied.ladder()[:4]:
+        assert step.varied == PATHS
+        plain = dataclasses.replace(step, varied=())
+        z = random_state(step, 6)
+        np.testing.assert_allclose(
+            step.dynamics(z, p=VALUES[1]), rebuilt(plain, PATHS, VALUES[1]).dynamics(z), rtol=1e-10
+        )
+    assert varied.vary().parameters == ()
+
+
+def test_an_offset_that_is_zero_may_be_varied(random_state):
+    varied = LINK.vary("payload.offset.1")
+    bent = dataclasses.replace(LINK, payload=Payload(mass=1.0, inertia=0.001, offset=(0.0, 0.05, 0.0)))
+    x = random_state(LINK, 7)
+    np.testing.assert_allclose(varied.dynamics(x, [1.0], p=[0.05]), bent.dynamics(x, [1.0]), rtol=1e-11)

@@ -1,0 +1,112 @@
+"""The kernel cache: keys, damage, ownership, and eight processes at once."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pliant.plants.native import kernel_cache, kernel_loader
+
+needs_compiler = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def test_a_file_comes_back_and_a_damaged_one_is_removed(folder: Path) -> None:
+    path = kernel_cache.write("a", b"content")
+    assert kernel_cache.read_text("a") == "content"
+    path.write_bytes(path.read_bytes().replace(b"content", b"c0ntent"))
+    assert kernel_cache.read_text("a") is None
+    assert not path.exists()
+    path = kernel_cache.write("a", b"content")
+    path.write_bytes(path.read_bytes()[:-5])  # half written
+    assert kernel_cache.path_of("a") is None
+
+
+def test_the_folder_is_the_owners_alone(folder: Path) -> None:
+    kernel_cache.write("a", b"content")
+    assert folder.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.parametrize("what", ["folder", "file", "above"])
+def test_what_others_may_write_is_refused(folder: Path, what: str) -> None:
+    path = kernel_cache.write("a", b"content")
+    target = {"folder": folder, "file": path, "above": folder.parent}[what]
+    target.chmod(0o777)
+    with pytest.raises(
+        kernel_cache.CacheError, match=r"may be (written|changed) by (others|another user).*PLIANT_CACHE"
+    ):
+        kernel_cache.path_of("a")
+    target.chmod(0o700)
+    assert kernel_cache.path_of("a") == path
+
+
+def test_another_owner_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kernel_cache.write("a", b"content")
+    monkeypatch.setattr(os, "geteuid", lambda: os.lstat(folder).st_uid + 1)
+    with pytest.raises(kernel_cache.CacheError, match="belongs to user"):
+        kernel_cache.path_of("a")
+
+
+def test_a_link_is_refused(folder: Path, tmp_path: Path) -> None:
+    kernel_cache.write("a", b"content")
+    (folder / "b").symlink_to(folder / "a")
+    with pytest.raises(kernel_cache.CacheError, match="symbolic link"):
+        kernel_cache.path_of("b")
+
+
+def test_clear_removes_everything(folder: Path) -> None:
+    kernel_cache.write("a", b"1")
+    kernel_cache.write("b", b"2")
+    assert kernel_cache.clear() == 2
+    assert kernel_cache.entries() == []
+
+
+STEP = """
+import numpy as np
+from pliant.plants import SingleLinkArm
+step = SingleLinkArm.textbook().stepper(0.01, batch=2)
+print(step.native, step(np.zeros((2, 6)), np.ones(1)).sum())
+"""
+
+
+@needs_compiler
+def test_eight_processes_on_an_empty_cache(folder: Path) -> None:
+    children = [
+        subprocess.Popen([sys.executable, "-c", STEP], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(8)
+    ]
+    results = [child.communicate(timeout=300) for child in children]
+    assert {err for _, err in results} == {""}
+    assert len({out for out, _ in results}) == 1
+    assert results[0][0].startswith("True ")
+    names = [p.name for p in kernel_cache.entries()]
+    assert not [n for n in names if n.startswith("building")]
+    assert len([n for n in names if n.startswith("kernel")]) == 1
+    assert all(kernel_cache.path_of(n) for n in names)
+
+
+@needs_compiler
+def test_a_damaged_kernel_is_rebuilt(folder: Path) -> None:
+    first = subprocess.run([sys.executable, "-c", STEP], capture_output=True, text=True, check=True).stdout
+    kernel = next(p for p in kernel_cache.entries() if p.name.startswith("kernel"))
+    content = kernel.read_bytes()
+    kernel.write_bytes(content[: len(content) // 2])
+    again = subprocess.run([sys.executable, "-c", STEP], capture_output=True, text=True, check=True)
+    assert (again.stdout, again.stderr) == (first, "")
+    assert kernel.read_bytes()[-40:] != content[len(content) // 2 - 40 : len(content) // 2]
+
+
+@needs_compiler
+def test_a_cache_open_to_others_is_said_and_the_virtual_machine_serves(folder: Path) -> None:
+    folder.mkdir(mode=0o700)
+    folder.chmod(0o777)
+    done = subprocess.run([sys.executable, "-c", STEP], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("False ")
+    assert "may be written by others" in done.stderr

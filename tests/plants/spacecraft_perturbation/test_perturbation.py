@@ -1,0 +1,486 @@
+"""The paper's perturbation model against differentiation of the nonlinear plant, and along slewing nominals."""
+
+import dataclasses
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+
+from pliant.plants import SingleLinkArm, Trajectory
+from pliant.plants.core.quaternions import matrix_of, product, rates, skew
+from pliant.plants.linear.piecewise_ltv import linearize_pieces
+from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.spacecraft.appendage import Appendage, Hinge
+from pliant.plants.spacecraft.environment import Environment, Orbit
+from pliant.plants.spacecraft.hub import Hub, Wheel
+from pliant.plants.spacecraft.linearisation import deviation_maps, in_deviations
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal, perturbation
+from pliant.plants.spacecraft_perturbation.printed_equations import differences
+
+TEXTBOOK = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
+
+
+def unit(v):
+    return tuple(v / np.linalg.norm(v))
+
+
+def craft(kinematics, freedoms, seed=1, principal=False):
+    """Random bodies, mountings and hinges."""
+    rng = np.random.default_rng(seed)
+
+    def body():
+        g = rng.normal(size=(2, 2, 9, 3))
+        return ModalData.from_nodes(
+            rng.normal(size=(9, 3)),
+            rng.uniform(0.5, 2, 9),
+            rng.normal(size=(2, 9, 3)),
+            stiffness=np.diag(rng.uniform(1, 3, 2)),
+            damping=0.02,
+            shortening=(g + g.swapaxes(0, 1)) / 2,
+        )
+
+    parts = tuple(
+        Appendage(
+            position=tuple(rng.normal(size=3)),
+            orientation=tuple(rng.normal(size=4)),
+            body=body(),
+            damping=0.01,
+            hinge=Hinge(axes=tuple(unit(rng.normal(size=3)) for _ in range(n)), stiffness=3.0, damping=0.3),
+        )
+        for n in freedoms
+    )
+    root = rng.normal(size=(3, 3))
+    spread = root @ root.T + 1.5 * np.eye(3)  # int r r^T dm
+    inertia = (3.0, 4.0, 5.0) if principal else np.trace(spread) * np.eye(3) - spread
+    return FlexibleSpacecraft(hub=Hub(mass=5.0, inertia=inertia), appendages=parts, kinematics=kinematics)
+
+
+def random_nominal(made, seed=2):
+    """(x, accelerations, RigidNominal of one time) with random rates and accelerations, elastic coordinates zero."""
+    rng, at = np.random.default_rng(seed), made.layout
+    x, a = rng.normal(size=made.nx), rng.normal(size=6 + len(made.coordinates))
+    x[at.quaternion] /= np.linalg.norm(x[at.quaternion])
+    first = at.quaternion.stop - 6
+    for s, r in zip(at.modes, at.mode_rates):
+        x[s] = x[r] = a[s.start - first : s.stop - first] = 0.0
+    R = matrix_of(x[at.quaternion])
+    turns = [a[s.start - first : s.stop - first] for s in at.hinges]
+    nominal = RigidNominal(
+        np.array([0.0]),
+        x[None, at.quaternion],
+        x[None, at.omega],
+        a[None, 3:6],
+        (R @ a[:3])[None],
+        tuple(x[None, s] for s in at.hinges),
+        tuple(x[None, s] for s in at.hinge_rates),
+        tuple(t[None] for t in turns),
+    )
+    return x, a, nominal
+
+
+def by_differentiation(made, x, a):
+    """A, B, C, Q of the nonlinear residual in the deviations of the paper, in the order of `perturbation`.
+
+    The plant's rows for the hub are in its perturbed axes: force rows turn with q; for a turn, the row of q is
+    (1 + q~/2) times the torque in perturbed axes, since q is the vector of a finite turn.
+    """
+    t, sx, u, w, p = made.symbols
+    n, at = 6 + len(made.coordinates), made.layout
+    sa = ca.SX.sym("a", n)
+    r = made._residual.function(t, sx, u, w, p, sa)[0]
+    f = ca.Function("f", [sx, sa, u, w, p], [r, ca.jacobian(r, sx), ca.jacobian(r, sa)])
+    r0, rx, ra = (np.array(v) for v in f(x, a, np.zeros(made.nu), np.zeros(made.nw), []))
+    R, omega = matrix_of(x[at.quaternion]), x[at.omega]
+    X0, X1, A0, A1, A2 = np.zeros((made.nx, n)), np.zeros((made.nx, n)), np.zeros((n, n)), np.zeros((n, n)), np.eye(n)
+    X0[at.quaternion, 3:6], X0[at.omega, 3:6], X1[at.omega, 3:6] = rates(x[at.quaternion]) / 2, skew(omega), np.eye(3)
+    X0[at.quaternion.stop + np.arange(n - 6), 6 + np.arange(n - 6)] = 1.0
+    X1[at.rates + np.arange(n - 6), 6 + np.arange(n - 6)] = 1.0
+    A2[:3, :3], A0[:3, 3:6], A1[3:6, 3:6], A0[3:6, 3:6] = R.T, skew(a[:3]), skew(omega), skew(a[3:6])
+    A, B, C = ra @ A2, ra @ A1 + rx @ X1, ra @ A0 + rx @ X0
+    C[3:6, 3:6] -= skew(r0[3:6, 0]) / 2
+    C[:3, 3:6] -= skew(r0[:3, 0])
+    turn = np.eye(n)
+    turn[:3, :3] = R
+    order = [k for i in range(len(made.appendages)) for k in at.unknowns(i)] + [3, 4, 5, 0, 1, 2]
+    return [*((turn @ M)[np.ix_(order, order)] for M in (A, B, C)), -(turn @ r0[:, 0])[order]]
+
+
+@pytest.mark.parametrize("kinematics", ["linear", "stiffened", "rigid"])
+@pytest.mark.parametrize("freedoms", [(0,), (1,), (2,), (3,), (0, 3), (1, 2)], ids=str)
+def test_equals_differentiation_at_random_nominals(kinematics, freedoms):
+    made = craft(kinematics, freedoms)
+    for seed in range(3):
+        x, a, nominal = random_nominal(made, seed)
+        model = perturbation(made, nominal)
+        for name, wanted in zip("ABCQ", by_differentiation(made, x, a)):
+            np.testing.assert_allclose(getattr(model, name)[0], wanted, atol=1e-12 * np.abs(wanted).max(), err_msg=name)
+
+
+def test_blocks_by_name():
+    made = craft("linear", (1, 2))
+    model = perturbation(made, random_nominal(made)[2])
+    assert model.block("A_11").shape == (1, 3, 3)
+    assert model.block("B_1m").shape == (1, 3, 6)
+    assert model.block("C_m2").shape == (1, 6, 4)
+    assert model.block("Q_m").shape == (1, 6)
+    np.testing.assert_array_equal(model.block("A_12"), 0.0)  # appendages do not touch
+    np.testing.assert_array_equal(model.block("B_mm")[:, :, 3:], 0.0)  # p is inertial
+    np.testing.assert_array_equal(model.block("C_1m")[:, :, 3:], 0.0)
+    np.testing.assert_allclose(model.block("A_1m"), model.block("A_m1").swapaxes(1, 2), atol=1e-13)
+    with pytest.raises(ValueError, match=r"block 'A_13' must be A_, B_, C_ with two of, or Q_ with one of 1, 2, m"):
+        model.block("A_13")
+
+
+def test_printed_elements():
+    made = craft("linear", (3, 3), principal=True)
+    found = {d.block: d for d in differences(made, random_nominal(made)[2])}
+    right = {"A_ii", "A_im rot", "A_mi rot", "A_mi trans", "A_mm rot-rot", "A_mm trans-rot", "A_mm rot-trans"}
+    right |= {"B_ii", "B_im rot", "B_im trans", "B_mm rot-rot", "B_mm trans-rot", "C_ii modes", "C_mm trans-rot"}
+    assert {name for name, d in found.items() if d.agrees} == right
+    assert all(d.remark for d in found.values() if not d.agrees)
+    damper = found["B_ii damper"]
+    assert damper.largest == pytest.approx(3 * damper.scale)  # printed dampers count four times
+    assert found["B_mi rot"].largest == pytest.approx(found["B_mi rot"].scale / 2)
+    with pytest.raises(ValueError, match=r"hinges have \[1, 2\] freedoms, must have 3 each"):
+        differences(craft("linear", (1, 2), principal=True), None)
+
+
+def quintic(t, end=8.0):
+    """From 0 to 1 with rates and accelerations zero at both ends, and two derivatives."""
+    s = np.asarray(t) / end
+    return (
+        10 * s**3 - 15 * s**4 + 6 * s**5,
+        (30 * s**2 - 60 * s**3 + 30 * s**4) / end,
+        (60 * s - 180 * s**2 + 120 * s**3) / end**2,
+    )
+
+
+def slew(made, t):
+    """A rigid three-axis slew with hinges turning, as another program would give it: the body rates are prescribed."""
+    at, size = made.layout, np.array([1.6, -1.0, 1.2])
+    g, dg, ddg = quintic(t)
+    weights = np.column_stack([1 + 0 * g, 1 + 0.5 * g, 1 - 0.3 * g])  # the axis wanders
+    slopes = np.column_stack([0 * g, 0.5 * dg, -0.3 * dg])
+    omegas, alphas = size * weights * dg[:, None], size * (weights * ddg[:, None] + slopes * dg[:, None])
+
+    def spin(s, q):
+        g, dg, _ = quintic(s)
+        return rates(q) @ (size * np.array([1, 1 + 0.5 * g, 1 - 0.3 * g]) * dg) / 2
+
+    quaternions = solve_ivp(spin, (t[0], t[-1]), [1.0, 0, 0, 0], t_eval=t, rtol=1e-12, atol=1e-14).y.T
+    x, dx = np.zeros((len(t), made.nx)), np.zeros((len(t), made.nx))
+    x[:, at.quaternion] = quaternions / np.linalg.norm(quaternions, axis=1)[:, None]
+    x[:, at.omega], dx[:, at.omega] = omegas, alphas
+    dx[:, at.quaternion] = np.einsum("tij,tj->ti", rates(x[:, at.quaternion]), x[:, at.omega]) / 2
+    for s, r in zip(at.hinges, at.hinge_rates):
+        x[:, s], x[:, r], dx[:, r] = (0.5 * v[:, None] for v in (g, dg, ddg))
+        dx[:, s] = x[:, r]
+    return Trajectory.from_arrays(t, x, np.zeros((len(t), made.nu)), plant=made, dx=dx)
+
+
+def with_torques(made, motion):
+    """The slew with the hub and hinge torques that carry it, taken from the rigid plant."""
+    rigid = dataclasses.replace(made, kinematics="rigid", translation=False)
+    at, short = made.layout, rigid.layout
+    x = np.zeros((len(motion.t), rigid.nx))
+    for a, b in [
+        (at.quaternion, short.quaternion),
+        (at.omega, short.omega),
+        *zip(at.hinges, short.hinges),
+        *zip(at.hinge_rates, short.hinge_rates),
+    ]:
+        x[:, b] = motion.x[:, a]
+    want = np.column_stack([motion.dx[:, at.omega], *(motion.dx[:, s] for s in at.hinge_rates)])
+    rows = np.r_[short.omega.start : rigid.nx]
+    u = []
+    for k in range(len(motion.t)):
+        free, B = rigid.dynamics(x[k]), rigid.jacobians(x[k])[1]
+        u.append(np.linalg.solve(B[rows], want[k] - free[rows]))
+    moved = Trajectory.from_arrays(motion.t, motion.x, np.array(u), plant=made, dx=motion.dx)
+    return moved
+
+
+def deviations(made, nominal, x):
+    """[y, dy/dt] of states x (nt, nx) from a nominal, not linearised in the turn."""
+    at = made.layout
+    q0, q1 = nominal.x[:, at.quaternion], x[:, at.quaternion]
+    back = q0 * [1, -1, -1, -1]
+    turn = product(back, q1)
+    out = np.delete(x - nominal.x, at.quaternion.start, axis=1)
+    q = 2 * turn[:, 1:] * np.sign(turn[:, :1])
+    out[:, at.quaternion.start : at.quaternion.stop - 1] = q
+    out[:, at.omega.start - 1 : at.omega.stop - 1] -= np.cross(nominal.x[:, at.omega], q)
+    return out
+
+
+def motor_hinged(factor=1.0):
+    hinge = Hinge(axes=((0.0, 1.0, 0.0),), drive="torque", damping=0.5, stiffness=20.0)
+    parts = (
+        dataclasses.replace(TEXTBOOK.appendages[0], hinge=hinge, damping=0.01, stiffness_factor=factor),
+        dataclasses.replace(TEXTBOOK.appendages[1], damping=0.01, stiffness_factor=factor),
+    )
+    return dataclasses.replace(TEXTBOOK, appendages=parts, translation=False)
+
+
+def test_error_falls_with_the_square_about_a_slewing_rigid_nominal():
+    """A rigid nominal of fixed size; the stiffer the booms, the smaller the deviations and, squared, the error of
+    the LTV model. Linearised at the accelerations that the plant would have there, it is a hundred times larger.
+    """
+    t, sizes, errors = np.linspace(0, 8, 241), [], []
+    for factor in (4.0, 8.0, 16.0, 32.0):
+        made = motor_hinged(factor)
+        nominal = with_torques(made, slew(made, t))
+        model = made.linearize_along(nominal)
+        assert np.abs(model.c).max() > 0.01  # the nominal does not satisfy the flexible equations
+        u = CubicSpline(t, nominal.u)
+        run = made.simulate(nominal.x[0], lambda s, u=u: u(s), t, rtol=1e-9)
+        true, linear = deviations(made, nominal, run.x), model.simulate(np.zeros(made.nx - 1))[0]
+        n = (made.nx - 1) // 2
+        sizes.append(np.abs(true[:, :n]).max())
+        errors.append(np.abs(true - linear)[:, :n].max())
+    slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert slope == pytest.approx(2, abs=0.1)
+    assert errors[-1] < 0.002 * sizes[-1]
+    own = made.jacobians(nominal.x, nominal.u, t=t)
+    A, B, E, *_ = in_deviations(made, nominal.x, nominal.dx, own)
+    other = dataclasses.replace(model, A=A, B=B, E=E).simulate(np.zeros(made.nx - 1))[0]
+    assert np.abs(true - other)[:, :n].max() > 100 * errors[-1]
+
+
+def test_plant_and_paper_give_one_model():
+    """`linearize_along` (automatic differentiation) premultiplied by A is the paper's B and C, loads on the nominal
+    apart.
+    """
+    made = dataclasses.replace(motor_hinged(), translation=True)
+    nominal = slew(made, np.linspace(0, 3, 7))
+    model, paper = made.linearize_along(nominal), perturbation(made, nominal)
+    n = (made.nx - 1) // 2
+    order = [k for i in range(2) for k in made.layout.unknowns(i)] + [3, 4, 5, 0, 1, 2]
+    mass = np.zeros_like(paper.A)
+    for k in range(7):
+        mass[k][np.ix_(order, order)] = paper.A[k]
+    second = model.second_order(mass)
+    assert second.coordinates == model.states[:n]
+    pick = np.ix_(range(7), order, order)
+    np.testing.assert_allclose(second.B[pick], paper.B, atol=1e-10 * np.abs(paper.B).max())
+    np.testing.assert_allclose(second.Q[:, order], paper.Q, atol=1e-10 * np.abs(paper.Q).max())
+    # the paper's rows are of q as a finite turn and of fixed axes: they differ by the turned residual, which is -Q
+    wanted, n = paper.C.copy(), len(order)
+    q, p = slice(n - 6, n - 3), slice(n - 3, n)
+    R = matrix_of(nominal.x[:, made.layout.quaternion])
+    wanted[:, q, q] -= skew(paper.Q[:, q]) / 2
+    wanted[:, p, q] -= skew(paper.Q[:, p]) @ R
+    np.testing.assert_allclose(second.C[pick], wanted, atol=1e-10 * np.abs(paper.C).max())
+
+
+def test_steady_spin_has_the_plants_roots():
+    at = TEXTBOOK.state(rate_x=0.1)
+    t = np.linspace(0, 1, 3)
+    quaternion = np.column_stack([np.cos(0.05 * t), np.sin(0.05 * t), 0 * t, 0 * t])
+    zero = np.zeros((3, 3))
+    nominal = RigidNominal(
+        t,
+        quaternion,
+        np.tile([0.1, 0.0, 0.0], (3, 1)),
+        zero,
+        zero,
+        (np.zeros((3, 0)),) * 2,
+        (np.zeros((3, 0)),) * 2,
+        (np.zeros((3, 0)),) * 2,
+    )
+    roots = perturbation(TEXTBOOK, nominal).eigenvalues(1)
+    wanted = TEXTBOOK.linearize(at).eigenvalues
+    assert max(np.abs(wanted - z).min() for z in roots if abs(abs(z) - 0.1) > 1e-3 and abs(z) > 1e-3) < 1e-9
+    assert np.abs(roots.real).max() < 1e-5  # no false growth: the second-order turn is in
+
+
+def test_second_order_of_an_arm():
+    arm = SingleLinkArm.textbook()
+    t = np.linspace(0, 1, 11)
+    run = arm.simulate(np.array([0.1, 0.01, 0.0, 0.5, 0.0, 0.0]), None, t)
+    model = arm.linearize_along(run)
+    form = model.second_order(arm.mass_matrix(run.x))
+    np.testing.assert_allclose(form.A, arm.mass_matrix(run.x))
+    np.testing.assert_allclose(form.first_order()[0], model.A, atol=1e-8 * np.abs(model.A).max())
+    np.testing.assert_allclose(
+        np.sort_complex(form.eigenvalues(3)), np.sort_complex(model.at(3).eigenvalues), atol=1e-5
+    )
+    hub = dataclasses.replace(TEXTBOOK.hub, wheels=(Wheel(axis=(1.0, 0, 0), inertia=0.1),))
+    made = dataclasses.replace(TEXTBOOK, hub=hub)
+    with pytest.raises(ValueError, match="must be coordinates and then their rates"):
+        made.linearize_along(made.simulate(made.state(), None, [0.0, 0.1, 0.2, 0.3])).second_order()
+
+
+def test_a_jump_in_the_nominal_is_carried():
+    """An impulse on the hub: the rigid nominal jumps its way, the flexible craft its own; error again of second
+    order in size.
+    """
+    errors = []
+    for size in (1.0, 0.5):
+        made = motor_hinged(4.0)
+        rigid = dataclasses.replace(made, kinematics="rigid")
+        impulse, t = size * np.array([0.0, 8.0, -6.0, 0.0]), np.linspace(0, 2, 81)
+        at, short = made.layout, rigid.layout
+        start = rigid.state(rate_x=0.3 * size, rate_y=0.2 * size, rate_z=0.25 * size)
+        first = rigid.simulate(start, None, t)
+        kicked = first.x[-1] + rigid.jacobians(first.x[-1])[1] @ impulse
+        second = rigid.simulate(kicked, None, t)
+
+        def widened(run, shift, made=made, at=at, short=short):
+            x, dx = np.zeros((len(run.t), made.nx)), np.zeros((len(run.t), made.nx))
+            for a, b in [
+                (at.quaternion, short.quaternion),
+                (at.omega, short.omega),
+                *zip(at.hinges, short.hinges),
+                *zip(at.hinge_rates, short.hinge_rates),
+            ]:
+                x[:, a], dx[:, a] = run.x[:, b], run.dx[:, b]
+            return Trajectory.from_arrays(run.t + shift, x, run.u, plant=made, dx=dx)
+
+        nominals = [widened(first, 0.0), widened(second, 2.0)]
+        model = linearize_pieces(made, nominals, [impulse])
+        assert model.jump_times == pytest.approx([2.0])
+        dx, _ = model.simulate(np.zeros(made.nx - 1))
+        true = made.simulate(nominals[0].x[0], None, t, rtol=1e-11)
+        after = true.x[-1] + made.jacobians(true.x[-1])[1] @ impulse
+        true = made.simulate(after, None, t, rtol=1e-11)
+        gap = deviations(made, nominals[1], true.x) - dx[len(t) :]
+        errors.append(np.abs(gap).max())
+        assert np.abs(gap).max() < 0.05 * np.abs(dx).max()
+        assert np.abs(model.jumps[0][1]).max() > 1e-3 * size  # without the jump the model would miss it
+    assert np.log2(errors[0] / errors[1]) > 1.8
+
+
+def test_the_map_of_deviations_across_a_jump():
+    """Against the nonlinear jump of neighbouring states, by central differences, with large rates on both sides."""
+    made, rng = motor_hinged(), np.random.default_rng(6)
+    x, _, _ = random_nominal(made)
+    x[made.layout.quaternion.stop :] *= 0.3
+    impulse = np.array([30.0, 20.0, -40.0, 5.0])
+    new = x + made.jacobians(x)[1] @ impulse
+    new[made.layout.omega] += [0.1, -0.2, 0.3]  # the nominal's program jumped elsewhere
+    t, still = np.array([0.0, 0.1, 0.2, 0.3]), np.zeros((4, 4))
+    runs = [Trajectory.from_arrays(t + 0.3 * k, np.tile(v, (4, 1)), still, plant=made) for k, v in enumerate((x, new))]
+    J, _ = linearize_pieces(made, runs, [impulse]).jumps[0]
+    T = deviation_maps(made, x)[0]
+    for xi in rng.normal(size=(4, made.nx - 1)):
+        ends = []
+        for h in (1e-5, -1e-5):
+            near = x + h * T @ xi
+            near[made.layout.quaternion] /= np.linalg.norm(near[made.layout.quaternion])
+            after = near + made.jacobians(near)[1] @ impulse
+            flat = Trajectory.from_arrays(t, np.tile(new, (4, 1)), still, plant=made)
+            ends.append(deviations(made, flat, np.tile(after, (4, 1)))[0])
+        np.testing.assert_allclose((ends[0] - ends[1]) / 2e-5, J @ xi, atol=1e-6 * np.abs(J).max())
+
+
+def test_a_varied_orbit_rate_is_that_of_the_parameters():
+    """Rows of parameters along the nominal; against a spacecraft built with the rate."""
+    outside = Environment(orbit=Orbit(rate=1.1e-3))
+    made = dataclasses.replace(motor_hinged(), translation=True, environment=outside)
+    nominal = slew(made, np.linspace(0, 3, 7))
+    x, dx = nominal.x.copy(), nominal.dx.copy()
+    x[:, made.layout.velocity] = [30.0, -20.0, 10.0]  # so that the axes' turning accelerates it
+    x[:, made.layout.position] = np.outer(nominal.t, [30.0, -20.0, 10.0])
+    dx[:, made.layout.position] = x[:, made.layout.velocity]
+    nominal = dataclasses.replace(nominal, x=x, dx=dx)
+    other = dataclasses.replace(made, environment=Environment(orbit=Orbit(rate=0.02)))
+    varied = made.vary("environment.orbit.rate")
+    for p in ([0.02], np.full((7, 1), 0.02)):
+        found, wanted = varied.linearize_along(nominal, p=p), other.linearize_along(nominal)
+        for name in "ABc":
+            np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), rtol=1e-10, atol=1e-10)
+    assert np.abs(wanted.A - made.linearize_along(nominal).A).max() > 1e-2
+
+
+@pytest.mark.parametrize("translation", [True, False])
+def test_both_kinds_of_state_give_one_model(translation):
+    """Along a nominal that satisfies nothing: in the plant's own states, its small turns, and back."""
+    made = dataclasses.replace(motor_hinged(), translation=translation)
+    nominal = slew(made, np.linspace(0, 3, 7))
+    small, own = made.linearize_along(nominal), made.linearize_along(nominal, attitude="quaternion")
+    assert own.A.shape[1] == small.A.shape[1] + 1 == made.nx
+    maps = [deviation_maps(made, x) for x in nominal.x]
+    h = 1e-5
+    for k in (2, 4):
+        T, L = maps[k]
+        ahead, behind = (  # T along the nominal's own motion
+            deviation_maps(made, nominal.x[k] + s * h * nominal.dx[k])[0] for s in (1, -1)
+        )
+        wanted = L @ (own.A[k] @ T - (ahead - behind) / (2 * h))
+        np.testing.assert_allclose(small.A[k], wanted, atol=1e-7 * np.abs(wanted).max())
+        np.testing.assert_allclose(small.B[k], L @ own.B[k], atol=1e-12)
+        np.testing.assert_allclose(small.c[k], L @ own.c[k], atol=1e-12)
+
+
+def test_without_translation_the_hub_moves_as_the_whole_asks():
+    """The paper's force on the whole is then balanced: its Q of p is zero."""
+    made = dataclasses.replace(motor_hinged(), translation=False)
+    nominal = slew(made, np.linspace(0, 3, 7))
+    assert np.abs(perturbation(made, nominal).Q[:, -3:]).max() < 1e-9
+    assert np.abs(RigidNominal.of(made, nominal).acceleration).max() > 1e-3
+
+
+def flat(made, q, t=(0.0, 0.1, 0.2, 0.3), dx=None):
+    x = np.tile(made.state(), (4, 1))
+    x[:, made.layout.quaternion] = q
+    return Trajectory.from_arrays(np.array(t), x, np.zeros((4, made.nu)), plant=made, dx=dx)
+
+
+FLIP = np.array([[1.0, 0, 0, 0], [1.0, 0, 0, 0], [-1.0, 0, 0, 0], [-1.0, 0, 0, 0]])
+TURNED = np.tile([np.cos(0.5), np.sin(0.5), 0.0, 0.0], (4, 1))
+BAD = {
+    "long quaternion": (
+        lambda: TEXTBOOK.linearize_along(flat(TEXTBOOK, 1.3 * np.abs(FLIP))),
+        r"the quaternion has norm 1\.3, must be 1",
+    ),
+    "flipped quaternion": (
+        lambda: TEXTBOOK.linearize_along(flat(TEXTBOOK, FLIP)),
+        r"the quaternion changes its sign at t = 0\.2 s",
+    ),
+    "jump of the attitude": (
+        lambda: linearize_pieces(
+            TEXTBOOK, [flat(TEXTBOOK, np.abs(FLIP)), flat(TEXTBOOK, TURNED, (0.3, 0.4, 0.5, 0.6))]
+        ),
+        r"the attitude jumps by 1 rad at t = 0\.3 s",
+    ),
+    "no pieces": (lambda: linearize_pieces(TEXTBOOK, []), r"nominals = \(\) must be one or more pieces"),
+    "driven hinge": (
+        lambda: perturbation(
+            dataclasses.replace(
+                TEXTBOOK,
+                appendages=(
+                    dataclasses.replace(TEXTBOOK.appendages[0], hinge=Hinge(axes=((0.0, 1.0, 0.0),), drive="motion")),
+                ),
+            ),
+            None,
+        ),
+        'hinges with drive = "motion" are prescribed',
+    ),
+    "shape": (
+        lambda: RigidNominal([0.0], np.ones((1, 3)), *np.zeros((3, 1, 3))),
+        r"RigidNominal\.quaternion has shape \(1, 3\)",
+    ),
+    "norm": (
+        lambda: RigidNominal([0.0], np.ones((1, 4)), *np.zeros((3, 1, 3))),
+        r"RigidNominal\.quaternion has norm 2, must be 1",
+    ),
+    "hinges": (
+        lambda: perturbation(craft("linear", (1,)), RigidNominal([0.0], [[1.0, 0, 0, 0]], *np.zeros((3, 1, 3)))),
+        r"RigidNominal\.angles has columns \(\), must have \(1,\)",
+    ),
+    "elastic": (
+        lambda: perturbation(TEXTBOOK, TEXTBOOK.simulate(TEXTBOOK.state(eta1_1=0.1), None, [0.0, 0.1])),
+        "must be zero: the nominal is a rigid motion",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input(name):
+    make, words = BAD[name]
+    with pytest.raises(ValueError, match=words):
+        make()

@@ -1,0 +1,206 @@
+"""Floquet multipliers against closed forms, independent integration, Mathieu characteristic values, the reference."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from pliant.plants import LTVModel, Trajectory
+from pliant.plants.linear.lti import LinearModel
+from pliant.plants.spacecraft.appendage import Hinge
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.stability import assess, floquet
+
+
+def model_of(t, A, states=None):
+    nt, n = len(t), A.shape[-1]
+    none = np.zeros((nt, n, 0))
+    return LTVModel(
+        t,
+        A,
+        none,
+        none,
+        np.zeros((nt, 0, n)),
+        np.zeros((nt, 0, 0)),
+        np.zeros((nt, 0, 0)),
+        c=np.zeros((nt, n)),
+        x=np.zeros((nt, n)),
+        u=np.zeros((nt, 0)),
+        y=np.zeros((nt, 0)),
+        states=states or tuple(f"x{i + 1}" for i in range(n)),
+        inputs=(),
+        disturbances=(),
+        outputs=(),
+    )
+
+
+def oscillator(stiffness, period, nodes=97, damping=0.0):
+    """x'' + 2 d x' + k(t) x = 0."""
+    t = np.linspace(0.0, period, nodes)
+    A = np.zeros((nodes, 2, 2))
+    A[:, 0, 1], A[:, 1, 0], A[:, 1, 1] = 1.0, -stiffness(t), -2 * damping
+    return model_of(t, A)
+
+
+def integrated(A, period, n):
+    """Monodromy matrix (n, n) by an adaptive method at a tight tolerance."""
+    run = solve_ivp(
+        lambda t, y: (A(t) @ y.reshape(n, n)).ravel(),
+        (0.0, period),
+        np.eye(n).ravel(),
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-14,
+    )
+    return run.y[:, -1].reshape(n, n)
+
+
+def test_monodromy_is_that_of_tight_integration():
+    rng = np.random.default_rng(4)
+    M0, M1, M2 = (rng.standard_normal((5, 5)) for _ in range(3))
+    period = 2.3
+
+    def A(t):
+        return M0 + np.cos(2 * np.pi * t / period) * M1 + np.sin(6 * np.pi * t / period) * M2
+
+    t = np.linspace(0.0, period, 65)
+    found = floquet(model_of(t, np.array([A(s) for s in t])))
+    wanted = integrated(A, period, 5)
+    np.testing.assert_allclose(found.monodromy, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+    np.testing.assert_allclose(
+        np.sort_complex(found.multipliers), np.sort_complex(np.linalg.eigvals(wanted)), rtol=1e-8
+    )
+    trace = np.trace(M0) * period  # Liouville: the product of the multipliers
+    assert np.prod(found.multipliers).real == pytest.approx(np.exp(trace), rel=1e-8)
+
+
+def test_uneven_nodes_converge_at_order_four():
+    def error(nodes):
+        s = np.linspace(0.0, 1.0, nodes)
+        t = np.pi * (s + 0.05 * np.sin(2 * np.pi * s))
+        A = np.zeros((nodes, 2, 2))
+        A[:, 0, 1], A[:, 1, 0] = 1.0, -(1.3 - np.cos(2 * t))
+        wanted = integrated(lambda t: np.array([[0.0, 1.0], [-(1.3 - np.cos(2 * t)), 0.0]]), np.pi, 2)
+        return np.abs(floquet(model_of(t, A)).monodromy - wanted).max()
+
+    coarse, fine = error(33), error(129)
+    assert fine < 1e-6 and np.log(coarse / fine) / np.log(4) > 3.7
+
+
+@pytest.mark.parametrize("q", (0.3, 1.7, 4.0))
+def test_undamped_multipliers_stay_on_the_unit_circle(q):
+    middle = (mathieu_a(1, q) + mathieu_b(2, q)) / 2  # inside a stable region
+    found = floquet(oscillator(lambda t: middle - 2 * q * np.cos(2 * t), np.pi))
+    assert found.undamped and found.verdict == "marginal"
+    np.testing.assert_allclose(np.abs(found.multipliers), 1.0, atol=1e-9)
+    plain = floquet(oscillator(lambda t: middle - 2 * q * np.cos(2 * t), np.pi), undamped=False)
+    assert not plain.undamped
+    np.testing.assert_allclose(np.abs(np.angle(plain.multipliers)), np.abs(np.angle(found.multipliers)), atol=1e-9)
+
+
+def gyroscopic(pairs, seed=7, size=0.05, drift=False):
+    """Undamped with gyroscopic coupling, stiffness pulsating a little, in coordinates that are not canonical."""
+    rng = np.random.default_rng(seed)
+    M = rng.standard_normal((pairs, pairs))
+    M = M @ M.T + pairs * np.eye(pairs)
+    K = np.diag(np.linspace(1.0, 4.0, pairs) ** 2)
+    if drift:
+        K[0, 0] = 0.0
+    G, K1 = rng.standard_normal((2, pairs, pairs))
+    G, K1 = (G - G.T) / 2, size * (K1 + K1.T)
+    if drift:
+        G[0], G[:, 0], K1[0], K1[:, 0], M[0, 1:], M[1:, 0] = 0, 0, 0, 0, 0, 0
+    t = np.linspace(0.0, 1.1, 65)
+    A = np.zeros((65, 2 * pairs, 2 * pairs))
+    A[:, :pairs, pairs:] = np.eye(pairs)
+    A[:, pairs:, :pairs] = -np.linalg.solve(M, K + np.cos(2 * np.pi * t / 1.1)[:, None, None] * K1)
+    A[:, pairs:, pairs:] = -np.linalg.solve(M, G)
+    return model_of(t, A)
+
+
+@pytest.mark.parametrize("drift", (False, True))
+def test_gyroscopic_model_with_and_without_a_rigid_mode_stays_on_the_unit_circle(drift):
+    found = floquet(gyroscopic(6, drift=drift))
+    assert found.undamped and found.verdict == "marginal"
+    np.testing.assert_allclose(np.abs(found.multipliers), 1.0, atol=1e-9)
+    assert (np.abs(found.multipliers - 1.0) < 1e-9).sum() == (2 if drift else 0)
+
+
+def test_a_little_damping_is_not_taken_for_none():
+    def k(t):
+        return 1.3 - 0.2 * np.cos(2 * t)
+
+    found = floquet(oscillator(k, np.pi, damping=1e-6))
+    assert not found.undamped and found.verdict == "stable"
+    assert found.growth == pytest.approx(-1e-6, rel=1e-3)
+
+
+def test_modes_are_periodic_and_solve_the_equation():
+    model = oscillator(lambda t: 2.2 + 0.9 * np.cos(2 * t), np.pi, damping=0.1)
+    found = floquet(model)
+    for k in range(2):
+        shape = found.mode(k)
+        np.testing.assert_allclose(shape[-1], shape[0], atol=1e-9)
+        np.testing.assert_allclose(found.monodromy @ shape[0], found.multipliers[k] * shape[0], atol=1e-9)
+
+
+def test_constant_model_has_the_exponents_of_its_eigenvalues():
+    A = np.array([[0.0, 1.0], [-4.0, -0.3]])
+    model = LinearModel.from_matrices(A, np.zeros((2, 0)))
+    found = floquet(model, 0.5)
+    np.testing.assert_allclose(np.sort_complex(found.exponents), np.sort_complex(model.eigenvalues), atol=1e-12)
+    with pytest.raises(ValueError, match=r"floquet.period = None must be > 0 for a LinearModel"):
+        floquet(model)
+
+
+@pytest.mark.parametrize("share", (0.31, 0.5))
+def test_the_period_is_found_in_a_longer_nominal(share):
+    period = 1.7
+    t = np.linspace(0.0, period / share, 400)
+    A = np.zeros((400, 2, 2))
+    A[:, 0, 1], A[:, 1, 0] = 1.0, -(3.0 + 0.4 * np.cos(2 * np.pi * t / period) + 0.1 * np.sin(4 * np.pi * t / period))
+    found = floquet(model_of(t, A))
+    assert found.period == pytest.approx(period, rel=1e-7)
+    assert "repeats every 1.7 s" in found.source
+    given = floquet(model_of(t, A), period)
+    np.testing.assert_allclose(np.sort_complex(given.multipliers), np.sort_complex(found.multipliers), atol=1e-6)
+
+
+# --- the reference spacecraft with hinges of modulated stiffness ---------------------------------------------------
+
+
+def modulated(depth, nu, nodes=129):
+    """The textbook spacecraft with its booms on hinges, whose springs are parameters that vary along a rest."""
+    hinge = Hinge(axes=((0.0, 1.0, 0.0),), stiffness=100.0, damping=2.0)
+    craft = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear", translation=False)
+    parts = tuple(dataclasses.replace(a, hinge=hinge, damping=0.005) for a in craft.appendages)
+    craft = dataclasses.replace(craft, appendages=parts)
+    craft = craft.vary("appendages.0.hinge.stiffness.0", "appendages.1.hinge.stiffness.0")
+    t = np.linspace(0.0, 2 * np.pi / nu, nodes)
+    x = np.tile(craft.state(), (nodes, 1))
+    nominal = Trajectory.from_arrays(t, x, np.zeros((nodes, craft.nu)), plant=craft, dx=np.zeros_like(x))
+    k = 100.0 * (1 + depth * np.cos(nu * t))
+    return craft.linearize_along(nominal, p=np.column_stack([k, k]))
+
+
+def test_modulated_hinge_of_the_reference(reference):
+    table = reference("spacecraft")["hinge_stiffness_modulated"]
+    for row in table["floquet"]:
+        model = modulated(row["eps"], row["nu"])
+        found = floquet(model)
+        assert found.growth == pytest.approx(row["exponent"], abs=1e-9)
+        assert np.abs(found.multipliers[0]) == pytest.approx(row["max_mult"], abs=1e-9)
+        verdict = assess(model)
+        assert verdict.verdict == "unstable" and verdict.method == "floquet"
+        assert verdict.evidence["frozen_time"].suggests in ("stable", "marginal")
+
+    def largest(depth):
+        """Of the multipliers about -1, where a spring that pulsates at twice a frequency drives them; drift is at 1."""
+        multipliers = floquet(modulated(depth, row["nu"])).multipliers
+        return np.abs(multipliers[multipliers.real < -0.5]).max() - 1
+
+    critical = brentq(largest, 0.04, 0.06, xtol=1e-7)
+    assert critical == pytest.approx(table["critical_eps_symmetric"], abs=1e-5)

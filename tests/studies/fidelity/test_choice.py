@@ -1,0 +1,119 @@
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from pliant.envs import scenes
+from pliant.plants.modal_data.modal_data import ModalData
+from pliant.studies import choose
+from pliant.studies.common.atomic_files import dumps
+
+
+def finer(scene):
+    """A finer model than any of the ladder, in other shape functions than the finest rung."""
+    plant = scene.plant
+    if scene.name == "two-link-reach":
+        return dataclasses.replace(plant, kinematics="stiffened", basis="payload", modes=(6, 6))
+    if scene.name == "cantilever-drop":
+        return dataclasses.replace(plant, basis="polynomial", modes=9)
+    if scene.name == "slider-crank-run":
+        return dataclasses.replace(plant, basis="frame-elements", modes=4)
+    if scene.name.startswith("spacecraft"):
+        parts = tuple(dataclasses.replace(a, modes=None, body=polynomial_panel()) for a in plant.appendages)
+        return dataclasses.replace(plant, kinematics="linear", appendages=parts)
+    return dataclasses.replace(plant, kinematics="stiffened", basis="polynomial", modes=5)
+
+
+def polynomial_panel(n=5):
+    """The modes of the scenes' panel, 6 m x 2 m, 2 kg/m, EI = 186 N m^2, in x^2 .. x^(n+1) on two lines."""
+    L, mu, EI = 6.0, 2.0, 186.0
+    s, weight = (z / 2 for z in np.polynomial.legendre.leggauss(12))
+    s, weight, k = np.append(s + 0.5, 1.0), np.append(weight, 0.0), np.arange(2, n + 2)
+    value, bent = s[:, None] ** k, k * (k - 1) * s[:, None] ** (k - 2) / L**2
+    squares, shapes = eigh(EI * L * (bent.T * weight) @ bent, mu * L * (value.T * weight) @ value)
+    phi = np.zeros((n, 26, 3))
+    phi[:, :, 2] = np.tile(value @ shapes, (2, 1)).T
+    nodes = np.concatenate([np.column_stack([L * s, np.full(13, y), np.zeros(13)]) for y in (1.0, -1.0)])
+    return ModalData.from_nodes(nodes, np.tile(mu * L * weight / 2, 2), phi, frequencies=np.sqrt(squares), tip=12)
+
+
+def tip(scene, plant):
+    u = np.array([scene.nominal_input(t) for t in scene.times])
+    x0 = scene.with_plant(plant).initial[0]
+    motion = plant.simulate(x0, u, scene.times, method="cvodes", rtol=1e-8, atol=1e-10)
+    return np.stack([motion[name] for name in scene.compare])
+
+
+@pytest.fixture(scope="module", params=scenes.names())
+def case(request):
+    scene = scenes.get(request.param, **({"duration": 600.0} if request.param == "spacecraft-orbit" else {}))
+    return scene, choose(scene)
+
+
+def test_choice_keeps_the_tolerance_against_an_independent_finer_model(case):
+    scene, choice = case
+    exact = tip(scene, finer(scene))
+    assert choice.met
+    assert np.abs(tip(scene, choice.plant) - exact).max() < scene.tolerance
+    rigid = scene.plant.ladder()[0]
+    if scene.name == "spacecraft-orbit":  # bending does not matter to where it points
+        assert choice.plant.label == rigid.label
+        return
+    assert np.abs(tip(scene, rigid) - exact).max() > scene.tolerance
+    assert choice.plant.label != rigid.label
+
+
+def test_every_cheaper_rung_misses_the_tolerance(case):
+    scene, choice = case
+    chosen = [r.chosen for r in choice.rungs].index(True)
+    assert all(r.bound > scene.tolerance for r in choice.rungs[:chosen])
+    assert [r.variant for r in choice.rungs] == [p.label for p in scene.plant.ladder()]
+
+
+def test_integrator_and_step_keep_the_tolerance(case):
+    scene, choice = case
+    for row in (choice.integrator, choice.largest_step):
+        assert row.variant == choice.plant.label
+        assert row.error <= scene.tolerance
+    assert choice.largest_step.step <= scene.dt
+
+
+def test_choice_is_json_and_text(case):
+    _, choice = case
+    table = json.loads(dumps(choice.to_json()))
+    assert table["chosen"] == choice.plant.label
+    assert choice.plant.label in choice.text and "Left out: " in choice.text
+
+
+@pytest.mark.parametrize("case", ["two-link-reach"], indirect=True)
+def test_two_rungs_that_agree_and_are_both_wrong_are_not_taken(case):
+    """Linear kinematics with two and with three polynomials agree, but both lack the shortening."""
+    scene, choice = case
+    misled = [r for r in choice.rungs if r.note.startswith("agrees")]
+    assert misled and all(r.change <= scene.tolerance < r.error and not r.chosen for r in misled)
+    shortening = next(e for e in choice.effects if e.field == "kinematics")
+    assert shortening.kept and shortening.change > 10 * scene.tolerance
+    more = next(e for e in choice.effects if e.field == "modes" and not e.kept)
+    assert more.change < scene.tolerance
+
+
+def test_tolerance_decides():
+    scene = scenes.get("single-link-slew")
+    labels = [choose(scene, tolerance).plant.label for tolerance in (1e-2, 1e-3, 1e-6)]
+    assert labels[0] == "rigid"
+    assert len(set(labels)) == 3
+
+
+def test_no_rung_is_claimed_beyond_the_shown_convergence():
+    choice = choose(scenes.get("single-link-slew"), 1e-12)
+    assert not choice.met
+    assert choice.rungs[-1].chosen and choice.integrator is None
+    assert choice.text.startswith("No variant is shown to keep ")
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan"), float("inf"), "small"])
+def test_bad_tolerance(tolerance):
+    with pytest.raises(ValueError, match=r"choose\.tolerance = .* must be a number > 0"):
+        choose(scenes.get("single-link-slew"), tolerance)

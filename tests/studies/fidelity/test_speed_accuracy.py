@@ -1,0 +1,114 @@
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from pliant.envs import scenes
+from pliant.studies import chart
+from pliant.studies.fidelity.speed_accuracy import METHODS, pareto
+
+SLEW = scenes.get("single-link-slew")
+LADDER = SLEW.plant.ladder()
+ORDERS = {"rk4": 4, "rosenbrock": 3, "midpoint": 2}
+
+
+@pytest.fixture(scope="module")
+def measured():
+    return chart(SLEW, budget=40.0, variants=(LADDER[0], LADDER[1], LADDER[-1]), prune=False)
+
+
+def test_pareto_keeps_what_nothing_beats():
+    points = [(1.0, 9.0), (2.0, 5.0), (2.0, 4.0), (3.0, 4.0), (4.0, 6.0), (5.0, 1.0), (5.0, 1.0)]
+    assert pareto(points) == [True, False, True, False, False, True, True]
+    assert pareto([]) == []
+
+
+@pytest.fixture(scope="module")
+def fine():
+    """One variant, charted down to small steps."""
+    scene = dataclasses.replace(SLEW, tolerance=1e-7)
+    return chart(scene, budget=40.0, variants=(LADDER[-2],), methods=tuple(ORDERS), prune=False)
+
+
+@pytest.mark.parametrize("method", ORDERS)
+def test_error_falls_at_the_order_of_the_method(fine, method):
+    rows = [r for r in fine.measured if r.method == method][-3:]
+    steps, errors = np.array([r.step for r in rows]), np.array([r.step_error for r in rows])
+    assert len(rows) == 3
+    order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert order == pytest.approx(ORDERS[method], abs=0.1)
+
+
+def test_error_of_a_converged_row_is_the_difference_of_the_models(measured):
+    """Against the same two models integrated by another code, SciPy's Radau."""
+    u = np.array([SLEW.nominal_input(t) for t in SLEW.times])
+
+    def tip(plant):
+        x0 = SLEW.with_plant(plant).initial[0]
+        motion = plant.simulate(x0, u, SLEW.times, method="radau", rtol=1e-7, atol=1e-9)
+        return np.stack([motion[name] for name in SLEW.compare])
+
+    expected = np.abs(tip(LADDER[0]) - tip(LADDER[-1])).max()
+    rigid = [r for r in measured.measured if r.variant == "rigid" and r.method in ("rk4", "dop853", "rosenbrock")]
+    assert len(rigid) >= 3
+    for row in rigid:
+        assert row.error == pytest.approx(expected, rel=1e-3)
+
+
+def test_failures_are_rows_with_a_reason(measured):
+    row = next(r for r in measured.rows if r.variant == LADDER[-1].label and r.setting == "rk4, 20 ms")
+    assert row.failure.startswith("StabilityLimitError: rk4 with a step of 0.02 s is unstable")
+    assert row.seconds is None and row.error is None and not row.pareto
+    assert all(r.failure for r in measured.failed)
+
+
+def test_what_the_budget_cuts_is_said():
+    short = chart(SLEW, budget=0.05, variants=(LADDER[1],))
+    assert {r.failure for r in short.failed} == {"not run: the time budget was spent"}
+    assert short.failed
+
+
+def test_front_is_the_front_of_the_measured_rows(measured):
+    points = [(r.error, r.seconds) for r in measured.measured]
+    assert [r.pareto for r in measured.measured] == pareto(points)
+    fastest = measured.fastest()
+    within = [r for r in measured.measured if r.error <= SLEW.tolerance]
+    assert fastest.seconds == min(r.seconds for r in within)
+    assert measured.fastest(1e-15) is None
+
+
+def test_reference_says_how_well_it_is_confirmed(measured):
+    reference = measured.reference
+    assert reference.variant == LADDER[-1].label
+    assert reference.nearest == LADDER[-2].label
+    assert 0 < reference.difference < 1e-6
+
+
+def test_dominated_settings_are_not_run():
+    pruned = chart(SLEW, budget=40.0, variants=(LADDER[0], LADDER[1]))
+    why = [r.failure for r in pruned.failed]
+    assert why and all(w.startswith("not run: dominated by ") for w in why)
+    assert pruned.fastest().variant == LADDER[1].label
+
+
+def test_save_writes_table_and_picture(measured, tmp_path):
+    measured.save(tmp_path / "chart.json", tmp_path / "chart.png")
+    table = json.loads((tmp_path / "chart.json").read_text())
+    assert len(table["rows"]) == len(measured.rows)
+    assert table["machine"]["evaluation"].startswith("CasADi virtual machine")
+    assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"budget": 0.0}, "chart.budget = 0.0 must be > 0"),
+        ({"budget": float("nan")}, "chart.budget = nan must be > 0"),
+        ({"methods": ("euler",)}, f"chart.methods has 'euler', must be among {', '.join(METHODS)}"),
+    ],
+)
+def test_bad_input(options, message):
+    with pytest.raises(ValueError) as caught:
+        chart(SLEW, **options)
+    assert message in str(caught.value)

@@ -1,0 +1,53 @@
+"""The stability verdict of a report: the command's own, within its time, or why there is none."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pliant.envs import scenes
+from pliant.plants import IntegrationError
+from pliant.studies.stability import judgement, verdicts
+from pliant.studies.stability.judgement import judge
+
+DROP = scenes.get("cantilever-drop")
+
+
+def test_it_is_what_the_command_says():
+    found = judge(DROP)
+    verdict, _ = verdicts.verdict_of(DROP)
+    assert found.reason == "" and found.found.to_json() == verdict.to_json()
+    assert found.at_the_goal.verdict == verdicts.verdict_at_goal(DROP).verdict
+
+
+def test_it_is_cut_off_and_says_so():
+    """No time ends the motion; a model that is too large is not judged. The verdict at the goal stays."""
+    for options, says in (
+        ({"seconds": 0.0}, "cut off: the motion and its linear model took more than 0 s"),
+        ({"largest": 1e4}, "cut off: 401 nodes of 6 states would take too long"),
+    ):
+        found = judge(DROP, **options)
+        assert found.found is None and found.reason == says and found.at_the_goal is not None
+        assert found.to_json()["verdict"] is None and found.to_json()["reason"] == says
+
+
+def test_a_motion_that_fails_is_the_reason(monkeypatch):
+    def fail(*_):
+        raise IntegrationError("the motion diverges", time=0.1, state=np.zeros(6), step=1e-3)
+
+    monkeypatch.setattr(judgement, "model_along", fail)
+    assert judge(DROP).reason.startswith("IntegrationError: the motion diverges")
+
+
+def test_progress_grows_to_one():
+    seen = []
+    judge(dataclasses.replace(DROP, duration=1.0), progress=lambda fraction, _: seen.append(fraction))
+    assert seen == sorted(seen) and seen[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "left"), [("spacecraft-orbit", "wheel1_momentum"), ("spacecraft-slew", "quaternion_0")]
+)
+def test_what_is_left_out_is_told(name, left):
+    found = judge(scenes.get(name))
+    assert left in found.left_out and left in found.to_json()["left_out"]
