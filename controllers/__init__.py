@@ -63,6 +63,7 @@ __all__ = [
 moved.serve(
     __name__,
     {
+        "": "rl=learning",
         "base": "controller playable=scene_protocol weights=quadratic_weights goal_model objective "
         "record=solver_record reference=joint_reference",
         "riccati": "riccati_checks=checks time_varying_riccati=time_varying intervals=ltv_discretisation",
@@ -74,8 +75,7 @@ moved.serve(
         "linear_quadratic": "lqr lqg tvlqr funnel period_cost delay",
         "analysis": "loops margins spillover",
         "joint_control": "pd computed_torque collocated=collocation shaping=input_shaping",
-        "learning": "rl=train run=training_callback lanes=training_env policy actor=sb3_export checkpoint "
-        "torch_threads",
+        "learning": "run=training_callback lanes=training_env policy actor=sb3_export checkpoint torch_threads",
         "mpc": "mpc_design=design mpc_along=ltv_design condensed=condensed_prediction "
         "predicted_limits=constraints penalty=exact_penalty last_plan=fallback_plan "
         "disturbance=offset_free",

@@ -40,8 +40,9 @@ sys.meta_path.append(_finder)
 
 
 def serve(package: str, rooms: Mapping[str, str]) -> None:
-    """Serve old names of a package. rooms: {room: "module old_name=new_name ..."}."""
+    """Serve old names of a package. rooms: {room: "module old_name=new_name ..."}, room "" for the
+    package itself."""
     for room, words in rooms.items():
         for word in words.split():
             old, _, new = word.partition("=")
-            _finder.places[f"{package}.{old}"] = f"{package}.{room}.{new or old}"
+            _finder.places[f"{package}.{old}"] = ".".join(part for part in (package, room, new or old) if part)

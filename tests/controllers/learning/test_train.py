@@ -36,7 +36,7 @@ def test_bad_input_is_named(changes, words):
 
 
 def test_without_stable_baselines_it_says_what_to_install(monkeypatch):
-    monkeypatch.setattr(rl, "_installed", lambda: False)
+    monkeypatch.setattr("pliant.controllers.learning.train._installed", lambda: False)
     with pytest.raises(ImportError, match=r"pliant\[rl\]"):
         rl.train(SCENE, steps=1)
 

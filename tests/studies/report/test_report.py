@@ -130,7 +130,7 @@ def test_failure_leaves_nothing(tmp_path, monkeypatch):
     def stop(*_):
         raise RuntimeError("stopped")
 
-    module = sys.modules["pliant.studies.report"]
+    module = sys.modules["pliant.studies.report.report"]
     monkeypatch.setattr(module, "study", lambda *_, **__: None)
     monkeypatch.setattr(module, "figures_of", stop)
     with pytest.raises(RuntimeError, match="stopped"):
