@@ -22,6 +22,7 @@ class _Moved(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def __init__(self) -> None:
         self.places: dict[str, str] = {}
+        self.specs: dict[str, ModuleSpec | None] = {}
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         return importlib.util.spec_from_loader(name, self) if name in self.places else None
@@ -29,10 +30,13 @@ class _Moved(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def create_module(self, spec: ModuleSpec) -> ModuleType:
         place = self.places[spec.name]
         warnings.warn(f"{spec.name} has moved: import {place}", DeprecationWarning, stacklevel=2)
-        return importlib.import_module(place)
+        module = importlib.import_module(place)
+        self.specs[place] = module.__spec__
+        return module
 
     def exec_module(self, module: ModuleType) -> None:
-        """The module has run where it stands; give it back its own name and spec."""
+        """The module has run where it stands: it gets its own spec back."""
+        module.__spec__ = self.specs[module.__name__]
 
 
 _finder = _Moved()

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def test_bad_input_is_named(changes, words):
 
 
 def test_without_stable_baselines_it_says_what_to_install(monkeypatch):
-    monkeypatch.setattr("pliant.controllers.learning.train._installed", lambda: False)
+    monkeypatch.setattr(sys.modules["pliant.controllers.learning.train"], "_installed", lambda: False)
     with pytest.raises(ImportError, match=r"pliant\[rl\]"):
         rl.train(SCENE, steps=1)
 

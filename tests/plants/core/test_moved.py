@@ -1,0 +1,45 @@
+"""Modules of 0.1 under their old names are the modules that stand in the rooms."""
+
+import importlib
+import subprocess
+import sys
+
+import pytest
+
+import pliant.controllers
+import pliant.envs
+import pliant.plants
+import pliant.studies  # noqa: F401  (each registers its old names)
+from pliant.plants.core import moved
+
+OLD = sorted(moved._finder.places.items())
+
+
+@pytest.mark.parametrize(("old", "new"), OLD, ids=[old for old, _ in OLD])
+def test_an_old_name_is_the_module_in_its_room(old, new):
+    sys.modules.pop(old, None)
+    with pytest.warns(DeprecationWarning, match=f"{old} has moved: import {new}"):
+        found = importlib.import_module(old)
+    assert found is importlib.import_module(new)
+    assert found.__name__ == new
+    assert found.__spec__.name == new
+
+
+def test_attributes_of_the_package_are_the_same_modules():
+    from pliant.controllers import rl, sensors
+
+    assert rl is importlib.import_module("pliant.controllers.rl")
+    assert sensors is importlib.import_module("pliant.controllers.sensors")
+
+
+def test_a_name_that_never_was_is_not_found():
+    with pytest.raises(ModuleNotFoundError, match=r"pliant\.plants\.nothing"):
+        importlib.import_module("pliant.plants.nothing")
+
+
+def test_the_script_that_imports_is_the_one_that_is_warned(tmp_path):
+    script = tmp_path / "old.py"
+    script.write_text("from pliant.plants.sensitivities import StepSensitivities\nprint(StepSensitivities.__name__)\n")
+    done = subprocess.run([sys.executable, "-W", "default", script], capture_output=True, text=True, timeout=60)
+    assert done.stdout.strip() == "StepSensitivities"
+    assert "old.py:1: DeprecationWarning: pliant.plants.sensitivities has moved" in done.stderr
