@@ -1,4 +1,4 @@
-"""The compiler: flags that a user adds reach it, after Pliant's own, and part what is compiled with them in the cache."""
+"""The compiler: flags that a user adds reach it, after Pliant's own, and part in the cache what is compiled with them."""
 
 import ctypes
 import subprocess
