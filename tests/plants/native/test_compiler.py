@@ -1,4 +1,4 @@
-"""The compiler: flags that a user adds reach it, after Pliant's own, and part in the cache what is compiled with them."""
+"""The compiler: flags that a user adds come after Pliant's own, and part in the cache what is compiled with them."""
 
 import ctypes
 import subprocess
