@@ -16,7 +16,7 @@ from pliant.plants.core.errors import EquilibriumError
 if TYPE_CHECKING:
     from pliant.plants.linear.lti import LinearModel
 
-    from .scene_protocol import Charged
+    from .scene_protocol import CostedScene
 
 HELD = 1e-4  # largest rate of a goal that counts as an equilibrium, in the states' units per second
 
@@ -33,7 +33,7 @@ def require_held(model: LinearModel) -> None:
         )
 
 
-def goal_model(scene: Charged) -> tuple[LinearModel, np.ndarray]:
+def goal_model(scene: CostedScene) -> tuple[LinearModel, np.ndarray]:
     """The model (nx states) and d(goal)/dt (nx,). EquilibriumError where a state that is left in does not stay."""
     model = scene.plant.feedback_model(*scene.target)
     rates = dict(scene.goal_rates)

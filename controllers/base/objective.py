@@ -24,7 +24,7 @@ from .controller import ends, saturation
 if TYPE_CHECKING:
     from pliant.plants.dynamics.plant import Plant
 
-    from .scene_protocol import Charged
+    from .scene_protocol import CostedScene
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,7 +68,7 @@ class Objective:
         object.__setattr__(self, "limits", saturation(owner, self.limits, names))
 
     @classmethod
-    def of(cls, scene: Charged) -> Self:
+    def of(cls, scene: CostedScene) -> Self:
         """The cost, limits and bounds of a scene (pliant.envs.Scene) about its goal."""
         high = np.array(scene.limits, dtype=float)
         x, u = scene.target

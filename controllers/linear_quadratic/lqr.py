@@ -20,7 +20,7 @@ from pliant.controllers.base.quadratic_weights import signal_rows, weight_matric
 from pliant.plants.core.parameters import require_finite
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
     from pliant.plants.linear.lti import LinearModel
 
@@ -127,7 +127,7 @@ class LQR:
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 
     @classmethod
-    def for_scene(cls, scene: Charged, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
+    def for_scene(cls, scene: CostedScene, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
         """`design` about a scene's goal, moving or not, with its cost, limits and control period.
 
         effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.

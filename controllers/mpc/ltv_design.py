@@ -17,7 +17,7 @@ from .constraints import Step, Window, build, soft_names
 from .design import Limited, check_horizon, check_penalty, check_weights, limits_of, penalty_at
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.linear.lti import LinearModel
     from pliant.plants.linear.ltv import LTVModel
 
@@ -87,7 +87,7 @@ def follower(
 
 
 def about_goal(
-    scene: Charged, bounds: Mapping[str, tuple[float, float]]
+    scene: CostedScene, bounds: Mapping[str, tuple[float, float]]
 ) -> tuple[LinearModel, np.ndarray | None, dict[str, tuple[float, float]]]:
     """The model about a scene's goal, its drift (nx,) [1/s] where it moves, and the bounds that the model knows."""
     model, drift = goal_model(scene)
