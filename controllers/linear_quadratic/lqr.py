@@ -16,8 +16,9 @@ import numpy as np
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, require_held
-from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.quadratic_cost import signal_rows
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene

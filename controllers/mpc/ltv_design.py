@@ -10,7 +10,8 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.goal_model import goal_model
-from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.controllers.base.quadratic_weights import weight_matrices
+from pliant.plants.linear.quadratic_cost import signal_rows
 
 from .condensed_prediction import Laws, laws, predict
 from .constraints import Step, Window, build, soft_names
