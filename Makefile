@@ -25,7 +25,7 @@ report: $(VENV)/ready
 	@$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
 
 test: $(VENV)/ready-to-learn
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 $(VENV)/bench: $(VENV)/ready
 	@$(STEP) "The peers of the benchmarks" build/set-up-bench.log $(PIP) ".[bench]" \

@@ -113,6 +113,9 @@ def test_error_estimate_is_above_the_true_error_and_near_it(nodes, damping):
     wanted = wanted[np.argsort(-np.abs(wanted))]
     true = np.abs(found.multipliers - wanted).max()
     assert true < found.error.max() < 50 * true
+    # The same motion a hundred times slower: multipliers and their errors know no unit of time.
+    slow = floquet(model_of(100 * t, mathieu_rates(t, damping) / 100), 100 * np.pi, undamped=False)
+    np.testing.assert_allclose(slow.error, found.error, rtol=1e-6)
 
 
 @pytest.mark.parametrize("tolerance", (1e-4, 1e-6, 1e-8, 1e-11))
@@ -135,6 +138,8 @@ def test_monodromy_of_a_constant_model_is_its_exponential_in_one_step():
     own = M * path.scale[:, None] / path.scale
     assert steps == 1 and np.finfo(float).eps < error < 1e-14 and (path.scale != 1).any()
     np.testing.assert_allclose(own, sla.expm(0.5 * A), rtol=0, atol=1e-13 * np.abs(own).max())
+    whole = floquet(LinearModel.from_matrices(A, np.zeros((3, 0))), 0.5)
+    np.testing.assert_allclose(whole.monodromy, own, rtol=0, atol=1e-13 * np.abs(own).max())
 
 
 def test_monodromy_of_a_scalar_is_the_exponential_of_its_mean():
@@ -178,6 +183,13 @@ def test_the_error_decides_what_can_be_told(size, error, verdict):
     assert found.verdict == verdict
 
 
+def test_the_worst_known_multiplier_on_the_circle_decides():
+    found = floquet(LinearModel.from_matrices(-np.eye(3), np.zeros((3, 0))), 1.0)
+    known = dataclasses.replace(found, multipliers=np.array([1.0, 1.0, 0.5 + 0j]), error=np.array([1e-6, 1e-6, 1e-2]))
+    unsure = dataclasses.replace(known, error=np.array([1e-6, 1e-3, 1e-2]))
+    assert known.verdict == "marginal" and unsure.verdict == "undecided"
+
+
 def test_a_double_multiplier_is_known_to_half_the_digits():
     """A free mass in coordinates of its own: x'' = 0 beside a mode that decays; the double one comes out 1 +- 1e-8."""
     rng = np.random.default_rng(3)
@@ -189,6 +201,8 @@ def test_a_double_multiplier_is_known_to_half_the_digits():
     assert (found.error[:2] > np.abs(np.abs(found.multipliers[:2]) - 1)).all()
     assert (found.error[:2] > 1e-9).all() and (found.error[:2] < 1e-6).all()  # sqrt of 9e-16, times |Phi|
     assert found.error[2] < 1e-12
+    free = floquet(LinearModel.from_matrices([[0.0, 1.0], [0.0, 0.0]], np.zeros((2, 0))), 1.0, undamped=False)
+    assert free.verdict == "marginal" and (free.error < 1e-6).all()  # one eigenvector for two: still half the digits
 
 
 @pytest.mark.parametrize("q", (0.3, 1.7, 4.0))
@@ -283,8 +297,17 @@ def test_the_period_is_found_in_a_longer_nominal(share):
     found = floquet(model_of(t, A))
     assert found.period == pytest.approx(period, rel=1e-7)
     assert "repeats every 1.7 s" in found.source
-    given = floquet(model_of(t, A), period)
-    np.testing.assert_allclose(np.sort_complex(given.multipliers), np.sort_complex(found.multipliers), atol=1e-6)
+    w = 2 * np.pi / period
+    wanted = integrated(
+        lambda s: np.array([[0.0, 1.0], [-(3.0 + 0.4 * np.cos(w * s) + 0.1 * np.sin(2 * w * s)), 0.0]]), period, 2
+    )
+    angle = np.arccos(np.trace(wanted) / 2)  # undamped and stable: multipliers e^(+-i angle)
+    np.testing.assert_allclose(np.abs(np.angle(found.multipliers)), angle, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.monodromy, wanted, rtol=0, atol=1e-5)
+    # In a nominal shorter than two periods nothing is seen to repeat but what is asked for.
+    short = t < 0.97 * period
+    with pytest.raises(ValueError, match="not periodic"):
+        floquet(model_of(t[short], A[short]))
 
 
 # --- the reference spacecraft with hinges of modulated stiffness ---------------------------------------------------
