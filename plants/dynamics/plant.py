@@ -7,7 +7,7 @@ expressions; simulation, exact Jacobians, linear models and equilibria follow fr
 from __future__ import annotations
 
 import dataclasses
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,6 +20,8 @@ import numpy as np
 from pliant.plants.core import parameters
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.signals import Signal
+
+from .contract import PlantContract
 
 if TYPE_CHECKING:
     import control
@@ -34,7 +36,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plant(ABC):
+class Plant(PlantContract):
     """Base of all plants. `varied` holds the dotted names of parameters that are inputs p of every function."""
 
     varied: tuple[str, ...] = ()
@@ -111,7 +113,7 @@ class Plant(ABC):
         return dataclasses.replace(self, varied=tuple(paths))
 
     @cached_property
-    def nominal(self) -> Plant:
+    def nominal(self) -> Self:
         """This plant with numbers where a symbolic copy has expressions; shape functions are computed from it."""
         return self
 
@@ -246,7 +248,7 @@ class Plant(ABC):
         """The linear model about (x0, u0) in states that are the plant's signals by name, for designing feedback."""
         return self.linearize(x0, u0, p=p)
 
-    def check_state(self, x: Array) -> None:  # noqa: B027  any finite numbers are a state of most plants
+    def check_state(self, x: Array) -> None:
         """Raise ValueError where x (..., nx) is no state of the plant, at the start of a motion or on a nominal."""
 
     def consistent(self, x: Array) -> Array:

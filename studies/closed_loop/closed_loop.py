@@ -99,7 +99,7 @@ def regulator(scene: Scene) -> LQR | Following:
     Q, R = scene.quadratic()
     model = scene.feedback_model
     law = LQR.design(model, Q, R, dt=scene.dt, limits=(-limits, limits))
-    left = "" if scene.goal_at_rest else operating_point.moving_on(model)
+    left = "" if scene.goal_at_rest else operating_point.moving_on(model, scene.plant)
     if left:
         raise EquilibriumError(
             f"the goal of scene {scene.name!r} is no equilibrium, {left} there: a regulator about it would pull back "
@@ -114,9 +114,9 @@ def driven_to_goal(scene: Scene) -> tuple[str, ...]:
 
     For a quaternion the attitude's outputs, where they are weighed.
     """
-    named = tuple(name for name, _ in scene.goal if not name.startswith("quaternion"))
+    named = tuple(name for name, _ in scene.goal if name not in scene.plant.attitude_states)
     moved = tuple(name for name, _ in scene.goal_rates)
-    attitude = tuple(name for name in scene.weighted if name.startswith("attitude"))
+    attitude = tuple(name for name in scene.weighted if name in scene.plant.attitude_outputs)
     return (*attitude, *moved, *(() if attitude else named)) or scene.compare
 
 
