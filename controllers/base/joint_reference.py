@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pliant.controllers.joint_control.input_shaping import Shaper
     from pliant.plants.dynamics.plant import Plant
 
-    from .scene_protocol import Charged
+    from .scene_protocol import CostedScene
 
 
 @final
@@ -115,7 +115,7 @@ def joints(plant: Plant) -> Joints:
     return at
 
 
-def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
+def motion_of(scene: CostedScene, at: Joints) -> RestToRest | Follow:
     """From rest to rest in the scene's move_time; where the goal moves, the rigid plant under the nominal inputs."""
     if scene.goal_at_rest:
         return RestToRest(*ends(scene, at.positions), scene.move_time)
@@ -133,7 +133,7 @@ def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
     return Follow(scene.dt, positions, rates, moving)
 
 
-def ends(scene: Charged, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+def ends(scene: CostedScene, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Values of the named states or outputs at the scene's start and goal, each (n,)."""
     return values_of(scene.plant, *scene.initial, names), values_of(scene.plant, *scene.target, names)
 

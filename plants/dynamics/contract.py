@@ -8,52 +8,30 @@ from __future__ import annotations
 
 import itertools
 import math
-from abc import ABC
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core import parameters
-from pliant.plants.core.signals import Joint, Sensed, Signal, Unfelt, names
+from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
 
+from .declaration import Array, Declaration
 from .rest_to_rest import inverse_dynamics
 
 if TYPE_CHECKING:
     from .plant import Plant
 
-Array = np.ndarray
 MOST_MATCHED = 6  # inputs whose coordinates are told apart by what they accelerate most
 PINION = 0.05  # [m], radius of the wheel by which an encoder reads a length
 
 
-class PlantContract(ABC):
-    """The questions and their defaults; `Plant` is one."""
-
-    if TYPE_CHECKING:  # stated by Plant
-
-        @property
-        def states(self) -> tuple[Signal, ...]: ...
-
-        @property
-        def inputs(self) -> tuple[Signal, ...]: ...
-
-        @property
-        def outputs(self) -> tuple[Signal, ...]: ...
-
-        @property
-        def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]: ...
-
-        @property
-        def expressions(self) -> tuple[ca.SX, ca.SX]: ...
-
-        def ladder(self) -> tuple[Self, ...]: ...
-
-        def consistent(self, x: Array) -> Array: ...
-
-        def jacobians(self, x: Any, u: Any = None) -> list[Array]: ...
+@dataclass(frozen=True, kw_only=True)
+class PlantContract(Declaration):
+    """The questions and their defaults; every `Plant` answers them."""
 
     # --- motion --------------------------------------------------------------------------------------------------
     @cached_property
@@ -100,7 +78,7 @@ class PlantContract(ABC):
         Default: where the cheapest fidelity has one coordinate for each input, that which it accelerates most (for
         B = inverse of a mass matrix the matching with the largest product is the true one, as b_ij^2 <= b_ii b_jj).
         """
-        rigid = self.ladder()[0]
+        rigid: Any = self.ladder()[0]
         known, nu = {*names(self.states), *names(self.outputs)}, len(self.inputs)
         pairs = tuple(rigid.rates.items())
         if len(pairs) != nu or len(rigid.states) != 2 * nu or not {n for pair in pairs for n in pair} <= known:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 from pliant.plants import LinearModel, Plant
@@ -26,12 +24,6 @@ def residual(model: LinearModel) -> str:
 def coordinates(plant: Plant) -> tuple[str, ...]:
     """The states whose rates are states too: not a quaternion."""
     return tuple(plant.rates)
-
-
-def moving_on(model: LinearModel, plant: Plant) -> str:
-    """What of `residual` are positions that move, not rates that something pushes; "" where none does."""
-    held = np.array([s.name not in plant.velocities for s in model.states])
-    return residual(dataclasses.replace(model, f0=np.where(held, model.f0, 0.0)))
 
 
 def words(model: LinearModel, plant: Plant) -> str:
