@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.matrix_roots import semidefinite_root
-from pliant.plants.dynamics.step_sensitivities import StepSensitivities
+from pliant.plants.integration.step_sensitivities import StepSensitivities
 from pliant.plants.native.batch_kernels import BatchKernel, map_kernel, random_points
 
 from .condensing import Condensed
