@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, final
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, final
 
 import numpy as np
 
@@ -15,10 +15,20 @@ from pliant.plants.core.signals import index, read_only
 from .controller import moment
 
 if TYPE_CHECKING:
-    from pliant.controllers.joint_control.input_shaping import Shaper
     from pliant.plants.dynamics.plant import Plant
 
     from .scene_protocol import CostedScene
+
+
+class Impulses(Protocol):
+    """What a motion is shaped by: pliant.controllers.Shaper is one."""
+
+    @property
+    def times(self) -> np.ndarray: ...  # (n,) [s]
+    @property
+    def amplitudes(self) -> np.ndarray: ...  # (n,), sum 1
+    @property
+    def duration(self) -> float: ...  # [s] what shaping adds to a motion
 
 
 @final
@@ -29,7 +39,7 @@ class RestToRest:
     begin: np.ndarray
     end: np.ndarray
     time: float
-    shaper: Shaper | None = None
+    shaper: Impulses | None = None
 
     def __post_init__(self) -> None:
         for name in ("begin", "end"):

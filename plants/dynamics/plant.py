@@ -46,7 +46,7 @@ class Plant(PlantContract):
     @cached_property
     def _jacobians(self) -> NumericFunction:
         _, x, u, w, _ = self.symbols
-        f, h = self.expressions
+        f, h = ca.cse(list(self.expressions))  # before they are differentiated: half as much is
         blocks = [ca.jacobian(e, s) for e in (f, h) for s in (x, u, w)]
         return function("jacobians", list(self.symbols), blocks, matrices=True)
 
