@@ -1,6 +1,6 @@
 """No module outside a plant's own room asks which plant it has, or guesses from the names of signals what they mean.
 
-What the library needs to know of a plant is a method of it, see plants/dynamics/contract.py.
+What the library needs to know of a plant is a method of it, see plants/dynamics/plant_contract.py.
 """
 
 import ast
@@ -53,7 +53,11 @@ def classes(node):
 def guesses(source, file):
     """(line, what is wrong) of a module."""
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("isinstance", "issubclass"):
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id in ("isinstance", "issubclass")
+        ):
             for name in classes(node.args[1]) & set(ROOMS):
                 if not file.startswith(ROOMS[name] + "/"):
                     yield node.lineno, f"asks whether a plant is a {name}"
@@ -68,9 +72,18 @@ def guesses(source, file):
             if isinstance(node.ops[0], (ast.In, ast.NotIn)) and text(left) and named(right):
                 yield node.lineno, f"looks for {left.value!r} in {ast.unparse(right)}"
             if isinstance(node.ops[0], (ast.Is, ast.IsNot, ast.Eq, ast.NotEq)):
-                if isinstance(left, ast.Call) and getattr(left.func, "id", "") == "type" and classes(right) & set(ROOMS):
+                if (
+                    isinstance(left, ast.Call)
+                    and getattr(left.func, "id", "") == "type"
+                    and classes(right) & set(ROOMS)
+                ):
                     yield node.lineno, "compares the class of a plant"
-                if isinstance(left, ast.Attribute) and left.attr == "name" and "states" in ast.unparse(left) and text(right):
+                if (
+                    isinstance(left, ast.Attribute)
+                    and left.attr == "name"
+                    and "states" in ast.unparse(left)
+                    and text(right)
+                ):
                     yield node.lineno, f"compares {ast.unparse(left)} with {right.value!r}"
 
 
