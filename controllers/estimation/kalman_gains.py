@@ -17,8 +17,8 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from pliant.controllers.riccati.algebraic import solve_riccati
-from pliant.controllers.riccati.checks import require_reached, root
+from pliant.controllers.riccati.algebraic import filter_gain
+from pliant.controllers.riccati.checks import root
 from pliant.plants.core.signals import Signal, index, names
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -129,17 +129,15 @@ def steady(step: Sampled, known: Sequence[str], dt: float) -> Filtered:
     whiten = np.diag(1 / np.sqrt(np.diag(step.V)))
     C, H, V = whiten @ step.C, whiten @ step.H, whiten @ step.V @ whiten
     known = tuple(known) + tuple(f"delayed {i + 1}" for i in range(len(A) - len(known)))
-    require_reached(A.T, C.T, known, dt, "cannot be seen by the sensors", dual=True)
-    seen, noise = C @ A, C @ step.G + H
+    seen, noise, W = C @ A, C @ step.G + H, step.G @ step.W @ step.G.T
     R = noise @ step.W @ noise.T + V
     N = step.G @ step.W @ noise.T
-    lean = np.linalg.solve(R, N.T).T
-    left = step.G @ step.W @ step.G.T - lean @ N.T
-    require_reached(A - lean @ seen, root(left), known, dt, "is not driven by the noise W")
-    P, K = solve_riccati(A.T, seen.T, step.G @ step.W @ step.G.T, R, N, dt)
+    drive = root(W - N @ np.linalg.solve(R, N.T))
+    words = "cannot be seen by the sensors", "is not driven by the noise W"
+    L, P = filter_gain(A, seen, W, R, N, drive, known, dt, words)
     S = R + seen @ P @ seen.T
     back = np.linalg.inv(whiten)
-    return Filtered(K.T @ whiten, P, (back @ (S + S.T) @ back / 2).reshape(ns, ns))
+    return Filtered(L @ whiten, P, (back @ (S + S.T) @ back / 2).reshape(ns, ns))
 
 
 def after(step: Sampled, P: Array) -> Filtered:

@@ -7,7 +7,7 @@ xi, mu count from a goal, a nominal motion or an estimated steady target. P is t
 without active limits the first input is that of LQR or of its time-varying kin, to rounding. Inputs obey their limits
 exactly; the limits of signals are soft, so that there always is a plan, and what the plan exceeds them by is recorded.
 Should the solver fail, that is recorded, and the last plan goes on; past its end, the unlimited law within the limits.
-`mpc_design` and `mpc_along` build everything; an act is one product, and a solve where the unlimited plan breaks one.
+`design` and `ltv_design` build everything; an act is one product, and a solve where the unlimited plan breaks one.
 """
 
 from __future__ import annotations
@@ -23,15 +23,16 @@ from pliant.controllers.base.solver_record import Record
 from pliant.plants.core.parameters import require_choice
 
 from .constraints import Limits, Step, excess
+from .design import regulator
 from .fallback_plan import LastPlan
+from .ltv_design import about_goal, follower
+from .offset_free import Estimator, Target
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.core.trajectory import Trajectory
     from pliant.plants.linear.lti import LinearModel
     from pliant.plants.linear.ltv import LTVModel
-
-    from .offset_free import Estimator, Target
 
 NEVER = -2  # a time index whose neighbour does not exist
 
@@ -116,15 +117,13 @@ class MPC:
         past the horizon on which the limits are looked at, softly, under the unlimited law: enough of them are its
         output admissible set ("Linear Systems with State and Control Constraints", Gilbert and Tan 1991). penalty:
         cost of exceeding a bound by half its range (by itself where it has one side) at one step, None: more than
-        enough (penalty.py).
+        enough (exact_penalty.py).
 
         track: states or outputs brought without steady error to their values at the model's point, or to what `aim`
-        says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (disturbance.py);
+        says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (offset_free.py);
         `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: standard
         deviation of the readings where that of the inputs, and of the disturbance's drift over `time`, is one unit.
         """
-        from .design import regulator
-
         weights, limited = (Q, R, N, P), (limits, rates, bounds, terminal, penalty)
         return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (track, disturbance, time, noise)))
 
@@ -150,8 +149,6 @@ class MPC:
         The cost is the sum over steps of dt times the rate x'Qx + u'Ru of deviations from the nominal; P (nx, nx)
         weighs the state at the end of the last step's horizon, None: the cost to go there. Others as in `design`.
         """
-        from .ltv_design import follower
-
         return cls(**follower(ltv, (Q, R, P), horizon, (limits, rates, bounds, terminal, penalty), blocks, reads))
 
     @classmethod
@@ -162,8 +159,6 @@ class MPC:
 
         options: as in `design`, or `along`; they go before the scene's.
         """
-        from .ltv_design import about_goal
-
         Q, R, high = dict(scene.weights), dict(scene.effort), np.array(scene.limits, dtype=float)
         bounds = {name: (-value, value) for name, value in scene.bounds}
         given: dict[str, Any] = {"horizon": horizon, "limits": (-high, high), "bounds": bounds} | options

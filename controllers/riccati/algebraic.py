@@ -90,11 +90,18 @@ def lqi(A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequenc
     """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny)."""
     A, B = _system(A, B)
     C = require_finite("C", C, (-1, len(A)))
-    nx, ny, nu = len(A), len(C), B.shape[1]
-    D = np.zeros((ny, nu)) if D is None else require_finite("D", D, (ny, nu))
-    known = _names(names, nx) + tuple(f"integral {i + 1}" for i in range(ny))
-    wide = np.block([[A, np.zeros((nx, ny))], [C, np.zeros((ny, ny))]])
-    return lqr(wide, np.vstack([B, D]), Q, R, names=known)
+    D = np.zeros((len(C), B.shape[1])) if D is None else require_finite("D", D, (len(C), B.shape[1]))
+    known = _names(names, len(A)) + tuple(f"integral {i + 1}" for i in range(len(C)))
+    return lqr(*with_integrals(A, B, C, D), Q, R, names=known)
+
+
+def with_integrals(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, dt: float | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """A (nx + ny, nx + ny), B (nx + ny, nu) of [x; int y], y = C x + D u; of x+ = A x + B u, [x; sum dt y]."""
+    nx, ny = len(A), len(C)
+    stay, rate = (np.zeros((ny, ny)), 1.0) if dt is None else (np.eye(ny), dt)
+    return np.block([[A, np.zeros((nx, ny))], [rate * C, stay]]), np.vstack([B, rate * D])
 
 
 def kalman(
@@ -104,15 +111,7 @@ def kalman(
 
     E (nx, nw), C (ny, nx); spectral densities W (nw, nw) >= 0 of w, V (ny, ny) > 0 of v, in unit^2 s.
     """
-    A, E = _system(A, E, "E")
-    C = require_finite("C", C, (-1, len(A)))
-    W = _weight("W", W, E.shape[1], definite=False)
-    V = _weight("V", V, len(C), definite=True)
-    known = _names(names, len(A))
-    _require_reached(A.T, C.T, known, None, "cannot be seen by the output", dual=True)
-    _require_reached(A, E @ _root(W), known, None, "is not driven by the noise w")
-    P, K = solve_riccati(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), None)
-    return K.T, P
+    return _filter(A, E, C, W, V, names, None)
 
 
 def dkalman(
@@ -124,14 +123,40 @@ def dkalman(
     E (nx, nw), C (ny, nx); covariances W (nw, nw) >= 0 and V (ny, ny) > 0 of a sample of w and v. The gain of the
     measurement update is M = P C' (C P C' + V)^-1, so that L = A M. `dt` [s] only names modes in Hz in errors.
     """
+    return _filter(A, E, C, W, V, names, dt)
+
+
+def _filter(
+    A: Any, E: Any, C: Any, W: Any, V: Any, names: Sequence[str] | None, dt: float | None
+) -> tuple[np.ndarray, np.ndarray]:
     A, E = _system(A, E, "E")
     C = require_finite("C", C, (-1, len(A)))
     W = _weight("W", W, E.shape[1], definite=False)
     V = _weight("V", V, len(C), definite=True)
-    known = _names(names, len(A))
-    _require_reached(A.T, C.T, known, dt, "cannot be seen by the output", dual=True)
-    _require_reached(A, E @ _root(W), known, dt, "is not driven by the noise w")
-    P, K = solve_riccati(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), dt)
+    words = "cannot be seen by the output", "is not driven by the noise w"
+    return filter_gain(A, C, E @ W @ E.T, V, np.zeros((len(A), len(C))), E @ _root(W), _names(names, len(A)), dt, words)
+
+
+def filter_gain(
+    A: np.ndarray,
+    C: np.ndarray,
+    W: np.ndarray,
+    V: np.ndarray,
+    N: np.ndarray,
+    drive: np.ndarray,
+    names: tuple[str, ...],
+    dt: float | None,
+    words: tuple[str, str],
+) -> tuple[np.ndarray, np.ndarray]:
+    """L (nx, ny) and P (nx, nx) of every steady filter: noise W (nx, nx) on the state, V (ny, ny) on the reading
+    C x, N (nx, ny) common to both.
+
+    drive (nx, .): a root of W - N V^-1 N', what the reading does not tell of the noise. words: what
+    UncontrollableError says of modes that do not decay and that C does not see, or that nothing drives.
+    """
+    _require_reached(A.T, C.T, names, dt, words[0], dual=True)
+    _require_reached(A - np.linalg.solve(V, N.T).T @ C, drive, names, dt, words[1])
+    P, K = solve_riccati(A.T, C.T, W, V, N, dt)
     return K.T, P
 
 

@@ -37,6 +37,9 @@ class PlantLike(Protocol):
     def label(self) -> str: ...
 
     @property
+    def small_states(self) -> tuple[str, ...]: ...
+
+    @property
     def nx(self) -> int: ...
 
     @property

@@ -24,14 +24,15 @@ from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.native.batch_kernels import as_dtype, compiled
 
 from . import arguments, equilibrium, linear_models, python_control
-from .declaration import Array, Declaration
+from .contract import PlantContract
+from .declaration import Array
 
 if TYPE_CHECKING:
     import control
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plant(Declaration):
+class Plant(PlantContract):
     """Base of all plants: what is done with what a plant states."""
 
     @cached_property
@@ -45,7 +46,7 @@ class Plant(Declaration):
     @cached_property
     def _jacobians(self) -> NumericFunction:
         _, x, u, w, _ = self.symbols
-        f, h = self.expressions
+        f, h = ca.cse(list(self.expressions))  # before they are differentiated: half as much is
         blocks = [ca.jacobian(e, s) for e in (f, h) for s in (x, u, w)]
         return function("jacobians", list(self.symbols), blocks, matrices=True)
 
