@@ -164,7 +164,7 @@ def test_rate_limits():
     assert np.abs(xs[-1]).max() < 1e-3
     controller.reset()
     for x, u in zip(xs[:15], us):
-        before = controller._last.copy()
+        before = controller._knowledge.last.copy()
         np.testing.assert_allclose(controller.act(0.0, x), u, atol=1e-8)
         expected = reference(x, 10, low=-1.0, high=1.0, change=0.2, last=before)
         np.testing.assert_allclose(plan(controller), expected, atol=2e-6)
