@@ -189,6 +189,8 @@ class NMPC:
         self._taken = None
         if self._program.sound:
             plan.move(e, d)
+            # u + (limit - u) may round past the limit
+            np.clip(plan.u, self._program.lowest, self._program.highest, out=plan.u)
         else:
             plan.x[:] = y  # the plan was no motion: begin again from what was measured, with its inputs
         tail = plan.u[-1] if self.law is None else goal.u_goal - self.law.K @ (plan.x[-1] - plan.goal)

@@ -26,7 +26,7 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.rotating_beam import THEORIES
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 from .link_frames import FRAMES, to_clamped
@@ -114,6 +114,37 @@ class SingleLinkArm(LagrangianPlant):
         )
 
     @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The first coordinate, in any frame."""
+        return (Joint(self.inputs[0].name, *next(iter(self.rates.items()))),)
+
+    def sensors(self) -> tuple[Sensed, ...]:
+        return (
+            Sensed("encoder", "hub_angle"),
+            Sensed("strain gauge", "root_curvature", scale=1 / self.link.half_depth),
+            Sensed("accelerometer", "tip_acceleration"),
+        )
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return ("tip_deflection",)
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        return {"tip_deflection": "tip_deflection_rate"}
+
+    @property
+    def seen_from(self) -> str | None:
+        return "hub_angle" if self.frame == "clamped" else None
+
+    @property
+    def stiffening(self) -> tuple[Self, Self]:
+        return self._of("linear"), self._of("stiffened")
+
+    def _of(self, kinematics: str) -> Self:
+        return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
+
+    @property
     def label(self) -> str:
         if self.mode_count == 0:
             return "rigid"
@@ -139,7 +170,6 @@ class SingleLinkArm(LagrangianPlant):
     def elastic(self) -> ElasticLink:
         """The link with its shape functions, which come from the nominal parameters."""
         own = self.nominal
-        assert isinstance(own, SingleLinkArm)
         ratios = {}
         if self.basis == "payload":
             ratios = {
@@ -157,7 +187,6 @@ class SingleLinkArm(LagrangianPlant):
     def clamped_map(self) -> np.ndarray:
         """(1 + n, 1 + n): [hub_angle; clamped modal coordinates] from this arm's coordinates; the nominal's numbers."""
         own = self.nominal
-        assert isinstance(own, SingleLinkArm)
         return to_clamped(own)
 
     def frame_map(self, frame: str) -> np.ndarray:

@@ -24,7 +24,7 @@ from pliant.plants.beams.elastic_link import ElasticLink, payload_energy, payloa
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
@@ -112,6 +112,30 @@ class TwoLinkArm(LagrangianPlant):
             Signal("tip_acceleration", "m/s^2"),
         )
 
+    def sensors(self) -> tuple[Sensed, ...]:
+        return (
+            Sensed("encoder", "theta1"),
+            Sensed("encoder", "theta2"),
+            Sensed("strain gauge", "root1_curvature", scale=1 / self.link1.half_depth),
+            Sensed("strain gauge", "root2_curvature", scale=1 / self.link2.half_depth),
+            Sensed("accelerometer", "tip_acceleration"),
+        )
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return "tip1_deflection", "tip2_deflection"
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        return {name: f"{name}_rate" for name in self.deflections}
+
+    @property
+    def stiffening(self) -> tuple[Self, Self]:
+        return self._of("linear"), self._of("stiffened")
+
+    def _of(self, kinematics: str) -> Self:
+        return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
+
     @property
     def label(self) -> str:
         if self.reduction == "rigid" or self.modes == (0, 0):
@@ -146,7 +170,6 @@ class TwoLinkArm(LagrangianPlant):
     def links(self) -> tuple[ElasticLink, ElasticLink]:
         """Both links with their shape functions, which come from the nominal parameters."""
         own = self.nominal
-        assert isinstance(own, TwoLinkArm)
         n1, n2 = own.mode_counts
         stiffened = self.kinematics == "stiffened"
         a, b, load = own.link1, own.link2, own.payload

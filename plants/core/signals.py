@@ -23,6 +23,40 @@ class Signal:
     unit: str
 
 
+@dataclass(frozen=True)
+class Sensed:
+    """A place for a data sheet's sensor: the device reads `scale` times the signal's unit for each of its own."""
+
+    device: str  # "encoder", "strain gauge", "accelerometer", "gyro", "fibre-optic gyro", "star tracker", "tachometer"
+    signal: str  # the output or state that it reads
+    unit: str = ""  # of the reading; "" is the signal's own
+    scale: float = 1.0  # [unit of the signal / unit of the device]: 1/(distance from the neutral axis) of a gauge
+
+
+@dataclass(frozen=True)
+class Joint:
+    """An input and the one coordinate that it drives, by names of inputs and of states or outputs."""
+
+    input: str
+    position: str
+    rate: str
+
+
+@dataclass(frozen=True)
+class Unfelt:
+    """States, of a plant or of its linear models, that may have no part in its stability."""
+
+    groups: tuple[tuple[str, ...], ...] = ()  # left out together where the rest does not feel them
+    given: tuple[str, ...] = ()  # their motion is prescribed
+    stored: tuple[str, ...] = ()  # left out where nothing changes them
+
+
+def per_second(unit: str) -> str:
+    """The unit of a rate of something in `unit`: "rad" gives "rad/s", "rad/s" gives "rad/s^2"."""
+    numerator, _, denominator = unit.rpartition("/")
+    return f"{numerator}/s^2" if numerator and denominator == "s" else f"{unit}/s"
+
+
 def names(signals: Sequence[Signal]) -> tuple[str, ...]:
     """The names alone."""
     return tuple(s.name for s in signals)

@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-import chain
-import environments
 import gymnasium
 import numpy as np
-import physics
-from sampling import Case, Sampler, rate_of
+from cases import environments, physics
+from harness.sampling import Case, Sampler, rate_of
+
+from peers import lumped_chain
 
 MUJOCO, EXUDYN = "MuJoCo, 6-joint chain", "Exudyn, 6-joint chain"
 SWIMMER, REACHER = "MuJoCo, Swimmer-v5", "MuJoCo, Reacher-v5"
@@ -31,10 +31,10 @@ def mujoco_rollout(lanes: int, threads: int, steps: int, counted: int | None = N
     import mujoco
     from mujoco import rollout
 
-    model = mujoco.MjModel.from_xml_string(chain.mujoco_xml())
+    model = mujoco.MjModel.from_xml_string(lumped_chain.mujoco_xml())
     data = [mujoco.MjData(model) for _ in range(threads)]
     size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    data[0].qpos[:] = chain.START
+    data[0].qpos[:] = lumped_chain.START
     first = np.zeros(size)
     mujoco.mj_getState(model, data[0], first, mujoco.mjtState.mjSTATE_FULLPHYSICS)
     start, out = np.tile(first, (lanes, 1)), np.zeros((lanes, steps, size))
@@ -68,7 +68,7 @@ def exudyn_settings(exu: Any, steps: int) -> Any:
     settings.solutionSettings.writeSolutionToFile = False
     settings.solutionSettings.sensorsWritePeriod = 1e9
     integration = settings.timeIntegration
-    integration.numberOfSteps, integration.endTime = steps, steps * chain.STEP
+    integration.numberOfSteps, integration.endTime = steps, steps * lumped_chain.STEP
     integration.verboseMode = integration.stepInformation = 0
     integration.explicitIntegration.computeEndOfStepAccelerations = False
     integration.explicitIntegration.computeMassMatrixInversePerBody = True
@@ -79,7 +79,7 @@ def exudyn_steps(steps: int = 2000) -> Sampler:
     """RK4 steps of one chain, many in one call."""
     exu = exudyn()
     mbs = exu.SystemContainer().AddSystem()
-    chain.exudyn_system(mbs)
+    lumped_chain.exudyn_system(mbs)
     settings = exudyn_settings(exu, steps)
 
     def run() -> int:
@@ -94,14 +94,14 @@ def exudyn_environment() -> Sampler:
     exu = exudyn()
     from exudyn.artificialIntelligence import OpenAIGymInterfaceEnv
 
-    n = len(chain.START)
-    driven = [i for i, s in enumerate(chain.segments()) if s.driven]
+    n = len(lumped_chain.START)
+    driven = [i for i, s in enumerate(lumped_chain.segments()) if s.driven]
 
     class ChainEnv(OpenAIGymInterfaceEnv):  # type: ignore[misc]
         def CreateMBS(self, SC: Any, mbs: Any, simulationSettings: Any, **_: Any) -> int:
-            self.tree = chain.exudyn_system(mbs)
+            self.tree = lumped_chain.exudyn_system(mbs)
             self.torques = [0.0] * n
-            self.stepUpdateTime = SUBSTEPS * chain.STEP
+            self.stepUpdateTime = SUBSTEPS * lumped_chain.STEP
             self.simulationSettings = exudyn_settings(exu, SUBSTEPS)
             return 2 * n
 
@@ -136,13 +136,13 @@ def difference(seconds: float = 0.5) -> float | None:
         exu = exudyn()
     except ImportError:
         return None
-    steps = round(seconds / chain.STEP)
-    model = mujoco.MjModel.from_xml_string(chain.mujoco_xml())
+    steps = round(seconds / lumped_chain.STEP)
+    model = mujoco.MjModel.from_xml_string(lumped_chain.mujoco_xml())
     data = mujoco.MjData(model)
-    data.qpos[:] = chain.START
+    data.qpos[:] = lumped_chain.START
     mujoco.mj_step(model, data, nstep=steps)
     mbs = exu.SystemContainer().AddSystem()
-    chain.exudyn_system(mbs)
+    lumped_chain.exudyn_system(mbs)
     mbs.SolveDynamic(exudyn_settings(exu, steps), solverType=exu.DynamicSolverType.RK44)
     return float(np.abs(data.qpos - mbs.systemData.GetODE2Coordinates()).max())
 

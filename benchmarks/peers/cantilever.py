@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
-import exudyn_beam
 import numpy as np
-from sampling import TIME, Case, Row, Sampler, ratio, time_of
-from tip_error import COARSE, END, FINE, TIMES, Array, away, between, checked
+from harness.sampling import TIME, Case, Row, Sampler, ratio, time_of
+from harness.tip_error import COARSE, END, FINE, TIMES, Array, away, between, checked
 
+from peers import exudyn_beam
 from pliant.plants import LargeDeflectionBeam
 from pliant.plants.integration.batch_stepper import step_kernel
 from pliant.plants.native.batch_kernels import Workspace

@@ -21,8 +21,7 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-import sampling
-import table
+from harness import sampling, table
 
 from pliant.controllers import rl
 from pliant.controllers.learning.policy import FOLDER, Policy
@@ -235,7 +234,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, nargs="+", default=list(SEEDS))
     parser.add_argument("--steps", type=int, default=STEPS, help="of each run")
     parser.add_argument("--runs", type=Path, default=Path("build/learning"), help="folder of the runs")
-    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results", help="folder of the tables")
+    parser.add_argument("--out", type=Path, default=Path(__file__).parents[1] / "results", help="folder of the tables")
     parser.add_argument("--ship", action="store_true", help="save the median seeds' policies into the package")
     given = parser.parse_args()
     found = [results(scenes.get(name), given.seeds, given.steps, given.runs) for name in SCENES]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from sampling import TIME, Case, Sampler, rate_of, time_of
+from harness.sampling import TIME, Case, Sampler, rate_of, time_of
 
 from pliant.plants import TwoLinkArm
 from pliant.plants.integration.batch_stepper import step_kernel, step_reference

@@ -1,4 +1,5 @@
-"""How long the vector environment takes to be there, in a fresh process: on an empty cache, and on a filled one."""
+"""How long it takes until something can be done, in fresh processes: the vector environment on an empty cache and on a
+filled one, the imports alone, and beside them the import of libraries that stand for a program of this kind."""
 
 from __future__ import annotations
 
@@ -9,12 +10,13 @@ import sys
 import tempfile
 from collections.abc import Sequence
 
-from sampling import TIME, Progress, Row, busy
+from harness.sampling import TIME, Progress, Row, busy
 
 GROUP = "start"
 COLD, WARM = "gymnasium.make_vec, empty cache", "gymnasium.make_vec, cache hit"
 COLD_RESET, WARM_RESET = "make_vec and first reset, empty cache", "make_vec and first reset, cache hit"
-IMPORTS = "import gymnasium, pliant.envs"
+IMPORTS, PLANTS = "import gymnasium, pliant.envs", "import pliant.plants"
+PEER = "import scipy.signal, scipy.optimize"  # what a control script loads anyway
 LANES = 1024
 CODE = f"""
 import json, time
@@ -42,10 +44,20 @@ def once(cache: str) -> tuple[float, float, float]:
     return imported - begin, made - imported, reset - imported
 
 
+def imported(what: str) -> float:
+    """Seconds that an import takes in a new process, without the interpreter's own start."""
+    code = f"import time; begin = time.perf_counter(); {what}; print(time.perf_counter() - begin)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return float(done.stdout.splitlines()[-1])
+
+
 def measure(rounds: int, progress: Progress) -> Sequence[Row]:
     """A cold and a warm start a round."""
     rows = {name: Row(GROUP, name, TIME, 1, LANES, False) for name in (COLD, WARM, COLD_RESET, WARM_RESET, IMPORTS)}
+    rows |= {name: Row(GROUP, name, TIME, 1, LANES, name == PEER) for name in (PLANTS, PEER)}
     for k in range(rounds):
+        for name in (PLANTS, PEER):
+            rows[name].samples.append(imported(name))
         with tempfile.TemporaryDirectory() as cache:
             for i, (made, reset) in enumerate(((COLD, COLD_RESET), (WARM, WARM_RESET))):
                 progress((2 * k + i) / (2 * rounds), made)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
-from sampling import TIME, Case, Row, Sampler, time_of
+from harness.sampling import TIME, Case, Row, Sampler, time_of
 
 from pliant.plants import Beam
 from pliant.plants.spacecraft.appendage import Appendage

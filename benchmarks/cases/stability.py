@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from sampling import TIME, Case
+from harness.sampling import TIME, Case
 
 from pliant.plants import LTVModel
 from pliant.plants.stability import assess

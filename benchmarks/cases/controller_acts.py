@@ -15,7 +15,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from sampling import TIME, Case, Row
+from harness.sampling import TIME, Case, Row
 
 from pliant.envs import scenes
 

@@ -12,10 +12,10 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from physics import DOUBLE, LANES, MACHINE, SCALAR, SINGLE
-from sampling import RATE, SHARE, Case, Sampler, rate_of
+from harness.sampling import RATE, SHARE, Case, Sampler, rate_of
 
 import pliant.envs  # noqa: F401  registers the environments
+from cases.physics import DOUBLE, LANES, MACHINE, SCALAR, SINGLE
 from pliant.envs import Scene, scenes
 from pliant.envs.environments.env import PlantEnv
 from pliant.envs.environments.vector_env import PlantVectorEnv

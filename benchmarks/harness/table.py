@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
-from sampling import RATE, SHARE, Row
 
+from harness.sampling import RATE, SHARE, Row
 from pliant.studies.figures import style
 
 if TYPE_CHECKING:
-    from asked import Check
+    from harness.targets import Check
 
 COLUMNS = (1, 64, 1024, 4096)  # environments at once
 WIDE = {"physics": "Physics", "environments": "Environment"}  # groups with a column a size and a panel of the chart
@@ -63,7 +63,11 @@ def times(rows: Sequence[Row]) -> list[str]:
     """Median and range of each row, in its own unit."""
     lines = []
     for row in rows:
-        show = {RATE: lambda v: f"{number(v)} steps/s", SHARE: lambda v: f"{100 * v:.1f} %"}.get(row.unit, duration)
+        show = {
+            RATE: lambda v: f"{number(v)} steps/s",
+            SHARE: lambda v: f"{100 * v:.1f} %",
+            "FMA/s": lambda v: f"{v / 1e9:.1f} G/s",
+        }.get(row.unit, duration)
         if row.failure:
             lines.append([row.name, str(row.threads), f"{row.lanes:,}", row.failure, ""])
         elif row.samples:

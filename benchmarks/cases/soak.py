@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from sampling import Progress
+from harness.sampling import Progress
 
 from pliant.envs.environments.vector_env import PlantVectorEnv
 

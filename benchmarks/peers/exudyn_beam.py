@@ -16,10 +16,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import peers
-from sampling import Sampler, time_of
-from tip_error import COARSE, END, FINE, TIMES, Array, away, between, checked
+from harness.sampling import Sampler, time_of
+from harness.tip_error import COARSE, END, FINE, TIMES, Array, away, between, checked
 
+from peers import peers
 from pliant.plants import LargeDeflectionBeam
 
 

@@ -12,7 +12,7 @@ END = 3.0  # [s]
 TIMES = np.linspace(0.0, END, 601)
 COARSE, FINE = 3e-3, 1e-4  # errors allowed [m]
 TRUTH = 1e-5  # a truth's distance from the reference at most [m]
-REFERENCE = Path(__file__).parents[1] / "tests" / "reference" / "large_beam.json"
+REFERENCE = Path(__file__).parents[2] / "tests" / "reference" / "large_beam.json"
 
 
 def between(t: Array, y: Array, rate: Array, times: Array = TIMES) -> Array:
