@@ -24,7 +24,7 @@ def test_limits_by_input():
 
 @pytest.mark.parametrize("bad", [[1.0], [np.nan, 0.0], [10 * LARGEST, 0.0]])
 def test_readings_that_are_refused(bad):
-    with pytest.raises(ValueError, match="law.y"):
+    with pytest.raises(ValueError, match=r"law\.y"):
         reading("law.y", bad, 2)
 
 

@@ -37,5 +37,5 @@ def test_a_goal_that_moves_is_no_drift_of_the_deviations():
 def test_a_point_that_moves_on_is_refused():
     still = LinearModel.from_matrices([[0.0]], [[1.0]], states=["x"])
     require_held(still)
-    with pytest.raises(EquilibriumError, match="x changes by 0.3"):
+    with pytest.raises(EquilibriumError, match=r"x changes by 0\.3"):
         require_held(dataclasses.replace(still, f0=[0.3]))

@@ -1,4 +1,4 @@
-"""A policy is judged by the scene's own cost: that of a motion under the same inputs, which the scene works out itself."""
+"""A policy is judged by the scene's own cost, here added up period by period."""
 
 import numpy as np
 import pytest
