@@ -70,7 +70,11 @@ def test_a_tree_in_order_has_no_fault(check, tree):
     [
         ("plants/core/words.py", "from pliant.plants.arms import arm\n", "order: plants.core.words:1"),
         ("plants/core/words.py", "from ..arms.arm import Arm\n", "order: plants.core.words:1"),
-        ("plants/core/words.py", "def f():\n    from pliant.plants.arms.arm import Arm\n", "order: plants.core.words:2"),
+        (
+            "plants/core/words.py",
+            "def f():\n    import pliant.plants.arms.arm\n",
+            "order: plants.core.words:2",
+        ),
         (
             "plants/core/words.py",
             "if TYPE_CHECKING:\n    from pliant.plants.arms.arm import Arm\n",
@@ -119,7 +123,9 @@ def test_an_upward_import_in_the_real_tree_is_found(check, tmp_path):
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
     before = set(check.faults(tmp_path))
     path = tmp_path / "plants" / "core" / "errors.py"
-    path.write_text(path.read_text() + "\n\ndef late() -> None:\n    from pliant.plants.arms.two_link import TwoLinkArm\n")
+    path.write_text(
+        path.read_text() + "\n\ndef late() -> None:\n    from pliant.plants.arms.two_link import TwoLinkArm\n"
+    )
     new = set(check.faults(tmp_path)) - before
     assert any(f.startswith("order: plants.core.errors:") and "plants.arms stands below" in f for f in new)
     assert any(f.startswith("late: plants.core.errors:") for f in new)
@@ -130,3 +136,10 @@ def test_the_rooms_are_those_of_the_tree(check):
     folders = ("plants", "controllers", "envs", "studies")
     there = {f"{path.parts[-3]}.{path.parts[-2]}" for f in folders for path in (ROOT / f).glob("*/*.py")}
     assert listed == there
+
+
+def test_contributing_lists_the_rooms(check):
+    listed = importlib.import_module("rooms_list")
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    sys.modules.pop("rooms_list")
+    assert listed.written(text) == text

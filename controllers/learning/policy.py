@@ -179,7 +179,7 @@ class Policy:
                 f"{str(path)!r} holds a pickle, which can run any code when it is read: give trust=True if you "
                 "made it yourself, or ask its author for arrays and JSON (Policy.save)"
             )
-        from .sb3_export import read_zip
+        from .sb3_export import read_zip  # the other door to torch
 
         return cls(**read_zip(Path(path), scene, algorithm, None if statistics is None else Path(statistics)))
 

@@ -19,8 +19,9 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecNormalize
 
 from . import checkpoint
+from .evaluation import Training
+from .settings import FLOOR, PPOSettings, Progress, SACSettings
 from .torch_threads import choose
-from .train import FLOOR, PPOSettings, Progress, SACSettings, Training
 from .training_callback import Run
 from .training_env import TrainingLanes, normalised
 

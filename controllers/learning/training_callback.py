@@ -14,8 +14,9 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecNormalize
 
 from . import checkpoint, sb3_export
+from .evaluation import Evaluation, evaluate
 from .policy import Policy
-from .train import CURVE, POLICY, Evaluation, Progress, evaluate
+from .settings import CURVE, POLICY, Progress
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import TrainableScene

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.linalg
 
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.signals import Signal, index
+from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
 
 from .declaration import Array
@@ -54,6 +54,32 @@ class LagrangianPlant(MechanicalPlant):
     def states(self) -> tuple[Signal, ...]:
         rates = tuple(Signal(f"{s.name}_rate", f"{s.unit}/s") for s in self.coordinates)
         return self.coordinates + rates
+
+    @cached_property
+    def rates(self) -> dict[str, str]:
+        known = tuple(s.name for s in self.states)
+        n = len(known) // 2
+        return dict(zip(known[:n], known[n:], strict=True))
+
+    @property
+    def prescribed(self) -> tuple[str, ...]:
+        return tuple(self.coordinates[i].name for i in self.driven)
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """An input that is a generalised force on one coordinate alone, by a constant factor, or its acceleration."""
+        at, n = {k: i for i, k in self.driven.items()}, len(self.coordinates)
+        t, x, u, w, _ = self.symbols
+        forces = ca.jacobian(self.symbolic.generalized_force(t, x[:n], x[n:], u, w), u)
+        for k in range(self.nu):
+            on = [i for i in range(n) if not forces[i, k].is_zero()]
+            if k not in at and len(on) == 1 and forces[on[0], k].is_constant():
+                at[k] = on[0]
+        pairs = list(self.rates.items())
+        return tuple(Joint(s.name, *pairs[at[k]]) for k, s in enumerate(self.inputs) if k in at)
+
+    def statics(self) -> ca.SX:
+        return self._terms[1]
 
     @cached_property
     def _terms(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -126,7 +152,7 @@ class LagrangianPlant(MechanicalPlant):
 
     def _lost_at(self, x: Array) -> str:
         outputs = dict(zip((s.name for s in self.outputs), self.measure(x)))
-        bent = {name: value for name, value in outputs.items() if name.endswith("deflection")}
+        bent = {name: outputs[name] for name in self.deflections}
         where = ", ".join(f"{name} = {value:.4g} m" for name, value in bent.items()) or f"x = {x}"
         return f" at {where}; use a fidelity whose mass matrix stays definite, or smaller deflections"
 

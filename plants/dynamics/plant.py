@@ -24,14 +24,15 @@ from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.native.batch_kernels import as_dtype, compiled
 
 from . import arguments, equilibrium, linear_models, python_control
-from .declaration import Array, Declaration
+from .declaration import Array
+from .plant_contract import PlantContract
 
 if TYPE_CHECKING:
     import control
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plant(Declaration):
+class Plant(PlantContract):
     """Base of all plants: what is done with what a plant states."""
 
     @cached_property

@@ -113,10 +113,11 @@ class Workspace:
 def random_points(plant: PlantLike, rng: np.random.Generator, batch: int = CHECKED) -> list[Array]:
     """States, inputs, disturbances and parameters (n, batch) at which a kernel is compared: moderate motions.
 
-    Coordinates that are lengths stay within centimetres, so that mass matrices stay definite, and within less where a
+    The plant's `small_states` stay within centimetres, so that mass matrices stay definite, and within less where a
     plant is so small that its equations end there.
     """
-    lengths = np.array([s.unit.startswith("m") for s in plant.states])
+    small = plant.small_states
+    lengths = np.array([s.name in small for s in plant.states])
     x = np.where(lengths, 0.02, 1.0)[:, None] * rng.uniform(-1.0, 1.0, (plant.nx, batch))
     u, w = rng.uniform(-1.0, 1.0, (plant.nu, batch)), rng.uniform(-0.1, 0.1, (plant.nw, batch))
     p = plant.nominal_parameters[:, None] * rng.uniform(0.9, 1.1, (len(plant.varied), batch))

@@ -14,7 +14,7 @@ Source   "Equations of Motion of Flexible Spacecraft", corrected; see `perturbat
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -24,15 +24,16 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.parameters import require_choice, validate
+from pliant.plants.core.parameters import quantities, require_choice, validate
 from pliant.plants.core.quaternions import matrix
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Joint, Sensed, Signal, Unfelt, index, names
 from pliant.plants.dynamics.mechanical import MechanicalPlant
 from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.modal_data.modal_data import ModalData
 
 from . import layout as equations
 from .appendage import Appendage, Hinge, constant
+from .eigenaxis import slew
 from .environment import Environment, Orbit, Sun, Surface
 from .hub import Hub, Thruster, Wheel
 
@@ -103,14 +104,12 @@ class FlexibleSpacecraft(MechanicalPlant):
     def mode_counts(self) -> tuple[int, ...]:
         """Elastic coordinates of each appendage."""
         own = self.nominal
-        assert isinstance(own, FlexibleSpacecraft)
         return tuple(0 if self.kinematics == "rigid" else a.data.n for a in own.appendages)
 
     @cached_property
     def layout(self) -> equations.Layout:
         """Where states and inputs stand in x and u."""
         own = self.nominal
-        assert isinstance(own, FlexibleSpacecraft)
         return equations.Layout.of(own)
 
     @cached_property
@@ -123,7 +122,6 @@ class FlexibleSpacecraft(MechanicalPlant):
     def nominal_data(self, i: int) -> ModalData:
         """Modal data of appendage i, those in use."""
         own = self.nominal
-        assert isinstance(own, FlexibleSpacecraft)
         return own.appendages[i].data
 
     @property
@@ -174,6 +172,84 @@ class FlexibleSpacecraft(MechanicalPlant):
             found += [Signal(f"tip{i}_{c}", "m") for c in AXES]
         return tuple(found)
 
+    # --- what the library asks of a plant ------------------------------------------------------------------------
+    @cached_property
+    def rates(self) -> dict[str, str]:
+        return {s.name: f"{s.name}_rate" for s in self.coordinates}
+
+    @cached_property
+    def velocities(self) -> tuple[str, ...]:
+        """Of its linear models too."""
+        at, n = self.layout, (len(self.deviations) - len(self.hub.wheels)) // 2
+        own = (*names(self.states[at.velocity]), *names(self.states[at.omega]))
+        return (*own, *names(self.deviations[n : 2 * n]))
+
+    @cached_property
+    def prescribed(self) -> tuple[str, ...]:
+        slots = zip(self.appendages, self.layout.hinges, strict=True)
+        return tuple(s.name for a, at in slots if a.hinge.drive == "motion" for s in self.states[at])
+
+    @property
+    def lockable(self) -> tuple[str, ...]:
+        """None: what a goal names turns the whole, which stays free."""
+        return ()
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """A torque, or a wheel about a hub axis, and the attitude about that axis; a hinge's input and its angle."""
+        at, found = self.layout, []
+        for s, axis in zip(self.inputs[at.hub_inputs], self.hub.axes, strict=True):
+            if axis is not None:
+                found.append(Joint(s.name, f"attitude_{axis}", f"body_rate_{axis}"))
+        for inputs, hinges in zip(at.hinge_inputs, at.hinges, strict=True):
+            for s, angle in zip(self.inputs[inputs], names(self.states[hinges])):
+                found.append(Joint(s.name, angle, self.rates[angle]))
+        return tuple(found)
+
+    def sensors(self) -> tuple[Sensed, ...]:
+        """Star tracker, gyro, tachometers of the wheels, encoders of the hinges; not the place."""
+        stars = (Sensed("star tracker", name, "rad") for name in self.attitude_outputs)
+        gyros = (Sensed("fibre-optic gyro", s.name) for s in self.outputs[3:6])
+        wheels = zip(self.states[self.layout.wheels], self.hub.wheels, strict=True)
+        speeds = (Sensed("tachometer", s.name, scale=float(wheel.inertia)) for s, wheel in wheels)
+        angles = (Sensed("encoder", s.name) for at in self.layout.hinges for s in self.states[at])
+        return (*stars, *gyros, *speeds, *angles)
+
+    @property
+    def tips(self) -> tuple[str, ...]:
+        """The outputs that are components of the tips' deflections."""
+        return names(self.outputs[6:])
+
+    @property
+    def attitude_states(self) -> tuple[str, ...]:
+        return names(self.states[self.layout.quaternion])
+
+    @property
+    def attitude_outputs(self) -> tuple[str, ...]:
+        return names(self.outputs[:3])
+
+    @property
+    def uncertain(self) -> tuple[str, ...]:
+        own = tuple(enumerate(self.appendages))
+        parts = (f"appendages.{i}.{path}" for i, a in own for path in quantities(a, uncertain=True))
+        return (*quantities(self, uncertain=True), *parts)
+
+    @property
+    def unfelt(self) -> Unfelt:
+        """Place and attitude, in the plant's states or in deviations; hinges in given motion; wheels at a speed."""
+        place = (*(f"p_{c}" for c in AXES), *names(self.states[self.layout.position]))
+        given = (*self.prescribed, *(self.rates[name] for name in self.prescribed))
+        turn = tuple(f"q_{c}" for c in AXES)
+        return Unfelt((place, self.attitude_states, turn), given, names(self.states[self.layout.wheels]))
+
+    @property
+    def drawn_as(self) -> str:
+        return "spacecraft"
+
+    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+        """A turn about one axis fixed in the body (an eigenaxis slew), hinges as at `begin`; see `eigenaxis`."""
+        return slew(self, begin, end, time)
+
     @property
     def label(self) -> str:
         bodies = f"{len(self.appendages)} appendages"
@@ -199,8 +275,6 @@ class FlexibleSpacecraft(MechanicalPlant):
 
     def state(self, values: Mapping[str, float] | None = None, **named: float) -> np.ndarray:
         """x (nx,) with these states by name; the others at rest with body and reference axes aligned."""
-        from pliant.plants.core.signals import index
-
         x = np.zeros(self.nx)
         x[self.layout.quaternion.start] = 1.0
         for name, value in {**(values or {}), **named}.items():
@@ -289,10 +363,12 @@ class FlexibleSpacecraft(MechanicalPlant):
         held |= {s.name: 0.0 for s in self.states[:3] if self.translation}
         return super().equilibrium({**held, **(fixed or {}), **named}, guess=guess, p=p)
 
-    def natural_frequencies(self, x0: Any = None, *, p: Any = None) -> np.ndarray:
+    def natural_frequencies(self, x0: Any = None, *, locked: tuple[str, ...] = (), p: Any = None) -> np.ndarray:
         """Undamped natural frequencies [rad/s] of the free spacecraft at rest at x0, ascending, without rigid-body
-        modes.
+        modes. ValueError where `locked` is not empty.
         """
+        if locked:
+            raise ValueError(f"FlexibleSpacecraft.natural_frequencies: locked = {locked} must be (): it is free")
         from .linearisation import natural_frequencies
 
         return natural_frequencies(self, self.state() if x0 is None else x0, p)
@@ -361,6 +437,6 @@ class FlexibleSpacecraft(MechanicalPlant):
         """R (3, 3), hub axes to reference axes, at a state x (nx,)."""
         return np.array(ca.DM(matrix(ca.SX(ca.DM(np.asarray(x)[self.layout.quaternion])))))
 
-    def outline(self, x: np.ndarray) -> list[np.ndarray]:
-        """Lines (m, 3) [m] of the appendages in reference axes at a state x (nx,), for drawing."""
+    def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
+        """Lines (m, 3) [m] of the appendages in reference axes at a state x (nx,), for drawing; m is their data's."""
         return equations.outline(self, np.asarray(x, dtype=float))

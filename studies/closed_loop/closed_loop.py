@@ -69,9 +69,9 @@ def driven_to_goal(scene: Scene) -> tuple[str, ...]:
 
     For a quaternion the attitude's outputs, where they are weighed.
     """
-    named = tuple(name for name, _ in scene.goal if not name.startswith("quaternion"))
+    named = tuple(name for name, _ in scene.goal if name not in scene.plant.attitude_states)
     moved = tuple(name for name, _ in scene.goal_rates)
-    attitude = tuple(name for name in scene.weighted if name.startswith("attitude"))
+    attitude = tuple(name for name in scene.weighted if name in scene.plant.attitude_outputs)
     return (*attitude, *moved, *(() if attitude else named)) or scene.compare
 
 

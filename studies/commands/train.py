@@ -17,7 +17,8 @@ from pliant.studies.common.console import bar
 from pliant.studies.figures import style
 
 if TYPE_CHECKING:
-    from pliant.controllers.learning.train import Evaluation, PPOSettings, SACSettings, Training
+    from pliant.controllers.learning.evaluation import Evaluation, Training
+    from pliant.controllers.learning.settings import PPOSettings, SACSettings
 
 PICTURE = "curve.png"
 

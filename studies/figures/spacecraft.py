@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -20,8 +21,7 @@ COUNT = 6  # pictures of a motion
 @styled
 def snapshots(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, count: int = COUNT) -> Figure:
     """A row for each motion: hub and panels at `count` times from start to end, deflections enlarged as it says."""
-    craft = scene.plant
-    assert isinstance(craft, FlexibleSpacecraft)
+    craft = cast(FlexibleSpacecraft, scene.plant)  # as it is drawn as one
     factor, reach, words = exaggeration(scene), reach_of(craft), axis_words(craft)
     figure = Figure(figsize=(WIDTH * 1.25, 1.7 * len(motions) + 0.3))
     often = f", deflections drawn {factor} times" if factor > 1 else ""

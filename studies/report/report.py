@@ -11,7 +11,7 @@ import numpy as np
 
 from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import FlexibleSpacecraft, LinearModel, LTVModel, Plant, PliantError, Trajectory
+from pliant.plants import LinearModel, LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import Signal, names
 from pliant.studies.closed_loop.closed_loop import Loop, closed_loop, dearer
 from pliant.studies.closed_loop.comparison import Contest, compare
@@ -218,16 +218,12 @@ def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray], ...]:
     plants: list[Plant] = [*scene.plant.ladder(), scene.plant, dearer(scene.plant)]
     for plant in dict.fromkeys(plants):
         x = scene.with_plant(plant).target[0]
-        if isinstance(plant, FlexibleSpacecraft):
-            rows.append((plant.label, plant.natural_frequencies(x) / (2 * np.pi)))
-            continue
-        known = names(plant.states[: plant.nx // 2])
-        driven = [known[i] for i in getattr(plant, "driven", {})]
-        locked = tuple(name for name, _ in scene.goal if name in known and name not in driven)
-        if not hasattr(plant, "natural_frequencies") or len(known) <= len(locked) + len(driven):
-            continue
+        locked = tuple(name for name, _ in scene.goal if name in plant.lockable)
+        if not plant.attitude_states and set(plant.rates) <= {*locked, *plant.prescribed}:
+            continue  # nothing is left that could swing
         found = plant.natural_frequencies(x, locked=locked)
-        rows.append((plant.label, found / (2 * np.pi)))
+        if found is not None:
+            rows.append((plant.label, found / (2 * np.pi)))
     return tuple(rows)
 
 

@@ -141,7 +141,7 @@ def test_linearize_says_where():
     ):
         scene = scenes.get(name)
         model = scene.plant.linearize(*(scene.target if at == "goal" else scene.initial))
-        assert says in operating_point.words(model)
+        assert says in operating_point.words(model, scene.plant)
         result = CliRunner().invoke(app, ["linearize", name, "--at", at])
         assert result.exit_code == 0 and says[:14] in " ".join(result.stdout.split())
 

@@ -120,7 +120,8 @@ def test_rounding_has_no_panel_of_its_own():
 )
 def test_words_for_the_goal(name, says):
     """A spin is no rest, and sunlight bends the panels of a goal that moves on as it should."""
-    assert operating_point.words(scenes.get(name).goal_model).startswith(says)
+    scene = scenes.get(name)
+    assert operating_point.words(scene.goal_model, scene.plant).startswith(says)
 
 
 def test_what_stays_zero_is_named_and_not_drawn():
