@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from pliant.studies.figures import arm_outline, linear_models, speed_accuracy
+from pliant.studies.figures import arm_outline, linear_models
 from pliant.studies.figures import motion as motions
 from pliant.studies.figures import spacecraft as spatial
+from pliant.studies.figures.speed_accuracy import ladder
 from pliant.studies.figures.style import COLOURS, QUIET, panels, save, styled
 
 DOCS = Path(__file__).parents[1]
@@ -151,7 +152,7 @@ def vary(n: Names) -> Figure:
 
 
 def choose(n: Names) -> Figure:
-    return speed_accuracy.ladder(n["choice"])
+    return ladder(n["choice"])
 
 
 @styled
