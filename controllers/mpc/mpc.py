@@ -237,9 +237,13 @@ class MPC:
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy aims at the same values, and is otherwise as after `reset`."""
         aims = None if self._knowledge is None else self._knowledge.reference
-        return MPC, self._made, (aims, self._drift)
+        return _again, (self._made, aims, self._drift)
 
-    def __setstate__(self, state: tuple[np.ndarray | None, np.ndarray | None]) -> None:
-        aims, self._drift = state
-        if self._knowledge is not None:
-            self._knowledge.reference[:] = aims
+
+def _again(made: tuple[Any, ...], aims: np.ndarray | None, drift: np.ndarray | None) -> MPC:
+    """As after `reset`, with the same goal."""
+    controller = MPC(*made)
+    controller._drift = drift
+    if controller._knowledge is not None:
+        controller._knowledge.reference[:] = aims
+    return controller
