@@ -68,7 +68,8 @@ def closed_loop(controller: Any) -> list[list[tuple[float, np.ndarray, bool]]]:
     plant = SCENE.plant
     step = plant.stepper(SCENE.dt, substeps=SCENE.substeps)
     picks, high = places(controller), np.array(SCENE.limits)
-    joints = [plant.nx // 2, plant.nx // 2 + 1]
+    first = plant.coordinates_slice.stop
+    joints = [first, first + 1]
     record = getattr(controller, "record", None)
     episodes = []
     for _ in range(EPISODES):

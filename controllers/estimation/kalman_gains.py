@@ -18,8 +18,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from pliant.controllers.riccati.algebraic import filter_gain
-from pliant.controllers.riccati.checks import root
-from pliant.plants.core.signals import Signal, index, names
+from pliant.plants.core.matrix_roots import semidefinite_root
+from pliant.plants.core.signals import Signal, index, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -84,16 +84,8 @@ def driven_by(model: Model, W: Mapping[str, float]) -> tuple[Model, Array]:
 
 def rows(model: LinearModel | LTVModel, wanted: Sequence[str]) -> tuple[Array, Array, Array]:
     """(C, D, F) (.., n, nx | nu | nw) of the named outputs or states."""
-    known = model.states + model.outputs
-    at = [index(known, name, "state or output") for name in wanted]
-    n = len(model.states)
-    shape = model.C.shape[:-2]
-    eye = np.broadcast_to(np.eye(n), (*shape, n, n))
-    found = [np.concatenate([eye, model.C], axis=-2)[..., at, :]]
-    for block in (model.D, model.F):
-        zero = np.zeros((*shape, n, block.shape[-1]))
-        found.append(np.concatenate([zero, block], axis=-2)[..., at, :])
-    return found[0], found[1], found[2]
+    _, C, D, F = rows_by_name(model, wanted)
+    return C, D, F
 
 
 def delayed(step: Sampled, samples: int) -> Sampled:
@@ -132,7 +124,7 @@ def steady(step: Sampled, known: Sequence[str], dt: float) -> Filtered:
     seen, noise, W = C @ A, C @ step.G + H, step.G @ step.W @ step.G.T
     R = noise @ step.W @ noise.T + V
     N = step.G @ step.W @ noise.T
-    drive = root(W - N @ np.linalg.solve(R, N.T))
+    drive = semidefinite_root(W - N @ np.linalg.solve(R, N.T))
     words = "cannot be seen by the sensors", "is not driven by the noise W"
     L, P = filter_gain(A, seen, W, R, N, drive, known, dt, words)
     S = R + seen @ P @ seen.T

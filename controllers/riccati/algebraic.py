@@ -21,11 +21,12 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.plants.core.errors import PliantError
+from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.magnus import with_cost
 
 from .checks import known_names as _names
 from .checks import require_reached as _require_reached
-from .checks import root as _root
 from .checks import system as _system
 from .checks import weight_matrix as _weight
 from .ltv_discretisation import SampledLTV, sampled_along
@@ -134,7 +135,8 @@ def _filter(
     W = _weight("W", W, E.shape[1], definite=False)
     V = _weight("V", V, len(C), definite=True)
     words = "cannot be seen by the output", "is not driven by the noise w"
-    return filter_gain(A, C, E @ W @ E.T, V, np.zeros((len(A), len(C))), E @ _root(W), _names(names, len(A)), dt, words)
+    known, drive = _names(names, len(A)), E @ semidefinite_root(W)
+    return filter_gain(A, C, E @ W @ E.T, V, np.zeros((len(A), len(C))), drive, known, dt, words)
 
 
 def filter_gain(
@@ -176,12 +178,7 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
     M = np.block([[Q, N], [N.T, R]])
     j = max(0, int(np.ceil(np.log2(max(float(np.linalg.norm(A, 1)) * dt, 1e-300)))))
-    h = dt / 2**j
-    big = sla.expm(h * np.block([[-F.T, M], [np.zeros_like(F), F]]))
-    step = big[nx + nu :, nx + nu :]
-    cost = step.T @ big[: nx + nu, nx + nu :]
-    for _ in range(j):
-        cost, step = cost + step.T @ cost @ step, step @ step
+    step, cost = with_cost(F * dt, M * dt, -F.T * dt, j)
     cost = (cost + cost.T) / 2
     return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
 
@@ -196,7 +193,7 @@ def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None,
         _weight("[[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), nx + nu, definite=False)
     _require_reached(A, B, known, dt, "cannot be reached by the input")
     lean = sla.solve(R, N.T, assume_a="pos")
-    seen = _root(Q - N @ lean)
+    seen = semidefinite_root(Q - N @ lean)
     _require_reached((A - B @ lean).T, seen, known, dt, "cannot be seen by the cost Q", dual=True)
     P, K = solve_riccati(A, B, Q, R, N, dt)
     return Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))

@@ -196,7 +196,7 @@ class SingleLinkArm(LagrangianPlant):
 
     def in_frame(self, frame: str, x: np.ndarray) -> tuple[Self, np.ndarray]:
         """This arm described in `frame`, and its states (..., nx) from this arm's states x (..., nx)."""
-        T, n = self.frame_map(frame), self.nx // 2
+        T, n = self.frame_map(frame), self.coordinates_slice.stop
         x = np.asarray(x, dtype=float)
         if x.shape[-1:] != (self.nx,):
             raise ValueError(f"SingleLinkArm.in_frame: x has shape {x.shape}, must be (..., {self.nx})")
@@ -250,7 +250,7 @@ class SingleLinkArm(LagrangianPlant):
         return force
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         tip, link = self._tip(x[:n]), self.elastic
         q, v = self._clamped(x[:n]), self._clamped(x[n:])
         bent = [q[0], link.deflection(q[1:]), link.deflection(v[1:])]
@@ -259,14 +259,14 @@ class SingleLinkArm(LagrangianPlant):
 
     def _felt(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, angle: ca.SX) -> ca.SX:
         """The tip's acceleration less gravity, across a section that stands at `angle` to the x axis."""
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         M, r, _, _ = self.equations(t, x, u, w)
         a = second_derivative(self._tip(x[:n]), x[:n], x[n:], self.acceleration(M, r, u)[0])
         return ca.cos(angle) * (a[1] + self.gravity) - ca.sin(angle) * a[0]
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""
-        q = self.clamped_map @ x[: self.nx // 2]
+        q = self.clamped_map @ x[self.coordinates_slice]
         line = self.elastic.centreline(q[1:], points) + np.array([self.hub_radius, 0.0])
         c, s = np.cos(q[0]), np.sin(q[0])
         return (line @ np.array([[c, s], [-s, c]]))[None]

@@ -265,7 +265,7 @@ class TwoLinkArm(LagrangianPlant):
         return torque + ca.jtimes(self._tip(q), q, w, True)
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
         (theta1, theta2, q1, q2), (_, _, v1, v2) = self._split(q), self._split(v)
         link1, link2 = self.links
@@ -280,7 +280,7 @@ class TwoLinkArm(LagrangianPlant):
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""
-        n, n1 = self.nx // 2, self.mode_counts[0]
+        n, n1 = self.coordinates_slice.stop, self.mode_counts[0]
         link1, link2 = self.links
         q1 = x[2 : 2 + n1]
         turn = x[0] + x[1] + (link1.basis.tip_slope @ q1 / link1.beam.length if self.tip_slope else 0.0)

@@ -7,7 +7,6 @@ import threading
 import casadi as ca
 import numpy as np
 
-ARGUMENTS = ("t", "x", "u", "w", "p")
 MAPS_KEPT = 8  # batch sizes whose mapped function is kept
 LONG = 20_000  # operations past which common subexpressions stay; no compiler is asked for as many either
 

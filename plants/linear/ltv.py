@@ -24,6 +24,7 @@ from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, as_signals, names, read_only, read_only_times, sample
 
 from .lti import LinearModel
+from .magnus import exponent
 from .second_order import SecondOrderModel, from_ltv
 
 
@@ -187,9 +188,7 @@ def _magnus(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np
     """
     n = A.shape[-1]
     N = np.concatenate([A, G], axis=-1)
-    h = h[:, None, None]
-    commutator = A[:, 0] @ N[:, 1] - A[:, 1] @ N[:, 0]
     Omega = np.zeros((len(A), N.shape[-1], N.shape[-1]))
-    Omega[:, :n] = h / 2 * (N[:, 0] + N[:, 1]) - np.sqrt(3.0) / 12 * h**2 * commutator
+    Omega[:, :n] = exponent(N, h)
     P = sla.expm(Omega)
     return P[:, :n, :n], P[:, :n, n:]

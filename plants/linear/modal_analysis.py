@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_choice, require_count
 
 
@@ -100,8 +101,7 @@ def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tupl
 def _gramian_root(A: np.ndarray, B: np.ndarray, discrete: bool) -> np.ndarray:
     """S (nx, nx) with S S^T the reachability Gramian of (A, B)."""
     W = sla.solve_discrete_lyapunov(A, B @ B.T) if discrete else sla.solve_continuous_lyapunov(A, -B @ B.T)
-    value, vector = np.linalg.eigh((W + W.T) / 2)
-    return vector * np.sqrt(np.maximum(value, 0.0))
+    return semidefinite_root(W)
 
 
 def hankel_values(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float | None = None) -> np.ndarray:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import index, rows_by_name
 
 from .lti import LinearModel
 
@@ -58,10 +58,8 @@ def squares(C: Array, D: Array, weights: Iterable[float], effort: Array) -> Quad
 
 def signal_rows(model: LinearModel, wanted: Iterable[str], kind: str) -> tuple[Array, Array, Array]:
     """C (n, nx), D (n, nu) and values at the model's point (n,) of states or outputs C x + D u by name."""
-    nx, nu = len(model.states), len(model.inputs)
-    at = [index(model.states + model.outputs, name, kind) for name in wanted]
-    C, D = np.vstack([np.eye(nx), model.C]), np.vstack([np.zeros((nx, nu)), model.D])
-    return C[at], D[at], np.concatenate([model.x0, model.y0])[at]
+    at, C, D, _ = rows_by_name(model, wanted, kind)
+    return C, D, np.concatenate([model.x0, model.y0])[at]
 
 
 def goal_drift(model: LinearModel, rates: Mapping[str, float]) -> Array:

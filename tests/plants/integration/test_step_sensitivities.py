@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from pliant.plants import FlexibleSpacecraft, LargeDeflectionBeam, Plant, Signal, SingleLinkArm, SliderCrank, TwoLinkArm
-from pliant.plants.dynamics import step_sensitivities
-from pliant.plants.dynamics.step_sensitivities import StepSensitivities, sensitivity_kernel, slopes_function
+from pliant.plants.integration import step_sensitivities
 from pliant.plants.integration.step_maps import step_map
+from pliant.plants.integration.step_sensitivities import StepSensitivities, sensitivity_kernel, slopes_function
 from pliant.plants.native import kernel_loader
 
 ARM = TwoLinkArm.textbook()

@@ -21,12 +21,11 @@ import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.parameters import require_count
+from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.native import kernel_loader, kernel_templates
 from pliant.plants.native.batch_kernels import Array, BatchKernel, as_dtype, random_points
 from pliant.plants.native.compiler import CompileError
 from pliant.plants.native.scalar_codegen import block_function, operations
-
-from .plant import Plant
 
 LONG = 10_000  # operations of one C function: 2 s for gcc, where twice that takes 15 s
 
@@ -80,7 +79,7 @@ RUN {
 """
 
 
-def slopes_function(plant: Plant) -> ca.Function:
+def slopes_function(plant: PlantLike) -> ca.Function:
     """(t, x, u, w, p) -> dx/dt (nx,), J = [df/dx, df/du] (nx, nx + nu), sparse, as one SX function."""
     return ca.Function("slopes", list(plant.symbols), ca.cse([ca.densify(plant.expressions[0]), plant.slopes()]))
 
@@ -155,7 +154,7 @@ def sensitivity_reference(slopes: ca.Function) -> kernel_loader.Reference:
 
 
 @lru_cache(maxsize=16)
-def sensitivity_kernel(plant: Plant, dtype: np.dtype) -> BatchKernel:
+def sensitivity_kernel(plant: PlantLike, dtype: np.dtype) -> BatchKernel:
     """n RK4 steps of a plant with their derivatives: (t, x, u, w, p) -> (x+, [dx+/dx, dx+/du])."""
     slopes = slopes_function(plant)
     sizes = [slopes.nnz_in(k) for k in range(5)]
@@ -176,7 +175,9 @@ class StepSensitivities:
     `x_next` (batch, nx) and `S` (batch, nx, nx + nu) = [dx+/dx, dx+/du] hold the last results.
     """
 
-    def __init__(self, plant: Plant, dt: float, *, substeps: int = 1, batch: int = 1, dtype: Any = np.float64) -> None:
+    def __init__(
+        self, plant: PlantLike, dt: float, *, substeps: int = 1, batch: int = 1, dtype: Any = np.float64
+    ) -> None:
         if not 0 < dt < np.inf:
             raise ValueError(f"StepSensitivities.dt = {dt!r} must be > 0 [s]")
         require_count("StepSensitivities", "batch", batch, 1, 1_000_000)
