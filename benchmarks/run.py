@@ -128,6 +128,9 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="3 rounds of short samples, a soak of 2 million steps")
     parser.add_argument("--only", choices=[*list(PARTS)[1:], "start", "soak", "learning"], help="one part")
     parser.add_argument("--rounds", type=int, help="samples of each row (default 9)")
+    parser.add_argument(
+        "--against", metavar="PYTHON", help="interpreter of another checkout: its start, in turn with ours"
+    )
     parser.add_argument("--out", type=Path, help="folder for the results")
     given = parser.parse_args()
     rounds = given.rounds or (3 if given.quick else 9)
@@ -151,6 +154,8 @@ def main() -> int:
     if wanted("start"):
         with console.bar("start") as progress:
             rows += cold_start.measure(min(rounds, 5), progress)
+            if given.against:
+                rows += cold_start.against(rounds, given.against, progress)
 
     def report() -> str:
         checks = targets.checks(rows, soak, steps)

@@ -176,12 +176,17 @@ def test_stability_and_spacecraft_are_checked(bench):
 
     given = [row(stability.GROUP, stability.VERDICT, 0.1), row(stability.GROUP, stability.CHART, 21.0, 2)]
     given += [row(spacecraft.GROUP, spacecraft.BUILD, 8.0)]
+    peak = bench("cases.fma_peak")
+    given += [sampling.Row(peak.GROUP, peak.PEAK, peak.UNIT, 1, 1, True, samples=[peak.REFERENCE])]
     sizes = [spacecraft.states(count) for count in spacecraft.COUNTS]
     assert sizes[0] == 20 and sizes[-1] == 172
     for count, n in zip(spacecraft.COUNTS, sizes):
         given.append(row(spacecraft.GROUP, spacecraft.linearise_name(count), 1e-8 * n**2.5))
     found = [c for c in asked.checks(given, None) if c.number in (10, 11)]
     assert [c.holds for c in found] == [True, False, True, True, True]
+    given[3].samples[:] = [0.5 * peak.REFERENCE]  # a core of half the peak may take twice the time
+    slower = [c.measured for c in asked.checks(given, None) if c.number in (10, 11)]
+    assert slower == [pytest.approx(0.5 * c.measured) for c in found[:-1]] + [found[-1].measured]
     assert found[-1].measured == pytest.approx(2.5)
     assert spacecraft.exponent(given[:-1]) is None
     assert spacecraft.linearise(1)(1e-3) > 0
@@ -205,6 +210,10 @@ def test_acts_are_checked_with_their_99th_percentile(bench, monkeypatch):
 
     found = sampling.measure([case], rounds=3, seconds=0.0, progress=lambda *_: None)
     assert (found[0].median, found[0].tail) == (50e-6, 190e-6)
+    peer = sampling.Row(
+        acts.GROUP, acts.hpipm_name(20), sampling.TIME, 1, 1, True, samples=[1e-3] * 3, tails=[1e-3] * 3
+    )
+    found.append(peer)  # 20 times at the median, 5.3 times at the 99th percentile, where a third of 20 is asked
     checks = [c for c in asked.checks(found, None) if c.number == 12]
     assert [c.holds for c in checks if c.measured is not None] == [True, False]
     assert "| 50 us | 40 us to 55 us | 190 us |" in table.markdown(found, [], {}, [])
@@ -216,3 +225,19 @@ def test_mpc_and_hpipm_solve_the_same_problem(bench):
     assert acts.difference(acts.hpipm, 20) < 1e-3
     median, tail = acts.timed(acts.made("MPC", 20), bound=True)(0.0)
     assert 0 < median <= tail
+
+
+def test_the_peak_is_that_of_fused_multiply_adds(bench):
+    """Two a cycle at 0.05 GHz is less than any core makes, a hundred a cycle at 10 GHz more."""
+    from pliant.plants.native import compiler
+
+    try:
+        compiler.toolchain()
+    except compiler.CompileError:
+        pytest.skip("no C compiler")
+    assert 1e8 < bench("cases.fma_peak").sampler()(0.01) < 1e12
+
+
+def test_imports_are_timed_in_a_fresh_process(bench):
+    cold = bench("cases.cold_start")
+    assert 0.0 < cold.imported("import json") < cold.imported(cold.PLANTS)

@@ -31,10 +31,10 @@ print(json.dumps(times))
 """
 
 
-def once(cache: str) -> tuple[float, float, float]:
+def once(cache: str, python: str = sys.executable) -> tuple[float, float, float]:
     """Seconds of the imports, of make_vec, and of make_vec and the first reset, in a new process."""
     done = subprocess.run(
-        [sys.executable, "-c", CODE],
+        [python, "-c", CODE],
         env=os.environ | {"PLIANT_CACHE": cache},
         capture_output=True,
         text=True,
@@ -44,11 +44,28 @@ def once(cache: str) -> tuple[float, float, float]:
     return imported - begin, made - imported, reset - imported
 
 
-def imported(what: str) -> float:
+def imported(what: str, python: str = sys.executable) -> float:
     """Seconds that an import takes in a new process, without the interpreter's own start."""
     code = f"import time; begin = time.perf_counter(); {what}; print(time.perf_counter() - begin)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True)
     return float(done.stdout.splitlines()[-1])
+
+
+def against(rounds: int, other: str, progress: Progress) -> Sequence[Row]:
+    """The warm start and the import of this and of another checkout's interpreter in turn, round after round."""
+    names = (WARM, PLANTS)
+    rows = {(name, p): Row(GROUP, name + f", {p}", TIME, 1, LANES, False) for name in names for p in ("here", "there")}
+    with tempfile.TemporaryDirectory() as here, tempfile.TemporaryDirectory() as there:
+        pythons = (("here", sys.executable, here), ("there", other, there))
+        for _, python, cache in pythons:
+            once(cache, python)  # fills the cache
+        for k in range(rounds):
+            for i, (place, python, cache) in enumerate(pythons if k % 2 else pythons[::-1]):
+                progress((2 * k + i) / (2 * rounds), place)
+                rows[WARM, place].samples.append(once(cache, python)[1])
+                rows[PLANTS, place].samples.append(imported(PLANTS, python))
+    progress(1.0, "")
+    return list(rows.values())
 
 
 def measure(rounds: int, progress: Progress) -> Sequence[Row]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,15 +59,18 @@ def rates(rows: Sequence[Row]) -> list[str]:
     return _grid(["", "threads", *(f"{n:,}" for n in COLUMNS)], lines, 1)
 
 
+SHOW: dict[str, Callable[[float], str]] = {
+    RATE: lambda v: f"{number(v)} steps/s",
+    SHARE: lambda v: f"{100 * v:.1f} %",
+    "FMA/s": lambda v: f"{v / 1e9:.1f} G/s",
+}
+
+
 def times(rows: Sequence[Row]) -> list[str]:
     """Median and range of each row, in its own unit."""
     lines = []
     for row in rows:
-        show = {
-            RATE: lambda v: f"{number(v)} steps/s",
-            SHARE: lambda v: f"{100 * v:.1f} %",
-            "FMA/s": lambda v: f"{v / 1e9:.1f} G/s",
-        }.get(row.unit, duration)
+        show = SHOW.get(row.unit, duration)
         if row.failure:
             lines.append([row.name, str(row.threads), f"{row.lanes:,}", row.failure, ""])
         elif row.samples:

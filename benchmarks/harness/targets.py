@@ -1,8 +1,8 @@
 """What was asked of the measurements, beside what was found.
 
-A figure holds from machine to machine only as a ratio, so each is one: to a peer in the same run, or, where no peer does the
-same, to what this core can do at all. Then a time is multiplied by the core's measured peak of fused multiply-adds over
-that of the machine for which it was asked (cases/fma_peak.py), and is told as "scaled".
+A figure holds from machine to machine only as a ratio, so each is one: to a peer in the same run, or, where no peer
+does the same, to what this core can do at all. Then a time is multiplied by the core's measured peak of fused
+multiply-adds over that of the machine for which it was asked (cases/fma_peak.py), and is told as "scaled".
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ def _controllers(rows: Sequence[Row]) -> Iterator[Check]:
             yield Check(12, what, scaled(rows, found, 1e-6), most, "us", least=False)
     for horizon, asked in zip(
         controller_acts.HORIZONS, (20, 14)
-    ):  # of HPIPM's time: 60 us and 200 us where it takes 1.3, 2.8 ms
+    ):  # HPIPM takes 1.3 and 2.8 ms; asked were 60 and 200 us
         own = find(rows, controller_acts.GROUP, controller_acts.mpc_name(horizon))
         peer = find(rows, controller_acts.GROUP, controller_acts.hpipm_name(horizon))
         what = controller_acts.mpc_name(horizon)

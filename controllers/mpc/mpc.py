@@ -25,6 +25,7 @@ from pliant.plants.core.parameters import require_choice
 from .constraints import Limits, Step, excess
 from .design import regulator
 from .fallback_plan import LastPlan
+from .knowledge import Knowledge
 from .ltv_design import about_goal, follower
 from .offset_free import Estimator, Target
 
@@ -60,25 +61,17 @@ class MPC:
         self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked
         self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
         self.horizon = len(steps[0].plan[0])
-        self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
         self.tracked = dict(tracked or {})
-        self._reference = np.zeros(len(self.tracked))
+        self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
         self._steps, self._start, self._latest = tuple(steps), start, len(steps) - 1
-        self._x0, self._u0, self._y0 = origin
-        self._origin = np.concatenate([self._x0, self._u0])
-        self._estimator, self._target = estimator, target
         self._drift: np.ndarray | None = None  # (len(reads),) [1/s] of a goal that moves, from t = 0 on
-        self._ny, self._nx, nu = len(reads), len(self._x0), len(self._u0)
-        m, size = len(steps[0].low), steps[0].G.shape[1]
-        self._d = np.empty(m + nu)
+        self._ny, m, size = len(reads), len(steps[0].low), steps[0].G.shape[1]
+        self._d = np.empty(m + len(limits.low))
         self._rows, self._free = self._d[:m], self._d[m:]
         self._lower, self._upper = np.empty(m), np.empty(m)
-        self._known = np.zeros(size) if estimator is not None or limits.remembers else None
-        self._last = None if self._known is None or not limits.remembers else self._known[size - nu :]
-        if estimator is not None:
-            assert self._known is not None
-            at = self._nx + len(self._origin)
-            self._seen = self._known[at : size - (nu if limits.remembers else 0)]
+        self._knowledge: Knowledge | None = None  # None: the reading is all there is to know
+        if estimator is not None or limits.remembers:
+            self._knowledge = Knowledge(size, origin, limits, estimator, target, self.tracked)
         self._low, self._high, self._limits = limits.low, limits.high, m > 0
         self._clips = bool(np.isfinite(limits.low).any() or np.isfinite(limits.high).any())
         self.plan, self._shift = LastPlan(self.horizon, size), np.zeros(m)
@@ -176,20 +169,17 @@ class MPC:
         self.record.clear()
         for step in self._steps:
             step.solver.forget()
-        if self._estimator is not None:
-            self._estimator.reset()
-        if self._last is not None:
-            self._last[:] = np.minimum(np.maximum(self._u0, self._low), self._high)
+        if self._knowledge is not None:
+            self._knowledge.reset()
         self.plan.forget()
         self._at, self._multipliers = NEVER, self._shift
 
     def aim(self, values: Mapping[str, float]) -> None:
         """Bring tracked signals to other values, by name; they start at those of the model's point."""
-        for name, value in values.items():
+        for name in values:
             require_choice("MPC", "aim", name, self.tracked)
-            if not np.isfinite(value):
-                raise ValueError(f"MPC.aim[{name!r}] = {value!r} must be finite")
-            self._reference[list(self.tracked).index(name)] = value - self.tracked[name]
+        if self._knowledge is not None:
+            self._knowledge.aim(values)
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]."""
@@ -200,7 +190,10 @@ class MPC:
         if self._latest:
             at = min(max(int((moment("MPC", t) - self._start) / self.dt + 0.5), 0), self._latest)
         step = self._steps[at]
-        known = y if self._known is None else self._knowledge(y)
+        known = y
+        if self._knowledge is not None:
+            known = self._knowledge(y)
+            self.record.unreached += self._knowledge.limited
         rows, lower, upper = self._rows, self._lower, self._upper
         self.record.calls += 1
         np.dot(step.G, known, out=self._d)
@@ -219,23 +212,7 @@ class MPC:
         if self._clips:
             np.maximum(u, self._low, out=u)
             np.minimum(u, self._high, out=u)
-        return u if self._known is None else self._remember(u)
-
-    def _knowledge(self, y: np.ndarray) -> np.ndarray:
-        """p from the reading: the state, or what is estimated, its target, and the last input."""
-        known, nx = self._known, self._nx
-        assert known is not None
-        if self._estimator is None or self._target is None:
-            known[:nx] = y
-            return known
-        estimator = self._estimator
-        estimator.correct(y - self._y0)
-        np.add(self._x0, estimator.x, out=known[:nx])
-        steady = known[nx : nx + len(self._origin)]
-        np.add(self._origin, self._target(estimator.d, self._reference), out=steady)
-        self.record.unreached += self._target.limited
-        self._seen[:] = estimator.d[: len(self._seen)]
-        return known
+        return u if self._knowledge is None else self._knowledge.remember(u)
 
     def _solve(self, step: Step, at: int) -> np.ndarray | None:
         """z, from the last active set: that of the solver itself, or of its neighbour in time moved on by one step."""
@@ -254,20 +231,15 @@ class MPC:
             self.record.violate(excess(step, z, self._lower, self._upper, len(self.record.names)))
         return z
 
-    def _remember(self, u: np.ndarray) -> np.ndarray:
-        """u with its change limited; it is the last input from now on."""
-        if self._last is not None:
-            change = self.limits.change
-            np.minimum(u, self._last + change, out=u)
-            np.maximum(u, self._last - change, out=u)
-            self._last[:] = u
-        if self._estimator is not None:
-            self._estimator.go_on(u - self._u0)
-        return u
-
     def __copy__(self) -> Self:
         return deepcopy(self)  # solver and estimate are not to be shared
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy aims at the same values, and is otherwise as after `reset`."""
-        return MPC, self._made, {"_reference": self._reference, "_drift": self._drift}
+        aims = None if self._knowledge is None else self._knowledge.reference
+        return MPC, self._made, (aims, self._drift)
+
+    def __setstate__(self, state: tuple[np.ndarray | None, np.ndarray | None]) -> None:
+        aims, self._drift = state
+        if self._knowledge is not None:
+            self._knowledge.reference[:] = aims

@@ -1,4 +1,4 @@
-"""Does the house stand? `make check-house` lists every import, file and class that breaks its rules, and fails if any does.
+"""Does the house stand? `make check-house` lists what breaks its rules, and fails if anything does.
 
 Order    a room imports only from rooms above it in rooms.toml, also inside functions and for types
 Folders  controllers and envs import plants; studies imports all three; nothing else

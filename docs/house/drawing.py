@@ -1,8 +1,8 @@
 """Draw the rooms and who imports whom: `make architecture` writes docs/architecture.svg. No other program is needed.
 
-Rooms stand in layers, each above what it imports; an arrow points from the importing room to the imported one. Arrows that
-follow from others (a imports b, b imports c, so a -> c) are left out. Layout after Sugiyama: layers by longest path, order
-within a layer by barycentres, arrows that cross layers led through gaps between the boxes.
+Rooms stand in layers, each above what it imports; an arrow points from the importing room to the imported one. Arrows
+that follow from others (a imports b, b imports c, so a -> c) are left out. Layout after Sugiyama: layers by longest
+path, order within a layer by barycentres, arrows that cross layers led through gaps between the boxes.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import sys
 import textwrap
 from dataclasses import dataclass, field
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 
 from import_graph import ROOT, between_rooms, imports, modules, room_of, settings
@@ -174,8 +175,8 @@ def svg() -> str:
     total = f"{len(found)} files, {sum(lines.values()):,} lines, {len(rooms)} rooms; {len(edges)} arrows between rooms"
     head = (
         f'<text x="{MARGIN}" y="40" class="title">Pliant, room by room</text>'
-        f'<text x="{MARGIN}" y="66" class="what">An arrow points from a room to one that it imports; arrows that follow '
-        f"from others are left out. {total}, {len(shown)} drawn.</text>"
+        f'<text x="{MARGIN}" y="66" class="what">An arrow points from a room to one that it imports; arrows that '
+        f"follow from others are left out. {total}, {len(shown)} drawn.</text>"
     )
     style = (
         "text{font-family:'Inter','Segoe UI','Helvetica Neue',Arial,sans-serif;fill:#1d2733}.title{font-size:26px;"
@@ -222,7 +223,8 @@ def _box(node: Node, y: float, what: str, size: str, title: str) -> str:
     return (
         f'<g class="room"><title>{escape(title)}</title><rect x="{x:.1f}" y="{y:.1f}" width="{BOX}" height="{HEIGHT}" '
         f'rx="8" fill="#fff" stroke="{COLOUR[folder]}" stroke-width="1.4"/><text x="{x + 10:.1f}" y="{y + 17:.1f}" '
-        f'class="name">{name}</text>{said}<text x="{x + 10:.1f}" y="{y + HEIGHT - 6:.1f}" class="size">{size}</text></g>'
+        f'class="name">{name}</text>{said}<text x="{x + 10:.1f}" y="{y + HEIGHT - 6:.1f}" class="size">{size}'
+        "</text></g>"
     )
 
 
@@ -240,7 +242,7 @@ def _arrow(edge: Edge, nodes: dict[str, Node], top) -> str:
     passing = [f"{source}>{target}@{k}" for k in range(nodes[source].layer - 1, nodes[target].layer, -1)]
     way = [source, *passing, target]
     path = ""
-    for upper, lower in zip(way, way[1:]):
+    for upper, lower in pairwise(way):
         x0, y0 = _port(nodes[upper], lower, nodes, False), top(nodes[upper].layer) + HEIGHT
         x1, y1 = _port(nodes[lower], upper, nodes, True), top(nodes[lower].layer) - (2 if lower == target else 0)
         bend = 0.5 * (y1 - y0)

@@ -28,6 +28,7 @@ def on_startup(**_: Any) -> None:
 def on_page_markdown(markdown: str, *, page: Any, config: Any, files: Any) -> str:
     """The page's text: copied from the root, or with the API's entries."""
     place = page.file.src_uri
+    page.meta["hide"] = ["navigation"]  # the tabs do
     if place in COPIED:
         return relinked((ROOT / COPIED[place]).read_text(encoding="utf-8"))
     if place == "api.md":

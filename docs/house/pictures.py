@@ -1,7 +1,7 @@
 """The pictures of docs/methods.md, drawn from what its blocks compute: `python docs/house/pictures.py [NAME ...]`.
 
-The page's Python blocks run in order in one namespace, as a reader would run them; each function below draws the picture of
-its name (`two_link_arm` -> docs/figures/two-link-arm.png) from that namespace.
+The page's Python blocks run in order in one namespace, as a reader would run them; each function below draws the
+picture of its name (`two_link_arm` -> docs/figures/two-link-arm.png) from that namespace.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from pliant.studies.figures.style import COLOURS, QUIET, panels, save, styled
 
 DOCS = Path(__file__).parents[1]
 Names = dict[str, Any]
+Curve = tuple[str, np.ndarray, np.ndarray]  # label, x, y
 
 
 def blocks(page: Path = DOCS / "methods.md") -> list[str]:
@@ -38,7 +39,7 @@ def run(page: Path = DOCS / "methods.md") -> Names:
 
 
 def _lines(
-    curves: list[list[tuple[str, np.ndarray, np.ndarray]]],
+    curves: list[list[Curve]],
     labels: list[str],
     *,
     x: str = "time [s]",

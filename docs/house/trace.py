@@ -6,9 +6,9 @@
 step        `payload.mass` through one step of a fresh environment: the plant varied, PlantEnv made, reset and stepped
 scoreboard  one controller (LQR) on one scene, every case, one run, one bound: in this process
 
-A file counts when a function of it runs, an edge when a function of one file calls a function of another (frames of other
-libraries between them are passed over). What runs once when a module is imported does not count. A folder's `__init__`
-that only re-exports therefore never counts, and dataclass-made methods do not either.
+A file counts when a function of it runs, an edge when a function of one file calls a function of another (frames of
+other libraries between them are passed over). What runs once when a module is imported does not count. A folder's
+`__init__` that only re-exports therefore never counts, and dataclass-made methods do not either.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs import scenes
+from pliant.envs.rendering.planar import renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import LARGEST
@@ -184,8 +185,6 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
             return None
         if self._renderer is None:
-            from pliant.envs.rendering.planar import renderer
-
             self._renderer = renderer(self.scene, window=self.render_mode == "human")
         return self._renderer.draw(self._x, self._u, self.time, self._total)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import casadi as ca
 import numpy as np
@@ -127,8 +127,9 @@ def _newton(scene: Scene) -> Iteration:
     z, start = ca.SX.sym("z", len(free) + plant.nu), ca.SX.sym("start", len(columns))
     rest = ca.SX.zeros(plant.nx)
     rest[columns], rest[free] = start, z[: len(free)]
-    force = plant.statics()
-    force = ca.substitute(force, ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw)))
+    force = ca.substitute(
+        cast(ca.SX, plant.statics()), ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw))
+    )
     newton = ca.Function("newton", [z, start, p], ca.cse([-ca.solve(ca.jacobian(force, z), force)]))
     rng = np.random.default_rng(0)
     own = np.concatenate([scene.initial[0][free], scene.initial[1]])[:, None]

@@ -24,8 +24,8 @@ from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.native.batch_kernels import as_dtype, compiled
 
 from . import arguments, equilibrium, linear_models, python_control
-from .contract import PlantContract
 from .declaration import Array
+from .plant_contract import PlantContract
 
 if TYPE_CHECKING:
     import control

@@ -26,7 +26,7 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.parameters import quantities, require_choice, validate
 from pliant.plants.core.quaternions import matrix
-from pliant.plants.core.signals import Joint, Sensed, Signal, Unfelt, names
+from pliant.plants.core.signals import Joint, Sensed, Signal, Unfelt, index, names
 from pliant.plants.dynamics.mechanical import MechanicalPlant
 from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.modal_data.modal_data import ModalData
@@ -275,8 +275,6 @@ class FlexibleSpacecraft(MechanicalPlant):
 
     def state(self, values: Mapping[str, float] | None = None, **named: float) -> np.ndarray:
         """x (nx,) with these states by name; the others at rest with body and reference axes aligned."""
-        from pliant.plants.core.signals import index
-
         x = np.zeros(self.nx)
         x[self.layout.quaternion.start] = 1.0
         for name, value in {**(values or {}), **named}.items():

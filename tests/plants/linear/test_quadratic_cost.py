@@ -42,7 +42,7 @@ def test_rows_of_states_and_outputs():
 
 
 def test_deviations_from_a_goal_that_moves():
-    """A goal at a constant speed of 0.3: what is left of dx/dt = 0.3 is nothing; rates of other signals do not count."""
+    """A goal at a constant speed of 0.3: nothing is left of dx/dt = 0.3; rates of others do not count."""
     rolling = dataclasses.replace(MODEL, f0=[0.3, 0.0])
     assert goal_drift(MODEL, {"position": 0.3, "elsewhere": 1.0}).tolist() == [0.3, 0.0]
     assert about_moving_goal(rolling, {"position": 0.3}).f0.tolist() == [0.0, 0.0]

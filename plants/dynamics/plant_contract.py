@@ -11,19 +11,16 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core import parameters
+from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
 
 from .declaration import Array, Declaration
-from .rest_to_rest import inverse_dynamics
-
-if TYPE_CHECKING:
-    from .plant import Plant
 
 MOST_MATCHED = 6  # inputs whose coordinates are told apart by what they accelerate most
 PINION = 0.05  # [m], radius of the wheel by which an encoder reads a length
@@ -96,7 +93,7 @@ class PlantContract(Declaration):
         Default: every coordinate (or, where there are fewer inputs, every joint, the rest standing still) makes a
         minimum-jerk motion, by inverse dynamics. ValueError where the inputs do not reach them.
         """
-        return inverse_dynamics(self, begin, end, time)  # type: ignore[arg-type]
+        return _inverse_dynamics(self, begin, end, time)
 
     def statics(self) -> ca.SX | None:
         """Net generalised forces (n,) on the coordinates, in the order of `rates`, in the plant's symbols.
@@ -154,7 +151,7 @@ class PlantContract(Declaration):
         return parameters.quantities(self, uncertain=True)
 
     @property
-    def stiffening(self) -> tuple[Plant, Plant] | None:
+    def stiffening(self) -> tuple[Self, Self] | None:
         """This plant without and with geometric stiffening, same states. Default: None, there is no such choice."""
         return None
 
@@ -182,3 +179,38 @@ class PlantContract(Declaration):
     def cycle(self) -> str | None:
         """A state, the angle after whose full turn the machine has gone through all its shapes."""
         return None
+
+
+def _inverse_dynamics(plant: Any, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
+    """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s].
+
+    Moved are all coordinates where there are as many inputs, else those of the joints, with the others held at `begin`:
+    the inputs are then right while the others do not move. ValueError where the inputs and the moved do not match.
+    """
+    known = names(plant.states)
+    moved = tuple(plant.rates) if len(plant.rates) == plant.nu else tuple(j.position for j in plant.joints)
+    if len(moved) != plant.nu or not set(moved) <= set(plant.rates):
+        raise ValueError(
+            f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) drive "
+            f"{', '.join(moved) or 'none'}; give the inputs as functions of time instead"
+        )
+    q = [known.index(name) for name in moved]
+    v = [known.index(plant.rates[name]) for name in moved]
+    start, way = np.array(begin, dtype=float), np.asarray(end, dtype=float)[q] - np.asarray(begin, dtype=float)[q]
+    still, held = np.zeros(plant.nu), list[Array]()  # held: the input at the end, once it is known
+
+    def drive(t: float) -> Array:
+        if t >= time and held:
+            return held[0].copy()
+        s, ds, dds = minimum_jerk(t / time)
+        x = start.copy()
+        x[q], x[v] = start[q] + way * s, way * ds / time
+        wanted = way * dds / time**2
+        free = plant.dynamics(x, still)[v]
+        B = plant.jacobians(x, still)[1][v]
+        u = np.linalg.solve(B, wanted - free)
+        if t >= time:
+            held.append(u.copy())
+        return u
+
+    return drive
