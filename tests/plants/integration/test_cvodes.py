@@ -32,3 +32,14 @@ def test_it_stops_where_the_motion_ends(blowing):
 def test_an_input_of_time_is_refused(vibration):
     with pytest.raises(ValueError, match="needs an input held between times"):
         vibration.simulate([1.0, 0.0], lambda t: [0.0], [0.0, 1.0], method="cvodes")
+
+
+def test_time_itself_is_the_intervals_own(blowing):
+    """x' = t is x = t^2 / 2: over [3, 5] it grows by 8."""
+
+    class Timed(type(blowing)):
+        def ode(self, t, x, u, w):
+            return t + 0 * x
+
+    after = cvodes.advance(Timed(), 3.0, 5.0, np.zeros(1), np.zeros(1), np.zeros(0), P, 1e-10, 1e-12)
+    assert after[0] == pytest.approx(8.0, abs=1e-7)
