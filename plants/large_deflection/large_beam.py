@@ -9,7 +9,7 @@ Outputs  tip position, displacement from the straight beam along x and its rate 
          turns; curvature about z at the root [1/m]. In space tip_z, its rate, and the tip's twist: past what bending
          brings ("strain"), or the sub-beams' sum
 Valid    inextensible and unshearable; sections keep their rotary inertia. "strain": any rotation in the plane, below
-         one turn against the root in space. "substructured": rotations within a sub-beam small, see substructure.py
+         one turn against the root in space. "substructured": rotations within a sub-beam small, see `sub_beam_chain`
 Source   "Substructuring Technique for Dynamics Analysis of Flexible Beams with Large Deformation", Eqs (1)-(39)
 """
 
@@ -30,11 +30,9 @@ from pliant.plants.core.signals import Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 from . import tangent_field
-from .cross_sections import PlanarSections
-from .spatial_sub_beam_chain import SpatialChain
-from .spatial_tangent_field import SpatialSections
+from .fields import Fields, of_chain, of_rotations
 from .sub_beam_chain import FRAMES, Chain
-from .tangent_field import Array, TangentField, Tangents
+from .tangent_field import Array, Tangents
 
 ROOTS = ("clamped", "hinged", "driven")
 KINEMATICS = ("strain", "substructured")
@@ -87,11 +85,6 @@ class LargeDeflectionBeam(LagrangianPlant):
         E, I = 68.95e9, 8.218e-9
         beam = Beam(length=10.0, area=7.3e-5, I_y=I, I_z=I, J=2 * I, density=2766.7, E=E, G=E / (2 * 1.33))
         return cls(beam=beam)
-
-    @property
-    def shape_count(self) -> int:
-        """Bending coordinates."""
-        return self.modes * self.segments
 
     @property
     def coordinates(self) -> tuple[Signal, ...]:
@@ -167,63 +160,33 @@ class LargeDeflectionBeam(LagrangianPlant):
         return tuple(steps)
 
     @cached_property
-    def shapes(self) -> tangent_field.Rotations | Chain:
-        """What the coordinates turn, from the nominal parameters."""
+    def fields(self) -> Fields:
+        """What the coordinates turn, shapes from the nominal parameters."""
         if self.kinematics == "substructured":
-            return Chain(self.segments, self.modes, self.frame, self.root != "clamped")
+            chain = Chain(self.segments, self.modes, self.frame, self.root != "clamped")
+            return of_chain(self.beam, self.payload, chain, self.points or self.modes + 3, self._twists)
         own = self.nominal
         assert isinstance(own, LargeDeflectionBeam)
-        return tangent_field.rotations(self.root, self.basis, self.modes, *own._load_ratios)
+        at, loads = tangent_field.points(self.points or 2 * self.modes + 1), own.load_ratios
+        bend = tangent_field.rotations(self.root, self.basis, self.modes, *loads)
+        flap = bend if self.planar else tangent_field.rotations("clamped", self.basis, self.modes, *loads)
+        return of_rotations(self.beam, self.payload, bend, flap, at, self._twists)
 
     @property
-    def _load_ratios(self) -> tuple[float, float]:
+    def shapes(self) -> tangent_field.Rotations | Chain:
+        """What the bending coordinates turn."""
+        return self.fields.shapes
+
+    @property
+    def _twists(self) -> int | None:
+        return None if self.planar else self.twists
+
+    @property
+    def load_ratios(self) -> tuple[float, float]:
         """Payload mass and inertia about the tip, against the beam's m and m L^2."""
         mass, load = self.beam.mass, self.payload
         about_tip = load.inertia_z + load.mass * (load.offset[0] ** 2 + load.offset[1] ** 2)
         return load.mass / mass, about_tip / (mass * self.beam.length**2)
-
-    @cached_property
-    def sections(self) -> PlanarSections | SpatialSections | SpatialChain:
-        """What the sections add to the axis: rotary inertia, strain energy, the payload's attitude."""
-        shapes, own = self.shapes, self.nominal
-        if isinstance(shapes, Chain):
-            if not self.planar:
-                return SpatialChain(self.beam, self.payload, shapes, self.twists, self.points or self.modes + 3)
-            turn, inertia = shapes.frame_angles[-1], shapes.inertia()
-            return PlanarSections(self.beam, self.payload, shapes.stiffness, inertia, turn)
-        at = self._strain_points
-        if self.planar:
-            turn, inertia = shapes(np.ones(1))[0], shapes.inertia(at)
-            return PlanarSections(self.beam, self.payload, shapes.stiffness, inertia, turn)
-        assert isinstance(own, LargeDeflectionBeam)
-        flap = tangent_field.rotations("clamped", self.basis, self.modes, *own._load_ratios)
-        return SpatialSections(self.beam, self.payload, shapes, flap, self.twists, at)
-
-    @property
-    def _root_curvature(self) -> Array:
-        """Curvature about z at the root times the length, times q (n,)."""
-        shapes, row = self.shapes, np.zeros(len(self.coordinates))
-        if isinstance(shapes, Chain):
-            row[shapes.columns(0)] = shapes.shapes(0.0, 2)[0] * self.segments
-        else:
-            row[: shapes.n] = shapes.curvature(np.zeros(1))[0]
-        return row
-
-    @property
-    def _strain_points(self) -> tangent_field.Points:
-        return tangent_field.points(self.points or 2 * self.modes + 1)
-
-    @cached_property
-    def tangent_field(self) -> TangentField | SpatialChain:
-        """The tangents as functions of q."""
-        shapes, sections = self.shapes, self.sections
-        if isinstance(sections, SpatialChain):
-            return sections
-        if isinstance(sections, SpatialSections):
-            return sections.field()
-        if isinstance(shapes, Chain):
-            return shapes.field(self.points or self.modes + 3)
-        return tangent_field.planar_field(shapes, self._strain_points)
 
     @property
     def _loaded(self) -> bool:
@@ -234,49 +197,49 @@ class LargeDeflectionBeam(LagrangianPlant):
         return ca.SX(ca.vertcat(*self.gravity[: 2 if self.planar else 3]))
 
     def _tip(self, at: Tangents) -> ca.SX:
-        return self.beam.length * at.sum(self.tangent_field.points.weight)
+        return self.beam.length * at.sum(self.fields.tangents.points.weight)
 
     def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        beam, at = self.beam, self.tangent_field.at(q, v)
-        T = beam.mass * beam.length**2 * at.kinetic() + self.sections.kinetic(q, v)
+        beam, at = self.beam, self.fields.tangents.at(q, v)
+        T = beam.mass * beam.length**2 * at.kinetic() + self.fields.sections.kinetic(q, v)
         if self._loaded:
-            velocity = beam.length * at.sum_rate(self.tangent_field.points.weight)
-            velocity += ca.jtimes(self.sections.carried(q), q, v)
+            velocity = beam.length * at.sum_rate(self.fields.tangents.points.weight)
+            velocity += ca.jtimes(self.fields.sections.carried(q), q, v)
             T += self.payload.mass * ca.sumsqr(velocity) / 2
         return T
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
-        beam, at = self.beam, self.tangent_field.at(q, ca.SX.zeros(q.shape[0]))
+        beam, at = self.beam, self.fields.tangents.at(q, ca.SX.zeros(q.shape[0]))
         straight = ca.DM.zeros(at.d)
         straight[0] = 1.0
-        moved = at.sum(self.tangent_field.points.first_moment) - straight / 2
+        moved = at.sum(self.fields.tangents.points.first_moment) - straight / 2
         fallen = beam.mass * beam.length * moved
         if self._loaded:
             offset = ca.vertcat(*self.payload.offset[: at.d])
-            away = self._tip(at) + self.sections.carried(q) - beam.length * straight - offset
+            away = self._tip(at) + self.fields.sections.carried(q) - beam.length * straight - offset
             fallen += self.payload.mass * away
-        return self.sections.strain_energy(q) - ca.dot(self._g, fallen)
+        return self.fields.sections.strain_energy(q) - ca.dot(self._g, fallen)
 
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        return self.sections.dissipation(q, v)
+        return self.fields.sections.dissipation(q, v)
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        tip = self._tip(self.tangent_field.at(q, v))
+        tip = self._tip(self.fields.tangents.at(q, v))
         return ca.jtimes(tip, q, w if self.root == "driven" else u, True)
 
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """What the base class derives from the energies, from the positions' Jacobians: a fraction of the size."""
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
-        beam, at, points = self.beam, self.tangent_field.at(q, v), self.tangent_field.points
-        M, r = self.sections.inertia(q, v)
+        beam, at, points = self.beam, self.fields.tangents.at(q, v), self.fields.tangents.points
+        M, r = self.fields.sections.inertia(q, v)
         M = M + beam.mass * beam.length**2 * at.mass()
-        r = r - beam.mass * beam.length**2 * at.inertia_force() + self.sections.elastic_force(q, v)
+        r = r - beam.mass * beam.length**2 * at.inertia_force() + self.fields.sections.elastic_force(q, v)
         r += beam.mass * beam.length * (at.sum_jacobian(points.first_moment).T @ self._g)
         tip = beam.length * at.sum_jacobian(points.weight)
         r += tip.T @ (w if self.root == "driven" else u)
         if self._loaded:
-            carried = self.sections.carried(q)
+            carried = self.fields.sections.carried(q)
             J = tip + ca.jacobian(carried, q)
             bias = beam.length * at.sum_bias(points.weight) + ca.jtimes(ca.jtimes(carried, q, v), q, v)
             M += self.payload.mass * (J.T @ J)
@@ -286,18 +249,18 @@ class LargeDeflectionBeam(LagrangianPlant):
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = x.shape[0] // 2
         q, v = x[:n], x[n:]
-        at = self.tangent_field.at(q, v)
-        tip, rate = self._tip(at), self.beam.length * at.sum_rate(self.tangent_field.points.weight)
+        at = self.fields.tangents.at(q, v)
+        tip, rate = self._tip(at), self.beam.length * at.sum_rate(self.fields.tangents.points.weight)
         turning = [] if self.root == "clamped" else [q[0]]
         c, s, turn = (1, 0, 0) if self.root == "clamped" else (ca.cos(q[0]), ca.sin(q[0]), v[0])
         across = c * tip[1] - s * tip[0]
         across_rate = c * rate[1] - s * rate[0] - turn * (c * tip[0] + s * tip[1])
         moved = (tip[0] - self.beam.length, tip[1], rate[:2])
-        sections = self.sections
+        sections = self.fields.sections
         turned = sections.tip_rotation(q)
-        bent = ca.dot(ca.DM(self._root_curvature), q) / self.beam.length
+        bent = ca.dot(ca.DM(self.fields.root_curvature), q) / self.beam.length
         out = [*turning, tip[:2], *moved, turned, across, across_rate, ca.jtimes(turned, q, v), bent]
-        if not isinstance(sections, PlanarSections):
+        if not self.planar:
             out += [tip[2], rate[2], sections.tip_twist(q)]
         return ca.vertcat(*out)
 
@@ -310,6 +273,6 @@ class LargeDeflectionBeam(LagrangianPlant):
         values, batch = self._arguments(x)
         if batch is not None:
             raise ValueError(f"positions takes one state ({self.nx},), not a batch of {batch}")
-        t = self.tangent_field.values(values[1][: self.nx // 2])
+        t = self.fields.tangents.values(values[1][: self.nx // 2])
         own: Any = self.nominal
-        return own.beam.length * self.tangent_field.points.cumulative(xi) @ t
+        return own.beam.length * self.fields.tangents.points.cumulative(xi) @ t
