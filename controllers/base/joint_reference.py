@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pliant.controllers.joint_control.input_shaping import Shaper
     from pliant.plants.dynamics.plant import Plant
 
-    from .scene_protocol import Charged
+    from .scene_protocol import CostedScene
 
 
 @final
@@ -132,7 +132,7 @@ def _driven(plant: Any, name: str) -> tuple[str, str]:
     return (f"attitude_{axis}", f"body_rate_{axis}") if axis and word != "thrust" else ("", "")
 
 
-def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
+def motion_of(scene: CostedScene, at: Joints) -> RestToRest | Follow:
     """From rest to rest in the scene's move_time; where the goal moves, the rigid plant under the nominal inputs."""
     if scene.goal_at_rest:
         return RestToRest(*ends(scene, at.positions), scene.move_time)
@@ -150,7 +150,7 @@ def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
     return Follow(scene.dt, positions, rates, moving)
 
 
-def ends(scene: Charged, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+def ends(scene: CostedScene, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Values of the named states or outputs at the scene's start and goal, each (n,)."""
     return values_of(scene.plant, *scene.initial, names), values_of(scene.plant, *scene.target, names)
 

@@ -20,7 +20,7 @@ import numpy as np
 from pliant.plants.core.parameters import require_choice, require_finite
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 FORMAT = 1
 ACTIVATIONS = ("tanh", "relu")
@@ -164,7 +164,7 @@ class Policy:
     def from_sb3_zip(
         cls,
         path: str | Path,
-        scene: Playable,
+        scene: TrainableScene,
         *,
         algorithm: str = "ppo",
         statistics: str | Path | None = None,

@@ -16,7 +16,7 @@ from pliant.plants.core.parameters import require_choice, require_count
 from .policy import Policy
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 Progress = Callable[[float, str], None]
 SECONDS = 300.0  # what a run may take where nothing is said
@@ -83,7 +83,7 @@ class Training:
 
 
 def train(
-    scene: Playable,
+    scene: TrainableScene,
     algorithm: str = "ppo",
     *,
     seed: int = 0,
@@ -154,7 +154,7 @@ def train(
     )
 
 
-def evaluate(policy: Policy, scene: Playable, env: Any = None) -> float:
+def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
     """The scene's cost under the policy, by its environment: RK4 and the charge for an early end.
 
     env: one lane of the scene that may be used again, made where not given.

@@ -25,13 +25,13 @@ from .training_callback import Run
 from .training_env import TrainingLanes, normalised
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 PACKAGES = ("pliant", "stable-baselines3", "torch", "numpy")
 
 
 def learn(
-    scene: Playable,
+    scene: TrainableScene,
     algorithm: str,
     settings: PPOSettings | SACSettings,
     *,

@@ -18,7 +18,7 @@ from .policy import Policy
 from .train import CURVE, POLICY, Evaluation, Progress, evaluate
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 EVALUATIONS = 60  # of a run
 
@@ -28,7 +28,7 @@ class Run(BaseCallback):
 
     def __init__(
         self,
-        scene: Playable,
+        scene: TrainableScene,
         env: VecNormalize,
         folder: Path | None,
         budget: tuple[float | None, int | None],

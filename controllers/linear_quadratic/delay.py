@@ -22,7 +22,7 @@ from pliant.plants.core.signals import Signal, index
 
 if TYPE_CHECKING:
     from pliant.controllers.base.controller import Controller
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
     from pliant.plants.linear.lti import LinearModel
 
@@ -122,7 +122,7 @@ class Predictive:
         self.reset()
 
     @classmethod
-    def for_scene(cls, scene: Charged, delay: int = 1, law: Controller | None = None) -> Self:
+    def for_scene(cls, scene: CostedScene, delay: int = 1, law: Controller | None = None) -> Self:
         """The scene's LQR, or another `law`, on the scene's plant; the input of the scene's start acts first."""
         if law is None:
             from .lqr import LQR

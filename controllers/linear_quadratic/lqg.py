@@ -26,7 +26,7 @@ from pliant.plants.linear.ltv import LTVModel
 from .lqr import LQR
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
 
 
 @final
@@ -64,7 +64,7 @@ class LQG:
     @classmethod
     def for_scene(
         cls,
-        scene: Charged,
+        scene: CostedScene,
         *,
         sensors: Sequence[Sensor] | None = None,
         W: Mapping[str, float] | None = None,

@@ -16,11 +16,12 @@ import numpy as np
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, require_held
-from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.quadratic_cost import signal_rows
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
     from pliant.plants.linear.lti import LinearModel
 
@@ -127,7 +128,7 @@ class LQR:
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 
     @classmethod
-    def for_scene(cls, scene: Charged, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
+    def for_scene(cls, scene: CostedScene, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
         """`design` about a scene's goal, moving or not, with its cost, limits and control period.
 
         effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.

@@ -34,7 +34,7 @@ from .funnel import Funnel
 from .period_cost import period_cost, steady_law
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.controllers.optimal_control.optimal import Motion
     from pliant.plants.core.trajectory import Trajectory
     from pliant.plants.dynamics.plant import Plant
@@ -143,7 +143,7 @@ class TVLQR:
     @classmethod
     def for_scene(
         cls,
-        scene: Charged,
+        scene: CostedScene,
         *,
         nominal: Motion | Trajectory | str | None = None,
         reserve: float = 0.1,

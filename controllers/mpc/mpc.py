@@ -26,7 +26,7 @@ from .constraints import Limits, Step, excess
 from .fallback_plan import LastPlan
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.core.trajectory import Trajectory
     from pliant.plants.linear.lti import LinearModel
     from pliant.plants.linear.ltv import LTVModel
@@ -155,7 +155,9 @@ class MPC:
         return cls(**follower(ltv, (Q, R, P), horizon, (limits, rates, bounds, terminal, penalty), blocks, reads))
 
     @classmethod
-    def for_scene(cls, scene: Charged, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any) -> Self:
+    def for_scene(
+        cls, scene: CostedScene, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any
+    ) -> Self:
         """With a scene's cost, limits and bounds about its goal, moving or not, or along a nominal of its plant.
 
         options: as in `design`, or `along`; they go before the scene's.

@@ -21,7 +21,7 @@ from pliant.plants.core.parameters import require_finite
 from .optimal import Motion, optimal
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
 
 
@@ -29,7 +29,7 @@ NEARNESS = 10.0  # weight of a coordinate's deviation from its way, as a share o
 
 
 def plan(
-    scene: Charged,
+    scene: CostedScene,
     *,
     x0: Any = None,
     time: float | None = None,
@@ -104,7 +104,7 @@ def plan(
     )
 
 
-def _rest(scene: Charged, time: float) -> dict[str, float]:
+def _rest(scene: CostedScene, time: float) -> dict[str, float]:
     """What the end must be: every state or output that a law about the goal has to hold, where it is at `time` [s]."""
     model, drift = goal_model(scene)
     return dict(zip(model.state_names, (model.x0 + time * drift).tolist()))

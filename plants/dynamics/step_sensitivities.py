@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -26,10 +26,7 @@ from pliant.plants.native.batch_kernels import Array, BatchKernel, as_dtype, ran
 from pliant.plants.native.compiler import CompileError
 from pliant.plants.native.scalar_codegen import block_function, operations
 
-from .lagrangian import LagrangianPlant, ldl, ldl_solve
-
-if TYPE_CHECKING:
-    from .plant import Plant
+from .plant import Plant
 
 LONG = 10_000  # operations of one C function: 2 s for gcc, where twice that takes 15 s
 
@@ -85,30 +82,7 @@ RUN {
 
 def slopes_function(plant: Plant) -> ca.Function:
     """(t, x, u, w, p) -> dx/dt (nx,), J = [df/dx, df/du] (nx, nx + nu), sparse, as one SX function."""
-    _, x, u, _, _ = plant.symbols
-    rate, z = plant.expressions[0], ca.vertcat(x, u)
-    J = _implicit(plant) if isinstance(plant, LagrangianPlant) else ca.jacobian(rate, z)
-    return ca.Function("slopes", list(plant.symbols), ca.cse([ca.densify(rate), J]))
-
-
-def _implicit(plant: LagrangianPlant) -> ca.SX:
-    """J of dv/dt = M^-1 r at the plant's own accelerations a: da = M^-1 d(r - M a), a held."""
-    _, x, u, _, _ = plant.symbols
-    M, r, _, _ = plant._terms
-    n, z, driven = M.shape[0], ca.vertcat(x, u), plant.driven
-    held = ca.SX.sym("a", n)
-    moving = ca.SX(held)
-    for i, k in driven.items():
-        moving[i] = u[k]
-    free = [i for i in range(n) if i not in driven]
-    change = ca.SX(n, z.shape[0])
-    for i, k in driven.items():
-        change[i, plant.nx + k] = 1
-    if free:
-        lacking = (r - M @ moving)[free]
-        change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))
-        change = ca.substitute(change, held, plant.expressions[0][n:])
-    return ca.vertcat(ca.jacobian(x[n:], z), change)
+    return ca.Function("slopes", list(plant.symbols), ca.cse([ca.densify(plant.expressions[0]), plant.slopes()]))
 
 
 def sensitivity_source(slopes: ca.Function, dtype: np.dtype) -> str:

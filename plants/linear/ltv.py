@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
@@ -23,9 +23,8 @@ import scipy.linalg as sla
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, as_signals, names, read_only, read_only_times, sample
 
-if TYPE_CHECKING:
-    from .lti import LinearModel
-    from .second_order import SecondOrderModel
+from .lti import LinearModel
+from .second_order import SecondOrderModel, from_ltv
 
 
 class DiscreteLTV(NamedTuple):
@@ -100,8 +99,6 @@ class LTVModel:
 
     def at(self, k: int) -> LinearModel:
         """The model frozen at node k; its f0 is c[k], the rate of a deviation from the moving nominal."""
-        from .lti import LinearModel
-
         require_count("LTVModel.at", "k", k, -len(self.t), len(self.t) - 1)
         assert self.w is not None
         return LinearModel(
@@ -154,8 +151,6 @@ class LTVModel:
 
     def second_order(self, mass: Any = None) -> SecondOrderModel:
         """[A] y'' + [B] y' + [C] y = Q where the states are [y; dy/dt]; `mass` (nt, n, n) multiplies all."""
-        from .second_order import from_ltv
-
         return from_ltv(self, mass)
 
     @cached_property

@@ -21,7 +21,8 @@ from pliant.plants.core.parameters import require_choice, require_count
 
 @dataclass(frozen=True)
 class Mode:
-    """One mode; a complex pair counts once, with its eigenvalue of positive imaginary part.
+    """One mode; a complex pair counts once, with its eigenvalue of positive imaginary part. A rigid-body mode, whose
+    eigenvalue rounding hides, has 0.
 
     `damping_ratio` is -Re/|eigenvalue|, and 0 where rounding hides the real part (a rigid-body mode too).
     """
@@ -81,9 +82,12 @@ def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tupl
     if dt is not None:
         with np.errstate(divide="ignore"):
             lam, undamped = np.log(values) / dt, np.abs(np.abs(values) - 1.0) <= rounding
+    # A double root at rest leaves rounding as two real roots or as a pair, by chance: two rigid-body modes either way.
+    still = np.abs(values - (0.0 if dt is None else 1.0)) <= rounding
+    lam = np.where(still, 0.0, lam)
     rows: list[Mode] = []
     for i in np.argsort(np.abs(lam), kind="stable"):
-        if values[i].imag < 0:
+        if values[i].imag < 0 and not still[i]:
             continue
         size = abs(lam[i])
         zeta = 0.0 if undamped[i] else 1.0 if np.isinf(size) else -lam[i].real / size

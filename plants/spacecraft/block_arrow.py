@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from pliant.plants.dynamics.lagrangian import ldl, ldl_solve
+from pliant.plants.dynamics.symbolic_ldl import ldl, ldl_solve
 
 
 class Share(NamedTuple):

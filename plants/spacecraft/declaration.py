@@ -15,7 +15,7 @@ import numpy as np
 from pliant.plants.core.parameters import require_choice, validate
 from pliant.plants.core.quaternions import matrix
 from pliant.plants.core.signals import Signal, index
-from pliant.plants.dynamics.plant import Plant
+from pliant.plants.dynamics.mechanical import MechanicalPlant
 from pliant.plants.modal_data.modal_data import ModalData
 
 from .appendage import Appendage, constant
@@ -29,7 +29,7 @@ AXES = "xyz"
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpacecraftDeclaration(Plant):
+class SpacecraftDeclaration(MechanicalPlant):
     """A hub and the appendages hinged to it; `FlexibleSpacecraft` adds their equations of motion."""
 
     hub: Hub
@@ -83,6 +83,11 @@ class SpacecraftDeclaration(Plant):
         own = self.nominal
         assert isinstance(own, SpacecraftDeclaration)
         return own.appendages[i].data
+
+    @property
+    def coordinates_slice(self) -> slice:
+        """Position, attitude, hinge angles, elastic coordinates."""
+        return slice(0, self.layout.quaternion.stop + len(self.coordinates))
 
     @cached_property
     def coordinates(self) -> tuple[Signal, ...]:
@@ -195,11 +200,6 @@ class SpacecraftDeclaration(Plant):
             lines.append(origin + (np.asarray(body.position, dtype=float) + bent @ C.T) @ R.T)
         return lines
 
-    # --- what the linear models ask of the equations of motion ---------------------------------------------------
     @abstractmethod
     def residual(self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
         """M a + bias - loads (6 + n,) at any accelerations a (6 + n,)."""
-
-    @abstractmethod
-    def mass_matrix(self, x: Any, *, p: Any = None) -> np.ndarray:
-        """M (6 + n, 6 + n)."""

@@ -6,12 +6,10 @@ The linearisation is of the residual r(x, u, a) = M a + bias - loads at the acce
 
 from __future__ import annotations
 
-import itertools
-from functools import cached_property
-
 import casadi as ca
 
 from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.dynamics.residual_jacobians import Differentiated
 
 from .block_arrow import accelerations, eliminate, solve
 from .declaration import SpacecraftDeclaration
@@ -19,32 +17,9 @@ from .equations import rate_of, shares
 from .layout import Layout
 
 
-class Linear:
-    """[A, B, E, C, D, F] as functions of (t, x, u, w, p) at the accelerations that solve the equations, and of (.., a)
-    at others.
-
-    By differentiating the residual at fixed accelerations instead of the solved equations.
-    """
-
-    def __init__(self, craft: SpacecraftDeclaration) -> None:
-        self.symbols = list(craft.symbols)
-        self.blocks, self.accelerations = linear(craft)
-
-    @cached_property
-    def solved(self) -> NumericFunction:
-        """At the plant's own accelerations."""
-        return function("jacobians", self.symbols, list(self.blocks(*self.symbols, self.accelerations)), matrices=True)
-
-    @cached_property
-    def along(self) -> NumericFunction:
-        """At accelerations a (6 + n,), the last argument."""
-        a = ca.SX.sym("a", self.accelerations.shape[0])
-        return function("along", [*self.symbols, a], list(self.blocks(*self.symbols, a)), matrices=True)
-
-
-def linear(craft: SpacecraftDeclaration) -> tuple[ca.Function, ca.SX]:
-    """The six blocks as a function of (t, x, u, w, p, a), and the accelerations that solve the equations."""
-    t, x, u, w, p = craft.symbols
+def differentiated(craft: SpacecraftDeclaration) -> Differentiated:
+    """The equations of all bodies at accelerations held: only the blocks that each can depend on."""
+    t, x, u, w, _ = craft.symbols
     own = craft.symbolic
     parts = shares(own, t, x, u, w)
     solved, _ = accelerations(parts)
@@ -63,12 +38,7 @@ def linear(craft: SpacecraftDeclaration) -> tuple[ca.Function, ca.SX]:
         if share.given is not None:
             for j in range(share.given.shape[0]):
                 da[share.own[j], craft.nx + craft.layout.hinge_inputs[k].start + j] = 1
-    whole = rate_of(own, x, u, a)
-    J = ca.jacobian(whole, z) + ca.jacobian(whole, a) @ da
-    h = ca.jacobian(own.output(t, x, u, w), z)
-    ends = [0, craft.nx, craft.nx + craft.nu, craft.nx + craft.nu + craft.nw]
-    blocks = [m[:, s:e] for m in (J, h) for s, e in itertools.pairwise(ends)]
-    return ca.Function("blocks", [t, x, u, w, p, a], blocks), solved
+    return Differentiated(a, rate_of(own, x, u, a), da, solved)
 
 
 def _sparse_jacobian(r: ca.SX, z: ca.SX, at: Layout, i: int, nx: int, nu: int) -> ca.SX:

@@ -23,9 +23,9 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.errors import MassMatrixError
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
@@ -36,7 +36,7 @@ from .declaration import SpacecraftDeclaration
 from .environment import Environment, Orbit, Sun, Surface
 from .feedback_model import feedback_model
 from .hub import Hub, Thruster, Wheel
-from .jacobian_blocks import Linear, residual_function
+from .jacobian_blocks import differentiated, residual_function
 
 __all__ = [
     "Appendage",
@@ -79,42 +79,18 @@ class FlexibleSpacecraft(SpacecraftDeclaration):
         return equations.rate(self, t, x, u, w)[0]
 
     @cached_property
-    def expressions(self) -> tuple[ca.SX, ca.SX]:
-        t, x, u, w, _ = self.symbols
-        return self._motion[0], self.symbolic.output(t, x, u, w)
-
-    @cached_property
     def _motion(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
         return equations.rate(self.symbolic, *self.symbols[:4])
 
-    @cached_property
-    def _dynamics(self) -> NumericFunction:
-        return function("dynamics", list(self.symbols), list(self._motion))
+    def _lost_at(self, x: np.ndarray) -> str:
+        return (
+            ": an appendage has no inertia about one of its hinge's axes, or two of these are parallel there, "
+            f"at x = {x}"
+        )
 
-    def dynamics(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
-        """dx/dt: (nx,) or (B, nx). Raises MassMatrixError where a hinge has nothing to turn."""
-        values, batch = self._arguments(x, u, w, p, t)
-        rate, pivot = self._dynamics(*values, batch=batch)
-        if not pivot.min() > 0:
-            k = int(np.argmin(pivot.reshape(-1) > 0))
-            state = np.atleast_2d(values[1])[k if np.ndim(values[1]) == 2 else 0]
-            raise MassMatrixError(
-                f"the mass matrix of {self.label} is not positive definite (pivot {pivot.min():.3g}): "
-                "an appendage has no inertia about one of its hinge's axes, or two of these are parallel there, "
-                f"at x = {state}",
-                state.copy(),
-                float(pivot.min()),
-            )
-        return rate
-
-    @cached_property
-    def _jacobians(self) -> NumericFunction:
-        return self._linear.solved
-
-    @cached_property
-    def _linear(self) -> Linear:
-        return Linear(self)
+    def _differentiated(self) -> Differentiated:
+        return differentiated(self)
 
     @cached_property
     def _conserved(self) -> NumericFunction:
@@ -140,26 +116,9 @@ class FlexibleSpacecraft(SpacecraftDeclaration):
         _, linear, angular = self._conserved(*values, batch=batch)
         return linear, angular
 
-    def power(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> tuple[Any, Any]:
-        """(power put in by inputs, disturbances and environment, power lost in dampers and bearings) [W]: the rate of
-        `energy` is their difference.
-        """
-        values, batch = self._arguments(x, u, w, p, t)
-        put_in, lost = self._power(*values, batch=batch)
-        return put_in[..., 0], lost[..., 0]
-
     @cached_property
     def _powers(self) -> tuple[ca.SX, ca.SX]:
         return energies.power(self.symbolic, *self.symbols[:4])
-
-    @cached_property
-    def _power(self) -> NumericFunction:
-        return function("power", list(self.symbols), list(self._powers))
-
-    def net_power(self) -> ca.SX:
-        """dE/dt [W] as an expression: power put in less power lost."""
-        put_in, lost = self._powers
-        return put_in - lost
 
     def residual(self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
         """M a + bias - loads (6 + n,) at any accelerations a = [hub (hub axes), body rates', hinges, modes] (6 +
@@ -216,10 +175,14 @@ class FlexibleSpacecraft(SpacecraftDeclaration):
             return super().linearize_along(nominal, p=p)
         return linearisation.linearize_along(self, nominal, p)
 
-    def _jacobians_along(self, nominal: Trajectory, w: np.ndarray, p: Any) -> list[np.ndarray]:
-        """At the nominal's own accelerations."""
-        values, batch = self._arguments(nominal.x, nominal.u, w, p, nominal.t)
-        return self._linear.along(*values, linearisation.nominal_accelerations(self, nominal, p), batch=batch)
+    def _accelerations(self, nominal: Trajectory, p: Any) -> np.ndarray:
+        return linearisation.nominal_accelerations(self, nominal, p)
+
+    def jump_map(
+        self, x: np.ndarray, P: np.ndarray, *, after: np.ndarray, p: Any = None, t: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As of any plant, in this one's deviations [y, dy/dt, wheels]."""
+        return linearisation.jump_in_deviations(self, x, after, super().jump_map(x, P, after=after, p=p, t=t), t)
 
     def feedback_model(self, x0: Any, u0: Any = None, *, p: Any = None) -> LinearModel:
         """The linear model in signals: attitude outputs for the quaternion, rates relative to inertial space.

@@ -22,7 +22,7 @@ from pliant.plants.core.signals import names
 from pliant.studies.common.reference_motions import Progress, silent
 from pliant.studies.scoreboard.tasks import MARGIN
 
-from .closed_loop import Following, Loop, dearer, end_error, run
+from .closed_loop import Loop, dearer, end_error, run
 from .contestants import CONTESTANTS, Designed
 from .evaluation_scene import require_signals
 from .rollout import Rollout
@@ -59,7 +59,7 @@ class Contest:
 
 def compare(
     scene: Scene,
-    law: LQR | Following | None = None,
+    law: LQR | None = None,
     loops: Sequence[Loop] = (),
     *,
     progress: Progress | None = None,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 from pliant.plants import LinearModel, Plant
@@ -25,13 +23,6 @@ def coordinates(plant: Plant) -> tuple[str, ...]:
     """The states whose rates are states too: not a quaternion."""
     known = names(plant.states)
     return tuple(name for name in known if f"{name}_rate" in known)
-
-
-def moving_on(model: LinearModel) -> str:
-    """What of `residual` are positions that move, not rates that something pushes; "" where none does."""
-    known = {s.name for s in model.states}
-    held = np.array([f"{s.name}_rate" in known or not s.unit.endswith("/s") for s in model.states])
-    return residual(dataclasses.replace(model, f0=np.where(held, model.f0, 0.0)))
 
 
 def words(model: LinearModel) -> str:

@@ -13,7 +13,7 @@ from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import FlexibleSpacecraft, LinearModel, LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import Signal, names
-from pliant.studies.closed_loop.closed_loop import Following, Loop, closed_loop, dearer
+from pliant.studies.closed_loop.closed_loop import Loop, closed_loop, dearer
 from pliant.studies.closed_loop.comparison import Contest, compare
 from pliant.studies.common import atomic_files, machine, operating_point
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
@@ -47,7 +47,7 @@ class Findings:
     perturbed: Signal  # the coordinate that is perturbed to test that model
     ltv_errors: tuple[tuple[float, float, float], ...]  # perturbation, largest error and size of the prediction
     frequencies: tuple[tuple[str, np.ndarray], ...]  # variant, locked natural frequencies [Hz]
-    law: LQR | Following | None
+    law: LQR | None
     no_law: str  # why there is none, in the failure's words
     loops: tuple[Loop, ...]  # none without a law
     judgement: Judgement  # of stability along the motion
@@ -115,7 +115,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     ltv_errors = _ltv_errors(scene, nominal, along, perturbed)
     told(0.12, "frequencies")
     frequencies = _frequencies(scene)
-    law: LQR | Following | None = None
+    law: LQR | None = None
     no_law, loops = "", tuple[Loop, ...]()
     try:
         law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.22))

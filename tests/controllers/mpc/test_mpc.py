@@ -127,7 +127,7 @@ def test_hessian_before_and_after_prestabilisation():
     """The arm of two-link-reach over 40 steps: in the inputs u, and in v = u + K x, where it is block diagonal."""
     scene = scenes.get("two-link-reach")
     model = scene.plant.linearize(*scene.target).discretize(scene.dt)
-    weight, effort = (scene.dt * M for M in scene.quadratic())
+    weight, effort, _ = (scene.dt * M for M in scene.quadratic())
     P = riccati.dlqr(model.A, model.B, weight, effort).P
     nx, nu, N = 12, 2, 40
     reach, square = np.zeros((nx, N * nu)), np.kron(np.eye(N), effort)
