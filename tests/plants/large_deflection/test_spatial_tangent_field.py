@@ -80,7 +80,7 @@ def test_spatial_release_does_not_know_which_way_is_down():
 
 def section_frames(plant, q, xi):
     """R_z exp(Phi) R_x(a) at xi (k,), with a summed up by the trapezium rule from its own definition."""
-    sections = plant.sections
+    sections = plant.fields.sections
     h, beta, gamma, twist = (rows @ q for rows in sections._rows(xi))
     _, beta_s, gamma_s, _ = (rows @ q for rows in sections._rows(xi, 1))
     phi2 = np.maximum(beta**2 + gamma**2, 1e-12)
@@ -107,7 +107,7 @@ def test_strains_and_spins_of_the_spatial_beam_against_its_frames(name):
     k = (frames[:-1].inv() * frames[1:]).as_rotvec() / np.diff(xi)[:, None] / beam.length
     density = beam.GJ * k[:, 0] ** 2 + beam.E * beam.I_y * k[:, 1] ** 2 + beam.EI * k[:, 2] ** 2
     q_sx, v_sx = ca.SX.sym("q", n), ca.SX.sym("v", n)
-    sections = plant.sections
+    sections = plant.fields.sections
     energies = ca.Function("e", [q_sx, v_sx], [sections.strain_energy(q_sx), sections.kinetic(q_sx, v_sx)])
     strained, turning = (float(e) for e in energies(q, v))
     assert strained == pytest.approx(density.mean() * beam.length / 2, rel=1e-6)
