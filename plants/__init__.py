@@ -96,8 +96,8 @@ moved.serve(
         "growth=transition_growth certificate=lyapunov_certificate",
         "slider_crank": "slider_crank_rigid=rigid_kinematics cycles=steady_cycles",
         "modal_data": "structural=component_modes",
-        "spacecraft": "spacecraft_equations=layout spacecraft_linear=linearisation spacecraft_feedback=feedback_model "
-        "hub appendage environment_loads=environment",
+        "spacecraft": "spacecraft_equations=equations spacecraft_linear=linearisation "
+        "spacecraft_feedback=feedback_model hub appendage environment_loads=environment",
         "spacecraft_perturbation": "perturbation perturbation_fields=position_fields perturbation_printed="
         "printed_equations",
     },

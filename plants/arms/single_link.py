@@ -187,7 +187,7 @@ class SingleLinkArm(LagrangianPlant):
     def clamped_map(self) -> np.ndarray:
         """(1 + n, 1 + n): [hub_angle; clamped modal coordinates] from this arm's coordinates; the nominal's numbers."""
         own = self.nominal
-        return to_clamped(own)
+        return to_clamped(dataclasses.replace(own, frame="clamped", drive="torque", varied=()), self.frame)
 
     def frame_map(self, frame: str) -> np.ndarray:
         """T (1 + n, 1 + n), Eq (1): coordinates in `frame` from this arm's; rates likewise. [:, 0] = (1, 0, ..)."""

@@ -19,7 +19,8 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
 from pliant.plants.core.quaternions import about, cross, matrix_of
-from pliant.plants.modal_data.modal_data import ModalData, axial
+from pliant.plants.modal_data.integrals import axial
+from pliant.plants.modal_data.modal_data import ModalData
 
 from .environment import Surface
 
@@ -123,11 +124,6 @@ class Appendage:
             return ModalData.boom(self.body, self.modes)
         count = 1 if self.modes is None else self.modes
         return ModalData.boom(self.body, (count, count)).slowest(count)
-
-    @property
-    def modal_damping(self) -> np.ndarray:
-        """(n, n) [N s/m], what the ratio adds left out."""
-        return self.data.damping
 
     def turn(self, theta: ca.SX) -> ca.SX:
         """C (3, 3), appendage axes to hub axes, at hinge angles (nh,)."""

@@ -7,22 +7,19 @@ inputs are a share of the angle's acceleration and one of its rate squared.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.quaternions import product
 
+from .declaration import SpacecraftDeclaration
 from .environment import Environment
-
-if TYPE_CHECKING:
-    from .plant import FlexibleSpacecraft
 
 Array = np.ndarray
 
 
-def slew(craft: FlexibleSpacecraft, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
+def slew(craft: SpacecraftDeclaration, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
     """u(t) (nu,) from the attitude of `begin` (nx,) to that of `end` in `time` [s], at rest at both, hinges as at
     `begin`. ValueError with loads or wheels.
     """
