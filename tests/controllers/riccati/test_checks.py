@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.controllers.riccati.checks import known_names, require_reached, root, system, weight_matrix
+from pliant.controllers.riccati.checks import known_names, require_reached, system, weight_matrix
 from pliant.plants import UncontrollableError
 
 
@@ -16,14 +16,6 @@ def test_a_mode_that_stays_and_is_not_reached_is_named():
         require_reached(A, np.array([[0.0], [0.0], [1.0], [0.0]]), names, None, "cannot be reached")
     assert len(caught.value.args[0].split(",")) == 1
     require_reached(A - 0.1 * np.eye(4), np.zeros((4, 1)), names, None, "cannot be reached")  # what decays need not be
-
-
-@pytest.mark.parametrize("scale", [1.0, 1e-12, 1e12])
-def test_root_of_a_semidefinite_matrix(scale):
-    v = np.array([[1.0, 2.0], [2.0, 4.0]])
-    S = root(scale * v)
-    np.testing.assert_allclose(S @ S.T, scale * v, rtol=1e-12)
-    assert np.linalg.matrix_rank(S) == 1
 
 
 def test_shapes_names_and_signs():
