@@ -8,13 +8,13 @@ from typer.testing import CliRunner
 
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError, UncontrollableError
-from pliant.studies import report
+from pliant.studies import figures, report
 from pliant.studies.closed_loop.closed_loop import closed_loop, regulator, variations
 from pliant.studies.commands.cli import app
 from pliant.studies.common import operating_point
 from pliant.studies.fidelity.stiffening import stiffening_needed
 from pliant.studies.figures import arm_outline
-from pliant.studies.figures import motion as figures
+from pliant.studies.figures.motion import still
 
 SECTIONS = (
     "The answer",
@@ -153,7 +153,7 @@ def test_panels_part_signals_of_different_size():
     shown = figures.histories(scene, [("", motion)]).axes
     legends = [{text.get_text() for text in ax.get_legend().get_texts()} for ax in shown]
     assert {"slider x"} in legends and {"mid deflection"} in legends and {"crank angle rate"} in legends
-    assert figures.still(scene, [motion]) == ("crank_acceleration",)  # the crank turns steadily: no panel for that
+    assert still(scene, [motion]) == ("crank_acceleration",)  # the crank turns steadily: no panel for that
     assert not any("crank acceleration" in legend for legend in legends)
     assert {"crank pin x", "crank pin y", "axial force", "guide force"} in legends
 

@@ -8,10 +8,10 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError, Trajectory
-from pliant.studies import report
+from pliant.studies import figures, report
 from pliant.studies.closed_loop.closed_loop import Following, closed_loop, driven_to_goal, regulator
 from pliant.studies.common import operating_point
-from pliant.studies.figures import motion as figures
+from pliant.studies.figures.motion import still
 from pliant.studies.figures.spacecraft import snapshots
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
@@ -128,6 +128,6 @@ def test_what_stays_zero_is_named_and_not_drawn():
     motion = scene.open_loop(rtol=1e-7, atol=1e-9)
     shown = figures.histories(scene, [("", motion)]).axes
     drawn = {text.get_text().replace(" ", "_") for ax in shown for text in ax.get_legend().get_texts()}
-    zero = figures.still(scene, [motion])
+    zero = still(scene, [motion])
     assert {"tip1_x", "torque_x"} & set(zero) and not drawn & set(zero)
     assert all(np.abs(line.get_ydata()).max() > 0 for ax in shown for line in ax.lines if len(line.get_ydata()) > 2)

@@ -8,8 +8,9 @@ from typer.testing import CliRunner
 
 from pliant.envs import scenes
 from pliant.plants.stability import METHODS, assess
-from pliant.studies.common.console import Commands
-from pliant.studies.stability.verdicts import left_out, stability, verdict_of
+from pliant.studies.commands.console import Commands
+from pliant.studies.commands.stability import stability
+from pliant.studies.stability.verdicts import left_out, verdict_of
 
 SHORT = ("--set", "duration=1.2", "--set", "move_time=0.6")
 

@@ -8,15 +8,17 @@ import inspect
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-if TYPE_CHECKING:
-    from pliant.envs.scenes.scene import Scene
-
-    from .reference_motions import Progress
+from pliant.envs import scenes
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import PliantError
+from pliant.plants.core import parameters
+from pliant.studies.common.atomic_files import dumps
+from pliant.studies.common.reference_motions import Progress
 
 SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
 
@@ -25,8 +27,6 @@ class Commands(TyperGroup):
     """Bad input ends with its message and exit code 2, any other failure that a plant reports with 1."""
 
     def invoke(self, ctx: Any) -> Any:
-        from pliant.plants import PliantError
-
         try:
             return super().invoke(ctx)
         except BrokenPipeError:  # the reader, such as `head`, has seen enough
@@ -37,6 +37,11 @@ class Commands(TyperGroup):
         except PliantError as error:
             complain(f"{type(error).__name__}: {error}")
             raise typer.Exit(1) from None
+
+
+def print_json(value: Any) -> None:
+    """JSON on stdout."""
+    print(dumps(value))
 
 
 def complain(message: str) -> None:
@@ -104,9 +109,6 @@ def scene_with(name: str, settings: Sequence[str]) -> Scene:
 
     ValueError for a scene, name or value that is not known or out of range.
     """
-    from pliant.envs import scenes
-    from pliant.plants.core import parameters
-
     parts = [setting.partition("=") for setting in settings]
     for setting, (path, equals, _) in zip(settings, parts):
         if not equals or not path:
