@@ -1,6 +1,6 @@
 """Pictures of a scene: the bent arm, its goal where that is a place, the path of its tip, the inputs.
 
-Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a spacecraft is in `render_space`.
+Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a spacecraft is in `spatial`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import FlexibleSpacecraft
 
 PIXELS = 600
 LINKS = ("#1f4e79", "#3182bd", "#6baed6", "#9ecae1")
@@ -19,15 +18,6 @@ GOAL, TIP, INK, PALE = "#2e9e5b", "#d9622b", "#303030", "#e4e7ea"
 
 class Drawable(Protocol):
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray: ...
-
-
-def renderer(scene: Scene, *, window: bool = False) -> Renderer:
-    """What draws the scene: an arm in its plane, a spacecraft in space."""
-    if isinstance(scene.plant, FlexibleSpacecraft):
-        from .spatial import SpaceRenderer
-
-        return SpaceRenderer(scene, window=window)
-    return Renderer(scene, window=window)
 
 
 class Renderer:

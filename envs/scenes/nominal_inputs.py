@@ -1,13 +1,14 @@
-"""Nominal inputs of a scene: what takes the rigid plant from its start to its goal, or nothing at all."""
+"""Nominal inputs of a scene: what takes the rigid plant from its start to its goal, or nothing; a goal that moves."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pliant.plants import FlexibleSpacecraft, Plant
+from pliant.plants import FlexibleSpacecraft, Plant, Trajectory
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.quaternions import product
 from pliant.plants.spacecraft.environment import Environment
@@ -82,3 +83,17 @@ def _rotation_vector(q: Array) -> Array:
     q = -q if q[0] < 0 else q
     size = np.linalg.norm(q[1:])
     return 2 * np.arctan2(size, q[0]) * q[1:] / size if size > 0 else np.zeros(3)
+
+
+def steady_motion(scene: Scene) -> Trajectory:
+    """The goal as a motion: over one turn where it turns steadily, else at the control times."""
+    rates = {abs(rate) for _, rate in scene.goal_rates}
+    units = {scene.plant.states[i].unit for i in np.flatnonzero(scene.drift)}
+    t = scene.times
+    if len(rates) == 1 and units == {"rad"}:
+        turn = 2 * np.pi / rates.pop()
+        t = np.linspace(0.0, turn, math.ceil(turn / scene.dt) + 1)
+    x, u = scene.target
+    moved = x + np.multiply.outer(t, scene.drift)
+    rows = np.ones((len(t), 1))
+    return Trajectory.from_arrays(t, moved, rows * u, plant=scene.plant, dx=rows * scene.drift)

@@ -14,7 +14,6 @@ from gymnasium.utils.env_checker import check_env
 import pliant.envs
 from pliant.envs import PlantEnv, scenes
 from pliant.envs.scenes.scene import Scene
-from pliant.envs.simulation.control_period import observe_function, reference, step_function, substep_function
 from pliant.plants import PliantError, StabilityLimitError
 from pliant.plants.core import parameters
 
@@ -268,25 +267,6 @@ def test_bad_input_is_named() -> None:
             env.step(action)
     with pytest.raises(StabilityLimitError):
         PlantEnv(scenes.get("two-link-reach", substeps=1))
-
-
-@pytest.mark.parametrize("env_id", IDS)
-def test_loop_over_substeps_is_the_whole_step(env_id: str) -> None:
-    """What compiled code composes from the two small functions equals the one function."""
-    env = gymnasium.make(env_id, randomise=True).unwrapped
-    scene = env.scene
-    env.reset(seed=4)
-    rng = np.random.default_rng(4)
-    x, action, w = env.state, rng.uniform(-1.5, 1.5, scene.plant.nu), rng.uniform(-3.0, 3.0, scene.plant.nw)
-    p, ref = list(env.reset(seed=4)[1]["parameters"].values()), reference(scene)
-    together = [np.array(r).ravel() for r in step_function(scene)(7.0, x, action, ref, w, p)]
-    u = np.clip(action, -1, 1) * scene.limits
-    cost = observe_function(scene)(x, u, ref, w, p)[1]
-    for k in range(scene.substeps):
-        x = substep_function(scene)(7.0 + k * scene.dt / scene.substeps, x, u, w, p)
-    obs, _, margin = observe_function(scene)(x, u, ref, w, p)
-    for a, b in zip(together, (x, obs, cost, margin)):
-        np.testing.assert_allclose(a, np.array(b).ravel(), rtol=1e-12, atol=1e-15)
 
 
 @pytest.mark.parametrize("env_id", [name for name in IDS if "Spacecraft" not in name])
