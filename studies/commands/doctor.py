@@ -9,7 +9,7 @@ import typer
 from pliant.plants import SingleLinkArm
 from pliant.plants.native import compiler, kernel_cache, kernel_loader, thread_pool
 
-from .console import print_json, show
+from .console import print_json, say, show
 from .options import AsJson
 
 
@@ -63,7 +63,7 @@ def advise(as_json: bool) -> None:
         return
     show("Native code", ("what", "is"), [(name, str(value)) for name, value in found.items() if name != "advice"])
     for line in found["advice"] or ["Nothing is missing."]:
-        print(line)
+        say(line)
 
 
 def manage_cache(action: str, as_json: bool) -> bool:

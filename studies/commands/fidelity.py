@@ -14,7 +14,7 @@ from pliant.studies.figures.speed_accuracy import ladder
 from pliant.studies.figures.speed_accuracy import save as save_chart
 from pliant.studies.figures.style import save
 
-from .console import bar, complain, print_json, scene_with, show
+from .console import bar, complain, print_json, say, scene_with, show
 from .options import AsJson, Budget, Picture, SceneName, Settings
 
 
@@ -75,7 +75,7 @@ def choose(
             for r in found.rungs
         ]
         show(f"{chosen.name}, the ladder", ("variant", "states", "from the next", "from the finest", ""), rows)
-        print(found.text)
+        say(found.text)
     if not found.met:
         complain("no variant is shown to keep the tolerance")
         raise typer.Exit(1)

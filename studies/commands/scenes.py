@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pliant.envs import environment_id
 from pliant.envs import scenes as known
 from pliant.studies.common.formatting import measured
 from pliant.studies.report.json_tables import scene_table
 
-from .console import print_json, show
+from .console import listed, print_json
 from .options import AsJson
 
 
@@ -16,5 +17,10 @@ def scenes(as_json: AsJson = False) -> None:
     if as_json:
         print_json([scene_table(s) for s in found])
         return
-    rows = [(s.name, s.about, s.plant.label, s.plant.nx, s.duration, measured(s.tolerance, s.unit)) for s in found]
-    show("Scenes", ("name", "about", "plant", "states", "seconds", "tolerance"), rows)
+    entries = []
+    for s in found:
+        facts = (s.plant.label, f"{s.plant.nx} states", f"{s.duration:g} s")
+        entries.append(
+            ((s.name, environment_id(s.name)), s.about, (*facts, f"tolerance {measured(s.tolerance, s.unit)}"))
+        )
+    listed("Scenes", entries)

@@ -10,7 +10,7 @@ from pliant.studies.figures.stability import evidence
 from pliant.studies.figures.style import save
 from pliant.studies.stability.verdicts import left_out, verdict_at_goal, verdict_of
 
-from .console import bar, print_json, scene_with, show
+from .console import bar, print_json, say, scene_with, show
 from .options import AsJson, Picture, SceneName, Settings
 
 
@@ -45,4 +45,4 @@ def stability(
     head = f"{chosen.name}: {found.verdict}" + (f" by {found.method}" if found.method else "")
     show(head, ("method", "role", "what it says"), found.rows(), caption=caption)
     if goal is not None:
-        print(f"About the goal alone, which is an equilibrium: {goal.verdict}; {goal.why}.")
+        say(f"About the goal alone, which is an equilibrium: {goal.verdict}; {goal.why}.")
