@@ -151,9 +151,9 @@ def _wrapped(text: str, room: int) -> list[str]:
 def _joined(parts: Sequence[str], between: str, room: int) -> list[str]:
     """The parts on as few lines as hold each of them whole."""
     lines = [parts[0]]
-    for part in parts[1:]:
+    for k, part in enumerate(parts[1:], 2):
         longer = f"{lines[-1]}{between}{part}"
-        if len(longer) <= room:
+        if len(longer) + (len(between.rstrip()) if k < len(parts) else 0) <= room:
             lines[-1] = longer
         else:
             lines[-1] += between.rstrip()
