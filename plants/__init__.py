@@ -85,9 +85,9 @@ moved.serve(
         "beam_elements=reference_finite_elements planar=elastic_link frame_elements=pinned_rod",
         "native": "cache=kernel_cache compiler codegen=scalar_codegen sums=expression_graph packing=slp_packing "
         "wide=slp_codegen kernels=kernel_templates threads=thread_pool batch=batch_kernels",
-        "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation",
-        "dynamics": "plant lagrange=lagrangian implicit=residual_jacobians equilibrium handover=python_control "
+        "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation "
         "sensitivities=step_sensitivities",
+        "dynamics": "plant lagrange=lagrangian implicit=residual_jacobians equilibrium handover=python_control",
         "arms": "single_link frames=link_frames two_link two_link_terms=two_link_paper_terms",
         "large_deflection": "large_beam strain=tangent_field spatial_strain=spatial_tangent_field "
         "substructure=sub_beam_chain spatial_chain=spatial_sub_beam_chain sections=cross_sections "

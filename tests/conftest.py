@@ -6,6 +6,10 @@ gravity and a tip in the plane, `undamped` an arm without damping.
 
 import dataclasses
 import json
+import shutil
+import subprocess
+import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +21,7 @@ from pliant.plants.spacecraft.environment import Environment, Orbit
 from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
+ROOT = Path(__file__).parents[1]
 ARM = TwoLinkArm.textbook()
 LINK = SingleLinkArm.textbook()
 BEAM = LargeDeflectionBeam.textbook()
@@ -160,3 +165,30 @@ def random_state():
         return x
 
     return draw
+
+
+@pytest.fixture(scope="session")
+def wheel_file(tmp_path_factory):
+    """The wheel, built from a copy of the tree, without network."""
+    pytest.importorskip("setuptools", minversion="77")
+    out = tmp_path_factory.mktemp("wheel")
+    copy = out / "copy"
+    copy.mkdir()
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, copy / name)
+    for folder in ("plants", "controllers", "envs", "studies"):
+        shutil.copytree(ROOT / folder, copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    command = ("wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(out), str(copy))
+    built = subprocess.run([sys.executable, "-m", "pip", *command], capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr
+    (path,) = out.glob("pliant-*.whl")
+    return path
+
+
+@pytest.fixture(scope="session")
+def installed(wheel_file, tmp_path_factory):
+    """The folder that the wheel is installed in."""
+    folder = tmp_path_factory.mktemp("installed")
+    with zipfile.ZipFile(wheel_file) as archive:  # a wheel of Python files alone: unpacked is installed
+        archive.extractall(folder)
+    return folder

@@ -18,6 +18,7 @@ from pliant.plants import LinearModel, Plant, Signal, Trajectory
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import quantity, validate
 from pliant.plants.core.signals import index
+from pliant.plants.linear.quadratic_cost import QuadraticCost, about_moving_goal, quadratic_cost
 
 from . import cost
 from .checks import check
@@ -220,7 +221,7 @@ class Scene(Manoeuvre):
     @cached_property
     def goal_model(self) -> LinearModel:
         """The plant's linear model at the goal, f0 less what the goal itself moves at."""
-        return self._less_drift(self.plant.linearize(*self.target))
+        return about_moving_goal(self.plant.linearize(*self.target), dict(self.goal_rates))
 
     @cached_property
     def feedback_model(self) -> LinearModel:
@@ -228,26 +229,13 @@ class Scene(Manoeuvre):
 
         Those of the plant; of a spacecraft its attitude outputs in place of the quaternion, and none where it spins.
         """
-        return self._less_drift(self.plant.feedback_model(*self.target))
+        return about_moving_goal(self.plant.feedback_model(*self.target), dict(self.goal_rates))
 
-    def _less_drift(self, model: LinearModel) -> LinearModel:
-        drift = dict(self.goal_rates)
-        moved = np.array([drift.get(s.name, 0.0) for s in model.states])
-        return dataclasses.replace(model, f0=model.f0 - moved) if drift else model
-
-    def quadratic(self) -> tuple[np.ndarray, np.ndarray]:
-        """(Q (n, n), R (nu, nu)): the cost to second order about the goal, in the states of `feedback_model`."""
-        model = self.feedback_model
-        n = len(model.states)
-        rows, signals, Q = np.vstack([np.eye(n), model.C]), model.states + model.outputs, np.zeros((n, n))
-        for name, weight in self.weights:
-            row = rows[index(signals, name, f"scene {self.name!r}: weighted signal")]
-            Q += weight * np.outer(row, row)
-        R = np.zeros((self.plant.nu, self.plant.nu))
-        for name, weight in self.effort:
-            i = index(self.plant.inputs, name, "input")
-            R[i, i] = weight
-        return Q, R
+    def quadratic(self) -> QuadraticCost:
+        """Q (n, n), R (nu, nu), N (n, nu): `stage_cost` to second order about the goal, x'Qx + u'Ru + 2 x'Nu, in the
+        states of `feedback_model`.
+        """
+        return quadratic_cost(self.feedback_model, dict(self.weights), dict(self.effort))
 
     @cached_property
     def nominal_input(self) -> Callable[[float], np.ndarray]:

@@ -26,7 +26,7 @@ import numpy as np
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 from . import tangent_field
@@ -140,6 +140,25 @@ class LargeDeflectionBeam(LagrangianPlant):
             *((Signal("tip_z", "m"), Signal("tip_z_rate", "m/s"), Signal("tip_twist", "rad")) * (not self.planar)),
         )
 
+    def sensors(self) -> tuple[Sensed, ...]:
+        """An encoder of a root that turns, a strain gauge at one that does not hinge, a gyro at the tip."""
+        turning = () if self.root == "clamped" else (Sensed("encoder", self.coordinates[0].name),)
+        gauge = Sensed("strain gauge", "root_curvature", scale=1 / self.beam.half_depth)
+        return (*turning, *(() if self.root == "hinged" else (gauge,)), Sensed("gyro", "tip_angle_rate"))
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return ("tip_deflection",)
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        moving = ("tip_u", "tip_v", "tip_angle", "tip_deflection", *(() if self.planar else ("tip_z",)))
+        return {name: f"{name}_rate" for name in moving}
+
+    @property
+    def seen_from(self) -> str | None:
+        return "hub_angle" if self.root == "driven" else None
+
     @property
     def label(self) -> str:
         space = "" if self.planar else f", spatial, twists {self.twists}"
@@ -172,7 +191,6 @@ class LargeDeflectionBeam(LagrangianPlant):
         if self.kinematics == "substructured":
             return Chain(self.segments, self.modes, self.frame, self.root != "clamped")
         own = self.nominal
-        assert isinstance(own, LargeDeflectionBeam)
         return tangent_field.rotations(self.root, self.basis, self.modes, *own._load_ratios)
 
     @property
@@ -195,7 +213,6 @@ class LargeDeflectionBeam(LagrangianPlant):
         if self.planar:
             turn, inertia = shapes(np.ones(1))[0], shapes.inertia(at)
             return PlanarSections(self.beam, self.payload, shapes.stiffness, inertia, turn)
-        assert isinstance(own, LargeDeflectionBeam)
         flap = tangent_field.rotations("clamped", self.basis, self.modes, *own._load_ratios)
         return SpatialSections(self.beam, self.payload, shapes, flap, self.twists, at)
 

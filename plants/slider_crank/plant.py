@@ -24,7 +24,7 @@ import numpy as np
 from pliant.plants.beams.pinned_rod import KINDS, MOST_ELEMENTS, PinnedRod, rod_shapes
 from pliant.plants.beams.section import Beam, Material
 from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 from .rigid_kinematics import RigidSliderCrank, check_ratio
@@ -134,6 +134,24 @@ class SliderCrank(LagrangianPlant):
             Signal("crank_torque", "N m"),  # on the crank: the input, or what the prescribed motion needs
         )
 
+    def sensors(self) -> tuple[Sensed, ...]:
+        return Sensed("encoder", "crank_angle"), Sensed("accelerometer", "mid_acceleration")
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return ("mid_deflection",)
+
+    @property
+    def cycle(self) -> str:
+        return "crank_angle"
+
+    @property
+    def stiffening(self) -> tuple[Self, Self]:
+        return self._of("linear"), self._of("stiffened")
+
+    def _of(self, kinematics: str) -> Self:
+        return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
+
     @property
     def label(self) -> str:
         if not sum(self.counts):
@@ -167,7 +185,6 @@ class SliderCrank(LagrangianPlant):
     def elastic(self) -> PinnedRod:
         """The rod with its shape functions, which come from the nominal parameters."""
         own = self.nominal
-        assert isinstance(own, SliderCrank)
         n, k = self.counts
         if self.closed_form or not k:
             shapes = rod_shapes("pinned-pinned", n, k, own.slider_mass / own.rod.mass if k else 0.0)

@@ -88,8 +88,8 @@ class Appendage:
     orientation: Any = IDENTITY
     modes: int | tuple[int, int] | None = None
     hinge: Hinge = field(default_factory=Hinge)
-    damping: Any = quantity("1", "nonnegative", 0.0)
-    stiffness_factor: Any = quantity("1", "positive", 1.0)
+    damping: Any = quantity("1", "nonnegative", 0.0, uncertain=True)
+    stiffness_factor: Any = quantity("1", "positive", 1.0, uncertain=True)
     surface: Surface | None = None  # what the sun shines on, spread over the body as its mass is
 
     def __post_init__(self) -> None:

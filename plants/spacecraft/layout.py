@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import casadi as ca
@@ -19,7 +18,8 @@ import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.quaternions import cross, matrix, rates
-from pliant.plants.dynamics.lagrangian import ldl, ldl_solve
+from pliant.plants.dynamics.residual_jacobians import Differentiated
+from pliant.plants.dynamics.symbolic_ldl import ldl, ldl_solve
 
 from .appendage import Appendage, Inertia
 
@@ -324,32 +324,9 @@ def rate(craft: FlexibleSpacecraft, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> t
     return rate_of(craft, x, u, a), pivot
 
 
-class Linear:
-    """[A, B, E, C, D, F] as functions of (t, x, u, w, p) at the accelerations that solve the equations, and of (.., a)
-    at others.
-
-    By differentiating the residual at fixed accelerations instead of the solved equations.
-    """
-
-    def __init__(self, craft: FlexibleSpacecraft) -> None:
-        self.symbols = list(craft.symbols)
-        self.blocks, self.accelerations = linear(craft)
-
-    @cached_property
-    def solved(self) -> NumericFunction:
-        """At the plant's own accelerations."""
-        return function("jacobians", self.symbols, list(self.blocks(*self.symbols, self.accelerations)), matrices=True)
-
-    @cached_property
-    def along(self) -> NumericFunction:
-        """At accelerations a (6 + n,), the last argument."""
-        a = ca.SX.sym("a", self.accelerations.shape[0])
-        return function("along", [*self.symbols, a], list(self.blocks(*self.symbols, a)), matrices=True)
-
-
-def linear(craft: FlexibleSpacecraft) -> tuple[ca.Function, ca.SX]:
-    """The six blocks as a function of (t, x, u, w, p, a), and the accelerations that solve the equations."""
-    t, x, u, w, p = craft.symbols
+def differentiated(craft: FlexibleSpacecraft) -> Differentiated:
+    """The equations of all bodies at accelerations held: only the blocks that each can depend on."""
+    t, x, u, w, _ = craft.symbols
     own = craft.symbolic
     parts = shares(own, t, x, u, w)
     solved, _ = accelerations(parts)
@@ -368,12 +345,7 @@ def linear(craft: FlexibleSpacecraft) -> tuple[ca.Function, ca.SX]:
         if share.given is not None:
             for j in range(share.given.shape[0]):
                 da[share.own[j], craft.nx + craft.layout.hinge_inputs[k].start + j] = 1
-    whole = rate_of(own, x, u, a)
-    J = ca.jacobian(whole, z) + ca.jacobian(whole, a) @ da
-    h = ca.jacobian(own.output(t, x, u, w), z)
-    ends = [0, craft.nx, craft.nx + craft.nu, craft.nx + craft.nu + craft.nw]
-    blocks = [m[:, s:e] for m in (J, h) for s, e in itertools.pairwise(ends)]
-    return ca.Function("blocks", [t, x, u, w, p, a], blocks), solved
+    return Differentiated(a, rate_of(own, x, u, a), da, solved)
 
 
 def _sparse_jacobian(r: ca.SX, z: ca.SX, at: Layout, i: int, nx: int, nu: int) -> ca.SX:

@@ -15,7 +15,7 @@ import numpy as np
 
 from pliant.plants.core import parameters
 from pliant.plants.core.quaternions import matrix_of, rates, skew
-from pliant.plants.core.signals import names
+from pliant.plants.dynamics.linear_models import check_signals
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .plant import FlexibleSpacecraft
 
 Array = np.ndarray
+TURN = 1e-3  # [rad] that attitudes may be apart at a jump, of which the map is of first order
 
 
 class _Map(NamedTuple):
@@ -84,6 +85,19 @@ def deviation_maps(craft: FlexibleSpacecraft, x: Array) -> tuple[Array, Array]:
     """(T (nx, nx - 1), L (nx - 1, nx)) at a state x (nx,): dx = T xi and xi = L dx to first order."""
     change = _Map.at(craft, np.asarray(x, dtype=float))
     return change.columns(np.eye(craft.nx)), change.rows(np.eye(craft.nx))
+
+
+def jump_in_deviations(
+    craft: FlexibleSpacecraft, x: Array, after: Array, jump: tuple[Array, Array], t: float
+) -> tuple[Array, Array]:
+    """(J, j) of a jump from x (nx,) to `after` (nx,), of deviations; ValueError where the attitude jumps too."""
+    s = craft.layout.quaternion
+    turn = 2 * np.arccos(min(1.0, abs(float(x[s] @ after[s]))))
+    if turn > TURN:
+        raise ValueError(f"linearize_pieces: the attitude jumps by {turn:.3g} rad at t = {t:.6g} s, must not jump")
+    J, j = jump
+    T, L = deviation_maps(craft, x)[0], deviation_maps(craft, after)[1]
+    return L @ J @ T, L @ j
 
 
 def _cut(craft: FlexibleSpacecraft, x: Array) -> Array:
@@ -175,9 +189,7 @@ def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> L
     the appendages, and the error would be of first order in the deviations. The two agree where the nominal is a
     motion of the plant.
     """
-    for name, have, want in (("states", nominal.states, craft.states), ("inputs", nominal.inputs, craft.inputs)):
-        if names(have) != names(want):
-            raise ValueError(f"nominal.{name} = {names(have)} must be {names(want)}")
+    check_signals(craft, nominal)
     check_nominal(craft, nominal)
     w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), craft.nw))
     dx = nominal.derivative()

@@ -14,7 +14,7 @@ Source   "Equations of Motion of Flexible Spacecraft", corrected; see `perturbat
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -24,15 +24,16 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.errors import MassMatrixError
-from pliant.plants.core.parameters import require_choice, validate
+from pliant.plants.core.parameters import quantities, require_choice, validate
 from pliant.plants.core.quaternions import matrix
-from pliant.plants.core.signals import Signal
-from pliant.plants.dynamics.plant import Plant
+from pliant.plants.core.signals import Joint, Sensed, Signal, Unfelt, index, names
+from pliant.plants.dynamics.mechanical import MechanicalPlant
+from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.modal_data.modal_data import ModalData
 
 from . import layout as equations
 from .appendage import Appendage, Hinge, constant
+from .eigenaxis import slew
 from .environment import Environment, Orbit, Sun, Surface
 from .hub import Hub, Thruster, Wheel
 
@@ -62,7 +63,7 @@ AXES = "xyz"
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlexibleSpacecraft(Plant):
+class FlexibleSpacecraft(MechanicalPlant):
     """M(theta, eta) (a, alpha, theta'', eta'') + bias = loads; d(quaternion)/dt = Xi omega / 2; d(position)/dt =
     velocity.
     """
@@ -103,14 +104,12 @@ class FlexibleSpacecraft(Plant):
     def mode_counts(self) -> tuple[int, ...]:
         """Elastic coordinates of each appendage."""
         own = self.nominal
-        assert isinstance(own, FlexibleSpacecraft)
         return tuple(0 if self.kinematics == "rigid" else a.data.n for a in own.appendages)
 
     @cached_property
     def layout(self) -> equations.Layout:
         """Where states and inputs stand in x and u."""
         own = self.nominal
-        assert isinstance(own, FlexibleSpacecraft)
         return equations.Layout.of(own)
 
     @cached_property
@@ -123,8 +122,12 @@ class FlexibleSpacecraft(Plant):
     def nominal_data(self, i: int) -> ModalData:
         """Modal data of appendage i, those in use."""
         own = self.nominal
-        assert isinstance(own, FlexibleSpacecraft)
         return own.appendages[i].data
+
+    @property
+    def coordinates_slice(self) -> slice:
+        """Position, attitude, hinge angles, elastic coordinates."""
+        return slice(0, self.layout.quaternion.stop + len(self.coordinates))
 
     @cached_property
     def coordinates(self) -> tuple[Signal, ...]:
@@ -169,6 +172,84 @@ class FlexibleSpacecraft(Plant):
             found += [Signal(f"tip{i}_{c}", "m") for c in AXES]
         return tuple(found)
 
+    # --- what the library asks of a plant ------------------------------------------------------------------------
+    @cached_property
+    def rates(self) -> dict[str, str]:
+        return {s.name: f"{s.name}_rate" for s in self.coordinates}
+
+    @cached_property
+    def velocities(self) -> tuple[str, ...]:
+        """Of its linear models too."""
+        at, n = self.layout, (len(self.deviations) - len(self.hub.wheels)) // 2
+        own = (*names(self.states[at.velocity]), *names(self.states[at.omega]))
+        return (*own, *names(self.deviations[n : 2 * n]))
+
+    @cached_property
+    def prescribed(self) -> tuple[str, ...]:
+        slots = zip(self.appendages, self.layout.hinges, strict=True)
+        return tuple(s.name for a, at in slots if a.hinge.drive == "motion" for s in self.states[at])
+
+    @property
+    def lockable(self) -> tuple[str, ...]:
+        """None: what a goal names turns the whole, which stays free."""
+        return ()
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """A torque, or a wheel about a hub axis, and the attitude about that axis; a hinge's input and its angle."""
+        at, found = self.layout, []
+        for s, axis in zip(self.inputs[at.hub_inputs], self.hub.axes, strict=True):
+            if axis is not None:
+                found.append(Joint(s.name, f"attitude_{axis}", f"body_rate_{axis}"))
+        for inputs, hinges in zip(at.hinge_inputs, at.hinges, strict=True):
+            for s, angle in zip(self.inputs[inputs], names(self.states[hinges])):
+                found.append(Joint(s.name, angle, self.rates[angle]))
+        return tuple(found)
+
+    def sensors(self) -> tuple[Sensed, ...]:
+        """Star tracker, gyro, tachometers of the wheels, encoders of the hinges; not the place."""
+        stars = (Sensed("star tracker", name, "rad") for name in self.attitude_outputs)
+        gyros = (Sensed("fibre-optic gyro", s.name) for s in self.outputs[3:6])
+        wheels = zip(self.states[self.layout.wheels], self.hub.wheels, strict=True)
+        speeds = (Sensed("tachometer", s.name, scale=float(wheel.inertia)) for s, wheel in wheels)
+        angles = (Sensed("encoder", s.name) for at in self.layout.hinges for s in self.states[at])
+        return (*stars, *gyros, *speeds, *angles)
+
+    @property
+    def tips(self) -> tuple[str, ...]:
+        """The outputs that are components of the tips' deflections."""
+        return names(self.outputs[6:])
+
+    @property
+    def attitude_states(self) -> tuple[str, ...]:
+        return names(self.states[self.layout.quaternion])
+
+    @property
+    def attitude_outputs(self) -> tuple[str, ...]:
+        return names(self.outputs[:3])
+
+    @property
+    def uncertain(self) -> tuple[str, ...]:
+        own = tuple(enumerate(self.appendages))
+        parts = (f"appendages.{i}.{path}" for i, a in own for path in quantities(a, uncertain=True))
+        return (*quantities(self, uncertain=True), *parts)
+
+    @property
+    def unfelt(self) -> Unfelt:
+        """Place and attitude, in the plant's states or in deviations; hinges in given motion; wheels at a speed."""
+        place = (*(f"p_{c}" for c in AXES), *names(self.states[self.layout.position]))
+        given = (*self.prescribed, *(self.rates[name] for name in self.prescribed))
+        turn = tuple(f"q_{c}" for c in AXES)
+        return Unfelt((place, self.attitude_states, turn), given, names(self.states[self.layout.wheels]))
+
+    @property
+    def drawn_as(self) -> str:
+        return "spacecraft"
+
+    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+        """A turn about one axis fixed in the body (an eigenaxis slew), hinges as at `begin`; see `eigenaxis`."""
+        return slew(self, begin, end, time)
+
     @property
     def label(self) -> str:
         bodies = f"{len(self.appendages)} appendages"
@@ -194,8 +275,6 @@ class FlexibleSpacecraft(Plant):
 
     def state(self, values: Mapping[str, float] | None = None, **named: float) -> np.ndarray:
         """x (nx,) with these states by name; the others at rest with body and reference axes aligned."""
-        from pliant.plants.core.signals import index
-
         x = np.zeros(self.nx)
         x[self.layout.quaternion.start] = 1.0
         for name, value in {**(values or {}), **named}.items():
@@ -207,34 +286,15 @@ class FlexibleSpacecraft(Plant):
         return equations.rate(self, t, x, u, w)[0]
 
     @cached_property
-    def expressions(self) -> tuple[ca.SX, ca.SX]:
-        t, x, u, w, _ = self.symbols
-        return self._motion[0], self.symbolic.output(t, x, u, w)
-
-    @cached_property
     def _motion(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
         return equations.rate(self.symbolic, *self.symbols[:4])
 
-    @cached_property
-    def _dynamics(self) -> NumericFunction:
-        return function("dynamics", list(self.symbols), list(self._motion))
-
-    def dynamics(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
-        """dx/dt: (nx,) or (B, nx). Raises MassMatrixError where a hinge has nothing to turn."""
-        values, batch = self._arguments(x, u, w, p, t)
-        rate, pivot = self._dynamics(*values, batch=batch)
-        if not pivot.min() > 0:
-            k = int(np.argmin(pivot.reshape(-1) > 0))
-            state = np.atleast_2d(values[1])[k if np.ndim(values[1]) == 2 else 0]
-            raise MassMatrixError(
-                f"the mass matrix of {self.label} is not positive definite (pivot {pivot.min():.3g}): "
-                "an appendage has no inertia about one of its hinge's axes, or two of these are parallel there, "
-                f"at x = {state}",
-                state.copy(),
-                float(pivot.min()),
-            )
-        return rate
+    def _lost_at(self, x: np.ndarray) -> str:
+        return (
+            ": an appendage has no inertia about one of its hinge's axes, or two of these are parallel there, "
+            f"at x = {x}"
+        )
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         at, found = self.layout, [2 * x[self.layout.quaternion][1:], x[self.layout.omega]]
@@ -243,13 +303,8 @@ class FlexibleSpacecraft(Plant):
             found.append(constant(a.data.tip_shapes[: eta.shape[0]].T) @ eta if eta.shape[0] else ca.SX.zeros(3))
         return ca.vertcat(*found)
 
-    @cached_property
-    def _jacobians(self) -> NumericFunction:
-        return self._linear.solved
-
-    @cached_property
-    def _linear(self) -> equations.Linear:
-        return equations.Linear(self)
+    def _differentiated(self) -> Differentiated:
+        return equations.differentiated(self)
 
     @cached_property
     def _conserved(self) -> NumericFunction:
@@ -275,26 +330,9 @@ class FlexibleSpacecraft(Plant):
         _, linear, angular = self._conserved(*values, batch=batch)
         return linear, angular
 
-    def power(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> tuple[Any, Any]:
-        """(power put in by inputs, disturbances and environment, power lost in dampers and bearings) [W]: the rate of
-        `energy` is their difference.
-        """
-        values, batch = self._arguments(x, u, w, p, t)
-        put_in, lost = self._power(*values, batch=batch)
-        return put_in[..., 0], lost[..., 0]
-
     @cached_property
     def _powers(self) -> tuple[ca.SX, ca.SX]:
         return equations.power(self.symbolic, *self.symbols[:4])
-
-    @cached_property
-    def _power(self) -> NumericFunction:
-        return function("power", list(self.symbols), list(self._powers))
-
-    def net_power(self) -> ca.SX:
-        """dE/dt [W] as an expression: power put in less power lost."""
-        put_in, lost = self._powers
-        return put_in - lost
 
     def residual(self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
         """M a + bias - loads (6 + n,) at any accelerations a = [hub (hub axes), body rates', hinges, modes] (6 +
@@ -325,10 +363,12 @@ class FlexibleSpacecraft(Plant):
         held |= {s.name: 0.0 for s in self.states[:3] if self.translation}
         return super().equilibrium({**held, **(fixed or {}), **named}, guess=guess, p=p)
 
-    def natural_frequencies(self, x0: Any = None, *, p: Any = None) -> np.ndarray:
+    def natural_frequencies(self, x0: Any = None, *, locked: tuple[str, ...] = (), p: Any = None) -> np.ndarray:
         """Undamped natural frequencies [rad/s] of the free spacecraft at rest at x0, ascending, without rigid-body
-        modes.
+        modes. ValueError where `locked` is not empty.
         """
+        if locked:
+            raise ValueError(f"FlexibleSpacecraft.natural_frequencies: locked = {locked} must be (): it is free")
         from .linearisation import natural_frequencies
 
         return natural_frequencies(self, self.state() if x0 is None else x0, p)
@@ -357,12 +397,18 @@ class FlexibleSpacecraft(Plant):
 
         return linearize_along(self, nominal, p)
 
-    def _jacobians_along(self, nominal: Trajectory, w: np.ndarray, p: Any) -> list[np.ndarray]:
-        """At the nominal's own accelerations."""
+    def _accelerations(self, nominal: Trajectory, p: Any) -> np.ndarray:
         from .linearisation import nominal_accelerations
 
-        values, batch = self._arguments(nominal.x, nominal.u, w, p, nominal.t)
-        return self._linear.along(*values, nominal_accelerations(self, nominal, p), batch=batch)
+        return nominal_accelerations(self, nominal, p)
+
+    def jump_map(
+        self, x: np.ndarray, P: np.ndarray, *, after: np.ndarray, p: Any = None, t: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As of any plant, in this one's deviations [y, dy/dt, wheels]."""
+        from .linearisation import jump_in_deviations
+
+        return jump_in_deviations(self, x, after, super().jump_map(x, P, after=after, p=p, t=t), t)
 
     def feedback_model(self, x0: Any, u0: Any = None, *, p: Any = None) -> LinearModel:
         """The linear model in signals: attitude outputs for the quaternion, rates relative to inertial space.
@@ -391,6 +437,6 @@ class FlexibleSpacecraft(Plant):
         """R (3, 3), hub axes to reference axes, at a state x (nx,)."""
         return np.array(ca.DM(matrix(ca.SX(ca.DM(np.asarray(x)[self.layout.quaternion])))))
 
-    def outline(self, x: np.ndarray) -> list[np.ndarray]:
-        """Lines (m, 3) [m] of the appendages in reference axes at a state x (nx,), for drawing."""
+    def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
+        """Lines (m, 3) [m] of the appendages in reference axes at a state x (nx,), for drawing; m is their data's."""
         return equations.outline(self, np.asarray(x, dtype=float))

@@ -22,7 +22,7 @@ from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import names
 from pliant.studies.common.reference_motions import Progress, silent
 
-from .closed_loop import Following, Loop, dearer, end_error, run
+from .closed_loop import Loop, dearer, end_error, run
 from .contestants import CONTESTANTS, Designed, designed, in_one_line
 from .evaluation_scene import require_signals
 from .rollout import Rollout
@@ -56,7 +56,7 @@ class Contest:
 
 def compare(
     scene: Scene,
-    law: LQR | Following | None = None,
+    law: LQR | None = None,
     loops: Sequence[Loop] = (),
     *,
     progress: Progress | None = None,

@@ -39,6 +39,7 @@ def findings() -> dict[str, Any]:
     found["version"] = tools.version
     found["vector width [bit]"] = tools.width
     found["flags"] = " ".join(tools.compile_flags)
+    found["PLIANT_CFLAGS"] = " ".join(compiler.extra_flags()) or "not set"
     found["vector math"] = "libmvec" if "-lmvec" in tools.link_flags else "none: sin and cos are not vectorised"
     if "-lmvec" not in tools.link_flags:
         found["advice"].append("no libmvec: kernels with sin and cos run slower; glibc with gcc or clang has it")

@@ -91,6 +91,6 @@ def linearize(
         print_json({"scene": chosen.name, "plant": chosen.plant.label, "at": at, **linear_table(model)})
         return
     rows = [(m.number, m.frequency_hz, m.damping_ratio, f"{m.eigenvalue:.4g}", m.dominant_state) for m in model.modes()]
-    caption = f"{chosen.plant.label}, {words(model)}; matrices with --json"
+    caption = f"{chosen.plant.label}, {words(model, chosen.plant)}; matrices with --json"
     head = ("mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "mostly in")
     show(f"{chosen.name}, modes at the {at}", head, rows, caption=caption)

@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal
 import typer
 
 from pliant.controllers import rl
-from pliant.controllers.learning.train import PPOSettings, SACSettings, Training
+from pliant.controllers.learning.evaluation import Training
+from pliant.controllers.learning.settings import PPOSettings, SACSettings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import regulator

@@ -45,14 +45,14 @@ def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list
     outputs, signals = scene.plant.outputs, _told_states(scene)
     on_the_path = scene.compare if len(scene.compare) >= 2 else ()
     signals += [s for s in outputs if s.name not in on_the_path]
-    zero = still(scene, motions)
+    zero, bending = still(scene, motions), _bending(scene.plant)
     signals = [s for s in signals if s.name not in zero]
     found = []
     for unit, label in UNITS.items():
         own = [[s.name] for s in signals if s.unit == unit and s.name in scene.compare]  # else it may hide
         rest = [s.name for s in signals if s.unit == unit and s.name not in scene.compare]
         for chosen in (*own, *_alike(rest, motions)):
-            bent = all("deflection" in name for name in chosen) or (unit == "m" and arm_outline.in_space(scene.plant))
+            bent = all(name in bending for name in chosen) or (unit == "m" and arm_outline.in_space(scene.plant))
             found.append((f"{DEFLECTED.get(unit, label) if bent else label} [{unit}]", chosen))
     inputs = [s for s in scene.plant.inputs if s.name not in zero]
     for unit in dict.fromkeys(s.unit for s in inputs):
@@ -63,8 +63,13 @@ def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list
 def _told_states(scene: Scene) -> list[Signal]:
     """The states that goal or cost name and that are no outputs already."""
     outputs, told = scene.plant.outputs, {*dict(scene.goal), *dict(scene.goal_rates), *scene.weighted}
-    shown = {*names(outputs), *(s.name.removeprefix("body_") for s in outputs)}
-    return [s for s in scene.plant.states if s.name in told and s.name not in shown and "quaternion" not in s.name]
+    hidden = {*names(outputs), *scene.plant.repeated, *scene.plant.attitude_states}
+    return [s for s in scene.plant.states if s.name in told and s.name not in hidden]
+
+
+def _bending(plant: Plant) -> set[str]:
+    """Outputs that are deflections or their rates."""
+    return {*plant.deflections, *(plant.output_rates[n] for n in plant.deflections if n in plant.output_rates)}
 
 
 def still(scene: Scene, motions: Sequence[Trajectory]) -> tuple[str, ...]:

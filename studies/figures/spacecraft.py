@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -25,8 +25,7 @@ def snapshots(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, count:
     """A row for each motion: hub and panels at `count` times from start to end, deflections enlarged as it says."""
     from matplotlib.figure import Figure
 
-    craft = scene.plant
-    assert isinstance(craft, FlexibleSpacecraft)
+    craft = cast(FlexibleSpacecraft, scene.plant)  # as it is drawn as one
     factor, reach, words = exaggeration(scene), reach_of(craft), axis_words(craft)
     figure = Figure(figsize=(WIDTH * 1.25, 1.7 * len(motions) + 0.3))
     often = f", deflections drawn {factor} times" if factor > 1 else ""

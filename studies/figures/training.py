@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from pliant.controllers.learning.train import Evaluation
+from pliant.controllers.learning.evaluation import Evaluation
 from pliant.envs.scenes.scene import Scene
 
 from .style import COLOURS, panels, styled

@@ -83,7 +83,7 @@ def spin_up(theory: str, kinematics: str, *, time: float = 1.0, modes: int = 3, 
     motion = arm.simulate(np.zeros(arm.nx), acceleration, t, rtol=1e-10)
     bent = np.abs(motion["tip_deflection"])
     at_speed = np.zeros(arm.nx)
-    at_speed[arm.nx // 2] = SPEED
+    at_speed[arm.coordinates_slice.stop] = SPEED
     frequency = float(arm.natural_frequencies(at_speed)[0]) / (2 * np.pi)
     return SpinUp(motion, float(bent.max()), float(bent[t >= time].max()), frequency)
 

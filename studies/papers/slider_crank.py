@@ -46,7 +46,7 @@ def response(plant: SliderCrank | None = None, cycles: int = CYCLES, samples: in
         raise ValueError(f"response.plant.crank_speed = {plant.crank_speed!r} must be > 0 [rad/s]")
     period = 2 * np.pi / plant.crank_speed
     x = steady_cycle(plant).x[0].copy()
-    half, bent = plant.nx // 2, plant.counts[0]
+    half, bent = plant.coordinates_slice.stop, plant.counts[0]
     x[1 : 1 + bent] = x[half + 1 : half + 1 + bent] = 0.0
     return plant.simulate(x, None, np.linspace(0.0, cycles * period, cycles * samples + 1), rtol=1e-8)
 

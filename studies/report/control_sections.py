@@ -133,7 +133,7 @@ def controllers(found: Findings) -> str:
         text += _reduced(found)
     units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in driven_to_goal(scene)))
     bent = deflections(scene)
-    peak = "peak deflection [m]" if all("deflection" in n for n in bent) else f"largest {', '.join(bent)} [m]"
+    peak = "peak deflection [m]" if scene.plant.deflections or not bent else f"largest {', '.join(bent)} [m]"
     head = ["on", "controller", "cost", f"end error [{units}]", peak, "at a limit", "predicted violations"]
     keep = [i for i in range(len(head)) if i != PEAK or bent]
     rows = [_row(c) for c in contests]

@@ -10,7 +10,7 @@ from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LinearModel, LTVModel, Trajectory
 from pliant.plants.core.signals import Signal
-from pliant.studies.closed_loop.closed_loop import Following, Loop
+from pliant.studies.closed_loop.closed_loop import Loop
 from pliant.studies.closed_loop.comparison import Contest
 from pliant.studies.common import machine
 from pliant.studies.fidelity.choice import Choice
@@ -30,7 +30,7 @@ class Findings:
     perturbed: Signal  # the coordinate that is perturbed to test that model
     ltv_errors: tuple[tuple[float, float, float], ...]  # perturbation, largest error and size of the prediction
     frequencies: tuple[tuple[str, np.ndarray], ...]  # variant, locked natural frequencies [Hz]
-    law: LQR | Following | None
+    law: LQR | None
     no_law: str  # why there is none, in the failure's words
     loops: tuple[Loop, ...]  # none without a law
     judgement: Judgement  # of stability along the motion

@@ -126,7 +126,7 @@ def _modes(found: Findings) -> str:
     ]
     head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
     space = arm_outline.in_space(found.scene.plant)
-    free = ", joints free" if found.scene.goal and not space and not getattr(found.scene.plant, "driven", {}) else ""
+    free = ", joints free" if found.scene.goal and not space and not found.scene.plant.prescribed else ""
     text = paragraph(f"Modes of the linear model at the goal{free}.") + table(head, rows)
     count = min(6, max((len(f) for _, f in found.frequencies), default=0))
     if count:
@@ -153,7 +153,7 @@ def _goal(found: Findings) -> str:
     if growing:
         state = f"{len(growing)} eigenvalues have a positive real part, the largest {max(growing):.3g} 1/s."
     text = paragraph(
-        f"Exact, by automatic differentiation, {operating_point.words(model)}. {state} "
+        f"Exact, by automatic differentiation, {operating_point.words(model, found.scene.plant)}. {state} "
         "The matrices are in linearization.json."
     )
     if operating_point.residual(model):

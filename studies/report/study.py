@@ -8,9 +8,9 @@ import numpy as np
 
 from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import FlexibleSpacecraft, LTVModel, Plant, PliantError, Trajectory
+from pliant.plants import LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import names
-from pliant.studies.closed_loop.closed_loop import Following, Loop, closed_loop, dearer
+from pliant.studies.closed_loop.closed_loop import Loop, closed_loop, dearer
 from pliant.studies.closed_loop.comparison import compare
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
@@ -42,7 +42,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     ltv_errors = _ltv_errors(scene, nominal, along, perturbed)
     told(0.12, "frequencies")
     frequencies = _frequencies(scene)
-    law: LQR | Following | None = None
+    law: LQR | None = None
     no_law, loops = "", tuple[Loop, ...]()
     try:
         law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.22))
@@ -145,14 +145,10 @@ def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray], ...]:
     plants: list[Plant] = [*scene.plant.ladder(), scene.plant, dearer(scene.plant)]
     for plant in dict.fromkeys(plants):
         x = scene.with_plant(plant).target[0]
-        if isinstance(plant, FlexibleSpacecraft):
-            rows.append((plant.label, plant.natural_frequencies(x) / (2 * np.pi)))
-            continue
-        known = names(plant.states[: plant.nx // 2])
-        driven = [known[i] for i in getattr(plant, "driven", {})]
-        locked = tuple(name for name, _ in scene.goal if name in known and name not in driven)
-        if not hasattr(plant, "natural_frequencies") or len(known) <= len(locked) + len(driven):
-            continue
+        locked = tuple(name for name, _ in scene.goal if name in plant.lockable)
+        if not plant.attitude_states and set(plant.rates) <= {*locked, *plant.prescribed}:
+            continue  # nothing is left that could swing
         found = plant.natural_frequencies(x, locked=locked)
-        rows.append((plant.label, found / (2 * np.pi)))
+        if found is not None:
+            rows.append((plant.label, found / (2 * np.pi)))
     return tuple(rows)

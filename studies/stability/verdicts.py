@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import FlexibleSpacecraft, LinearModel, LTVModel, Plant, Trajectory
+from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
+from pliant.plants.core.signals import Unfelt
 from pliant.plants.stability import Verdict, assess
 from pliant.studies.common.operating_point import residual
 from pliant.studies.common.reference_motions import Progress, silent
 
 POINTS = 401  # nodes of the nominal at least
 ROUNDING = 1e-12  # of the largest entry of A
-PLACE = ("p_x", "p_y", "p_z", "position_x", "position_y", "position_z")
-QUATERNION, TURN = tuple(f"quaternion_{k}" for k in range(4)), ("q_x", "q_y", "q_z")
 
 
 def verdict_of(scene: Scene, *, progress: Progress | None = None, **options: Any) -> tuple[Verdict, LTVModel]:
@@ -62,29 +61,28 @@ def _linear(plant: Plant, linearize: Callable[..., Any]) -> Any:
 
     Turns measured from an attitude that turns show a growth that is theirs alone.
     """
-    if isinstance(plant, FlexibleSpacecraft):
+    if plant.attitude_states:
         own = linearize(attitude="quaternion")
-        if set(QUATERNION) <= set(left_out(plant, own)):
+        if set(plant.attitude_states) <= set(left_out(plant, own)):
             return own
     return linearize()
 
 
 def left_out(plant: Plant, model: LTVModel | LinearModel) -> tuple[str, ...]:
-    """The states of a spacecraft's model that have no part in its stability.
+    """The states of the model that have no part in its stability, of those that the plant says may have none.
 
-    Its position and attitude where the rest does not feel them, hinges whose motion is given, wheels that nothing
-    turns.
+    A spacecraft's position and attitude where the rest does not feel them, hinges whose motion is given, wheels that
+    nothing turns.
     """
-    if not isinstance(plant, FlexibleSpacecraft):
+    may = plant.unfelt
+    if may == Unfelt():
         return ()
     known = [s.name for s in model.states]
     A = np.abs(model.A).reshape(-1, len(known), len(known)).max(axis=0)
     nothing = ROUNDING * A.max()
-    given = [(i, a.hinge.n) for i, a in enumerate(plant.appendages, 1) if a.hinge.drive == "motion"]
-    driven = {f"hinge{i}_{j + 1}" for i, n in given for j in range(n)}
-    out = {*driven, *(f"{name}_rate" for name in driven)}
-    out |= {name for k, name in enumerate(known) if name.startswith("wheel") and A[k].max() <= nothing}
-    for group in (PLACE, QUATERNION, TURN):
+    out = {*may.given}
+    out |= {name for k, name in enumerate(known) if name in may.stored and A[k].max() <= nothing}
+    for group in may.groups:
         columns = [k for k, name in enumerate(known) if name in group]
         rest = [k for k, name in enumerate(known) if name not in group and name not in out]
         if columns and A[np.ix_(rest, columns)].max() <= nothing:
@@ -98,5 +96,8 @@ def _parts(plant: Plant, model: LTVModel | LinearModel) -> dict[str, Any]:
     if not out:
         return {}
     kept = tuple(s.name for s in model.states if s.name not in out)
-    words = "body rates in hub axes" if "quaternion_0" in out else "turns from the nominal attitude"
+    if not plant.attitude_states:
+        return {"states": kept}
+    turns = not set(plant.attitude_states) & set(out)
+    words = "turns from the nominal attitude" if turns else "body rates in hub axes"
     return {"states": kept, "coordinates": f"{words}, hinge and elastic coordinates"}

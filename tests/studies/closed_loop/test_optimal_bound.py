@@ -21,7 +21,7 @@ def test_bound_of_a_linear_plant_is_the_finite_horizon_riccati_cost():
     model = plant.linearize(*scene.target)
     big = sla.expm(np.block([[model.A, model.B], [np.zeros((1, 7))]]) * scene.dt)
     A, B = big[:6, :6], big[:6, 6:]
-    Q, R = scene.quadratic()
+    Q, R, _ = scene.quadratic()
     P = np.zeros((6, 6))
     for _ in range(scene.steps):
         P = scene.dt * Q + A.T @ P @ (A - B @ np.linalg.solve(scene.dt * R + B.T @ P @ B, B.T @ P @ A))

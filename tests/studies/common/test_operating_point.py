@@ -16,4 +16,5 @@ from pliant.studies.common import operating_point
 )
 def test_words_for_the_goal(name, says):
     """A spin is no rest, and sunlight bends the panels of a goal that moves on as it should."""
-    assert operating_point.words(scenes.get(name).goal_model).startswith(says)
+    scene = scenes.get(name)
+    assert operating_point.words(scene.goal_model, scene.plant).startswith(says)

@@ -9,7 +9,7 @@ import pytest
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError
 from pliant.studies import report
-from pliant.studies.closed_loop.closed_loop import Following, closed_loop, driven_to_goal, regulator
+from pliant.studies.closed_loop.closed_loop import closed_loop, driven_to_goal, regulator
 from pliant.studies.common import operating_point
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
@@ -59,10 +59,10 @@ def test_following_keeps_up_with_the_goal():
     """Over an orbit the panels turn once; without following, the regulator pulls them back to where they began."""
     scene = scenes.get("spacecraft-orbit", duration=5712.0)
     law = regulator(scene)
-    assert isinstance(law, Following) and driven_to_goal(scene)[-2:] == ("hinge1_1", "hinge2_1")
+    assert driven_to_goal(scene)[-2:] == ("hinge1_1", "hinge2_1")
     options = {"method": "cvodes", "rtol": 1e-7, "atol": 1e-9}
     motion = scene.plant.simulate(scene.initial[0], law, scene.times, **options)
-    naive = scene.plant.simulate(scene.initial[0], law.law, scene.times, **options)
+    naive = scene.plant.simulate(scene.initial[0], dataclasses.replace(law, drift=None), scene.times, **options)
     turned = 1.1e-3 * motion.t[-1]
     assert motion["hinge1_1"][-1] == pytest.approx(turned, abs=0.01)
     assert motion["hinge2_1"][-1] == pytest.approx(-turned, abs=0.01)
@@ -84,5 +84,5 @@ def test_slew_from_any_attitude_is_brought_to_the_goal():
 
 def test_a_goal_that_moves_in_another_way_is_refused():
     scene = scenes.get("spacecraft-orbit")
-    with pytest.raises(EquilibriumError, match=r"d\(hinge1_1\)/dt = 0\.0011 rad/s"):
+    with pytest.raises(EquilibriumError, match=r"hinge1_1 changes by 0\.0011 rad/s"):
         regulator(dataclasses.replace(scene, goal_rates=()))
