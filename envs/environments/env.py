@@ -12,7 +12,7 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs import scenes
-from pliant.envs.rendering.planar import renderer
+from pliant.envs.rendering import Renderer, renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import LARGEST
@@ -75,7 +75,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._idle = np.zeros(scene.plant.nu)
         self._steps = scene.steps
         self._over = True
-        self._renderer: Any = None
+        self._renderer: Renderer | None = None
 
     def _check_step(self) -> None:
         """Raise StabilityLimitError where RK4's step is too long at the goal, for any extreme parameters."""

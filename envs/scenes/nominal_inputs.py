@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pliant.plants import Plant
+from pliant.plants import Plant, Trajectory
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -33,3 +34,17 @@ def minimum_jerk_input(scene: Scene) -> Input:
         return rigid.rest_to_rest(begin, end, scene.move_time)
     except ValueError as lacking:
         raise ValueError(f"scene {scene.name!r}: drive = None needs {lacking}") from lacking
+
+
+def steady_motion(scene: Scene) -> Trajectory:
+    """The goal as a motion: over one turn where it turns steadily, else at the control times."""
+    rates = {abs(rate) for _, rate in scene.goal_rates}
+    units = {scene.plant.states[i].unit for i in np.flatnonzero(scene.drift)}
+    t = scene.times
+    if len(rates) == 1 and units == {"rad"}:
+        turn = 2 * np.pi / rates.pop()
+        t = np.linspace(0.0, turn, math.ceil(turn / scene.dt) + 1)
+    x, u = scene.target
+    moved = x + np.multiply.outer(t, scene.drift)
+    rows = np.ones((len(t), 1))
+    return Trajectory.from_arrays(t, moved, rows * u, plant=scene.plant, dx=rows * scene.drift)

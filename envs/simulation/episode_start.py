@@ -11,8 +11,8 @@ from pliant.envs.scenes.scene import Scene, once_per_scene
 from pliant.plants import EquilibriumError
 from pliant.plants.native.batch_kernels import CHECKED, random_points
 
-from .control_kernel import Iteration, Rows
 from .control_period import observe_function, reference
+from .row_kernels import Iteration, Rows
 
 TOLERANCE = 1e-9  # relative change of a Newton step whose successor would only move rounding errors
 STEPS, MOST_ROUNDS = 6, 5  # Newton steps between looks at their size, and how often is looked

@@ -1,39 +1,21 @@
-"""The pictures of a motion and of an arm's shape; the other figures_* hold the rest."""
+"""The pictures of a motion and of an arm's shape."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, Trajectory
 from pliant.plants.core.signals import Signal, names
 
 from . import arm_outline
-from .controllers import controllers
-from .linear_models import eigenvalues, frozen
-from .speed_accuracy import ladder, settings, speed_accuracy
-from .stability import evidence
-from .style import COLOURS, INK, QUIET, WIDTH, inline, panels, save, styled
+from .style import COLOURS, INK, QUIET, WIDTH, panels, styled
 
-__all__ = [
-    "controllers",
-    "eigenvalues",
-    "evidence",
-    "frozen",
-    "histories",
-    "inline",
-    "ladder",
-    "save",
-    "settings",
-    "speed_accuracy",
-    "stroboscopic",
-    "tip_path",
-]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 UNITS = {  # in the order of the panels
     "1": "attitude",
@@ -122,6 +104,8 @@ def _alike(chosen: list[str], motions: Sequence[Trajectory]) -> list[list[str]]:
 @styled
 def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title: str = "") -> Figure:
     """Angles, deflections, their rates and inputs against time; several motions differ by line style."""
+    from matplotlib.lines import Line2D
+
     groups = _groups(scene, [motion for _, motion in motions])
     columns = 1 if len(groups) <= MANY else 2
     rows = -(-len(groups) // columns)
@@ -186,6 +170,8 @@ def stroboscopic(
     cases: Sequence[tuple[str, Plant, Trajectory]], *, count: int = 16, until: float | None = None
 ) -> Figure:
     """The arm's shape at `count` times, early ones faint, side by side for each case; with the tip's path."""
+    from matplotlib.collections import LineCollection
+
     ends = np.concatenate([arm_outline.lines(plant, motion.x[::10]).reshape(-1, 2) for _, plant, motion in cases])
     wide, high = np.ptp(ends, axis=0)
     flat = 1.2 + WIDTH / len(cases) * high / max(wide, 1e-9)

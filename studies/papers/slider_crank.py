@@ -10,17 +10,19 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from pliant.plants import Trajectory
 from pliant.plants.core.parameters import require_count
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.slider_crank.steady_cycles import speed_scan, steady_cycle
 from pliant.studies.figures.style import COLOURS, INK, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 CYCLES = 2
 CUTOFF = 40.0  # [Hz], a third of the textbook rod's first frequency; the paper prints none

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
 from pliant.studies.closed_loop.comparison import HORIZON, POLICY, Contest
@@ -10,8 +10,7 @@ from pliant.studies.closed_loop.scores import deflections
 from pliant.studies.common.formatting import duration, number, paragraph, table
 from pliant.studies.figures import arm_outline
 
-if TYPE_CHECKING:
-    from .report import Findings
+from .findings import Findings
 
 SHOWN = 10  # critical times
 PEAK = 4  # column of the table of controllers

@@ -5,19 +5,24 @@ from __future__ import annotations
 import ast
 import dataclasses
 import inspect
+import shutil
 import sys
+import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-if TYPE_CHECKING:
-    from pliant.envs.scenes.scene import Scene
+from pliant.envs import scenes
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import PliantError
+from pliant.plants.core import parameters
+from pliant.studies.common.atomic_files import dumps
+from pliant.studies.common.reference_motions import Progress
 
-    from .reference_motions import Progress
-
+BORDERS = 3  # characters of a table beside each column
 SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
 
 
@@ -25,8 +30,6 @@ class Commands(TyperGroup):
     """Bad input ends with its message and exit code 2, any other failure that a plant reports with 1."""
 
     def invoke(self, ctx: Any) -> Any:
-        from pliant.plants import PliantError
-
         try:
             return super().invoke(ctx)
         except BrokenPipeError:  # the reader, such as `head`, has seen enough
@@ -37,6 +40,11 @@ class Commands(TyperGroup):
         except PliantError as error:
             complain(f"{type(error).__name__}: {error}")
             raise typer.Exit(1) from None
+
+
+def print_json(value: Any) -> None:
+    """JSON on stdout."""
+    print(dumps(value))
 
 
 def complain(message: str) -> None:
@@ -78,19 +86,79 @@ def _lines(title: str) -> Progress:
     return tell
 
 
-def show(title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], *, caption: str = "") -> None:
-    """A table on stdout; numbers to four digits, set right."""
+def show(
+    title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], *, caption: str = "", whole: Sequence[int] = (0,)
+) -> None:
+    """A table on stdout; numbers to four digits, set right.
+
+    Cells of the columns `whole` (names) stay on one line, others break between words: where the terminal is too narrow
+    for that, the table is wider than it.
+    """
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=title, title_justify="left", caption=caption or None, caption_justify="left")
+    cells = [[_text(value) for value in row] for row in rows]
+    columns = [[name, *(row[i] for row in cells)] for i, name in enumerate(head)]
+    console = Console()
+    widths = column_widths(columns, console.width, whole)
+    wide = max(console.width, sum(widths) + BORDERS * len(widths) + 1)
+    table = Table(title=Text(title), title_justify="left", caption_justify="left")
+    table.caption = Text(caption) if caption else None
     numeric = [any(isinstance(row[i], (int, float)) for row in rows) for i in range(len(head))]
-    for name, right in zip(head, numeric):
-        table.add_column(name, justify="right" if right else "left", overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(_text(v)) for v in row))
-    Console().print(table)
+    for name, right, width in zip(head, numeric, widths):
+        table.add_column(Text(name), justify="right" if right else "left", width=width)
+    for line in cells:
+        table.add_row(*(Text(text) for text in line))
+    Console(width=wide).print(table)
+
+
+def column_widths(columns: Sequence[Sequence[str]], room: int, whole: Sequence[int]) -> list[int]:
+    """Characters of each column of texts in `room` characters, borders not counted.
+
+    At least the longest word, of the columns `whole` the longest text; what is left goes where most lines are saved.
+    """
+    full = [max(map(len, texts)) for texts in columns]
+    least = [max((len(word) for text in texts for word in text.split()), default=1) for texts in columns]
+    widths = [full[i] if i in whole else max(1, least[i]) for i in range(len(columns))]
+    for _ in range(room - sum(widths) - BORDERS * len(widths) - 1):
+        wanting = [i for i in range(len(widths)) if widths[i] < full[i]]
+        if not wanting:
+            break
+        widths[max(wanting, key=lambda i: full[i] / widths[i])] += 1
+    return widths
+
+
+def listed(title: str, entries: Sequence[tuple[Sequence[str], str, Sequence[str]]]) -> None:
+    """Entries on stdout: names, a sentence, facts. The sentence breaks between words, names and facts never break."""
+    room = shutil.get_terminal_size().columns
+    print(title)
+    for names, sentence, facts in entries:
+        lines = [*_joined(names, "  ", room), *_wrapped(sentence, room - 2), *_joined(facts, "; ", room - 2)]
+        head = len(_joined(names, "  ", room))
+        print("\n".join(["", *lines[:head], *(f"  {line}" for line in lines[head:])]))
+
+
+def say(text: str) -> None:
+    """Sentences on stdout, broken between words."""
+    print("\n".join(_wrapped(text, shutil.get_terminal_size().columns)))
+
+
+def _wrapped(text: str, room: int) -> list[str]:
+    return textwrap.wrap(text, room, break_long_words=False, break_on_hyphens=False)
+
+
+def _joined(parts: Sequence[str], between: str, room: int) -> list[str]:
+    """The parts on as few lines as hold each of them whole."""
+    lines = [parts[0]]
+    for k, part in enumerate(parts[1:], 2):
+        longer = f"{lines[-1]}{between}{part}"
+        if len(longer) + (len(between.rstrip()) if k < len(parts) else 0) <= room:
+            lines[-1] = longer
+        else:
+            lines[-1] += between.rstrip()
+            lines.append(part)
+    return lines
 
 
 def _text(value: Any) -> str:
@@ -104,9 +172,6 @@ def scene_with(name: str, settings: Sequence[str]) -> Scene:
 
     ValueError for a scene, name or value that is not known or out of range.
     """
-    from pliant.envs import scenes
-    from pliant.plants.core import parameters
-
     parts = [setting.partition("=") for setting in settings]
     for setting, (path, equals, _) in zip(settings, parts):
         if not equals or not path:

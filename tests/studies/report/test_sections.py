@@ -13,9 +13,6 @@ from pliant.studies import report
 from pliant.studies.closed_loop.closed_loop import closed_loop, regulator, variations
 from pliant.studies.commands.cli import app
 from pliant.studies.common import operating_point
-from pliant.studies.fidelity.stiffening import stiffening_needed
-from pliant.studies.figures import arm_outline
-from pliant.studies.figures import motion as figures
 
 SECTIONS = (
     "The answer",
@@ -144,31 +141,3 @@ def test_linearize_says_where():
         assert says in operating_point.words(model, scene.plant)
         result = CliRunner().invoke(app, ["linearize", name, "--at", at])
         assert result.exit_code == 0 and says[:14] in " ".join(result.stdout.split())
-
-
-def test_shapes_are_seen_from_a_hub_that_whirls():
-    scene = scenes.get("spin-up", duration=10.0)
-    motion = scene.open_loop(rtol=1e-6, atol=1e-8)
-    assert arm_outline.whirls(scene.plant, motion)
-    seen = arm_outline.lines(scene.plant, motion.x[::50], 5, from_hub=True)
-    np.testing.assert_allclose(seen[:, -1, 1], motion["tip_deflection"][::50], atol=1e-9)
-    assert (seen[:, -1, 0] > 9.9).all()
-
-
-def test_panels_part_signals_of_different_size():
-    """The rod's deflection is 1e-4 of the slider's way, and is drawn apart from it."""
-    scene = scenes.get("slider-crank-run", duration=0.1)
-    motion = scene.open_loop(rtol=1e-6, atol=1e-8)
-    shown = figures.histories(scene, [("", motion)]).axes
-    legends = [{text.get_text() for text in ax.get_legend().get_texts()} for ax in shown]
-    assert {"slider x"} in legends and {"mid deflection"} in legends and {"crank angle rate"} in legends
-    assert figures.still(scene, [motion]) == ("crank_acceleration",)  # the crank turns steadily: no panel for that
-    assert not any("crank acceleration" in legend for legend in legends)
-    assert {"crank pin x", "crank pin y", "axial force", "guide force"} in legends
-
-
-def test_stiffening_follows_the_scenes_own_drive():
-    assert stiffening_needed(scenes.get("spin-up")).speed == pytest.approx(6.0, rel=1e-3)
-    assert stiffening_needed(scenes.get("spin-up")).needed
-    slow = stiffening_needed(scenes.get("spin-up", speed=0.2))
-    assert slow.speed == pytest.approx(0.2, rel=1e-3) and not slow.needed

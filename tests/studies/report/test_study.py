@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.plants import EquilibriumError, Trajectory
+from pliant.plants import EquilibriumError
 from pliant.studies import report
 from pliant.studies.closed_loop.closed_loop import closed_loop, driven_to_goal, regulator
 from pliant.studies.common import operating_point
-from pliant.studies.figures import motion as figures
-from pliant.studies.figures.spacecraft import snapshots
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
 PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder"}
@@ -88,47 +86,3 @@ def test_a_goal_that_moves_in_another_way_is_refused():
     scene = scenes.get("spacecraft-orbit")
     with pytest.raises(EquilibriumError, match=r"hinge1_1 changes by 0\.0011 rad/s"):
         regulator(dataclasses.replace(scene, goal_rates=()))
-
-
-def test_snapshots_show_every_motion():
-    scene = scenes.get("spacecraft-orbit", duration=600.0)
-    motion = scene.open_loop(rtol=1e-6, atol=1e-8)
-    drawn = snapshots(scene, [("open loop", motion), ("again", motion)], count=3)
-    assert len(drawn.axes) == 6
-    words = {text.get_text() for text in drawn.texts}
-    assert {"open loop, 0 s", "again, 0 s", "300 s", "600 s"} <= words
-
-
-def test_rounding_has_no_panel_of_its_own():
-    """An attitude of 1e-14 about another axis is drawn with the rest, one of 1e-4 apart."""
-    scene = scenes.get("spacecraft-slew", duration=5.0)
-    motion = scene.open_loop(rtol=1e-7, atol=1e-9)
-    for size, panels in ((1e-14, 1), (1e-4, 2)):
-        x = motion.x.copy()
-        x[:, 1] = size * np.sin(motion.t)
-        shown = figures.histories(scene, [("", Trajectory.from_arrays(motion.t, x, motion.u, plant=scene.plant))]).axes
-        assert sum(ax.get_ylabel() == "attitude [1]" for ax in shown) == panels
-
-
-@pytest.mark.parametrize(
-    ("name", "says"),
-    [
-        ("spacecraft-slew", "at rest with torque_x = 0 N m"),
-        ("spacecraft-spin", "in steady motion with"),
-        ("spacecraft-orbit", "at a point that is no equilibrium (d(eta1_1_rate)/dt = 4.1"),
-    ],
-)
-def test_words_for_the_goal(name, says):
-    """A spin is no rest, and sunlight bends the panels of a goal that moves on as it should."""
-    scene = scenes.get(name)
-    assert operating_point.words(scene.goal_model, scene.plant).startswith(says)
-
-
-def test_what_stays_zero_is_named_and_not_drawn():
-    scene = scenes.get("spacecraft-slew", duration=5.0)
-    motion = scene.open_loop(rtol=1e-7, atol=1e-9)
-    shown = figures.histories(scene, [("", motion)]).axes
-    drawn = {text.get_text().replace(" ", "_") for ax in shown for text in ax.get_legend().get_texts()}
-    zero = figures.still(scene, [motion])
-    assert {"tip1_x", "torque_x"} & set(zero) and not drawn & set(zero)
-    assert all(np.abs(line.get_ydata()).max() > 0 for ax in shown for line in ax.lines if len(line.get_ydata()) > 2)
