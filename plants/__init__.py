@@ -30,10 +30,10 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.slider_crank.plant import SliderCrank
-from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
-from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
 
 __all__ = [
     "Appendage",
@@ -82,7 +82,7 @@ moved.serve(
         "linear": "ltv modal=modal_analysis second_order magnus piecewise=piecewise_ltv",
         "beams": "basis=shape_functions modes=euler_bernoulli_modes ritz=legendre_ritz rotating=rotating_beam "
         "offset_payload=offset_payload_roots payload_modes=offset_payload_modes "
-        "beam_elements=reference_finite_elements planar=elastic_link frame_elements=pinned_rod",
+        "planar=elastic_link frame_elements=pinned_rod",
         "native": "cache=kernel_cache compiler codegen=scalar_codegen sums=expression_graph packing=slp_packing "
         "wide=slp_codegen kernels=kernel_templates threads=thread_pool batch=batch_kernels",
         "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation "
@@ -97,7 +97,8 @@ moved.serve(
         "slider_crank": "slider_crank_rigid=rigid_kinematics cycles=steady_cycles",
         "modal_data": "structural=component_modes",
         "spacecraft": "spacecraft_equations=equations spacecraft_linear=linearisation "
-        "spacecraft_feedback=feedback_model hub appendage environment_loads=environment",
+        "spacecraft_feedback=feedback_model",
+        "spacecraft_parts": "hub appendage environment_loads=environment",
         "spacecraft_perturbation": "perturbation perturbation_fields=position_fields perturbation_printed="
         "printed_equations",
     },

@@ -2,12 +2,12 @@
 
 import math
 
+import beam_elements
 import mpmath as mp
 import numpy as np
 import pytest
 
 from pliant.plants import beams
-from pliant.plants.beams import reference_finite_elements
 from pliant.plants.beams.offset_payload_roots import OffsetPayload
 
 CASES = (
@@ -121,9 +121,9 @@ def test_no_root_missed_in_500_random_payloads():
         roots = s.roots(14)
         gap = 8 + int(np.argmax(np.diff(roots)[8:]))
         at = roots[gap] + 0.6 * (roots[gap + 1] - roots[gap])  # elements lie above the truth
-        K, M = reference_finite_elements.bending_torsion(s, 24)
-        assert reference_finite_elements.count_below(K, M, at**4) == gap + 1 == len(s.roots_between(0.0, at)), (k, s)
-        meshed = reference_finite_elements.lowest(K, M, gap + 1) ** 0.25
+        K, M = beam_elements.bending_torsion(s, 24)
+        assert beam_elements.count_below(K, M, at**4) == gap + 1 == len(s.roots_between(0.0, at)), (k, s)
+        meshed = beam_elements.lowest(K, M, gap + 1) ** 0.25
         np.testing.assert_allclose(meshed, roots[: gap + 1], rtol=0.02, err_msg=str((k, s)))
 
 

@@ -11,10 +11,10 @@ from scipy.integrate import solve_ivp
 from pliant.plants import MassMatrixError, Trajectory
 from pliant.plants.core.quaternions import matrix_of, product, rates
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
-from pliant.plants.spacecraft.appendage import Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit
 from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Hinge
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit
 from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "spacecraft.json").read_text())

@@ -12,10 +12,10 @@ from pliant.plants import SingleLinkArm, Trajectory
 from pliant.plants.core.quaternions import matrix_of, product, rates, skew
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
 from pliant.plants.modal_data.modal_data import ModalData
-from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.hub import Hub, Wheel
 from pliant.plants.spacecraft.linearisation import in_deviations
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
+from pliant.plants.spacecraft_parts.hub import Hub, Wheel
 from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal, perturbation
 
 TEXTBOOK = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")

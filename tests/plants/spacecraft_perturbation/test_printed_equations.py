@@ -5,9 +5,9 @@ import pytest
 
 from pliant.plants.core.quaternions import matrix_of
 from pliant.plants.modal_data.modal_data import ModalData
-from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.hub import Hub
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
+from pliant.plants.spacecraft_parts.hub import Hub
 from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal
 from pliant.plants.spacecraft_perturbation.printed_equations import differences
 
