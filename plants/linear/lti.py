@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.linalg as sla
 
+from pliant.plants.core.late import linalg
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 
@@ -243,5 +243,5 @@ def held_response(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarr
     M[:, :n, :n] = A * h[:, None, None]
     M[:, :n, n : n + k] = G * h[:, None, None]
     M[:, n : n + k, n + k :] = np.eye(k)
-    P = sla.expm(M)
+    P = linalg.expm(M)
     return P[:, :n, :n], P[:, :n, n : n + k], P[:, :n, n + k :]

@@ -18,8 +18,8 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg as sla
 
+from pliant.plants.core.late import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, read_only, read_only_times, sample
 
@@ -164,5 +164,5 @@ def _magnus(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np
     N = np.concatenate([A, G], axis=-1)
     Omega = np.zeros((len(A), N.shape[-1], N.shape[-1]))
     Omega[:, :n] = exponent(N, h)
-    P = sla.expm(Omega)
+    P = linalg.expm(Omega)
     return P[:, :n, :n], P[:, :n, n:]

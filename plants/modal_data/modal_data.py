@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.late import linalg
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import read_only
 
@@ -110,7 +110,7 @@ class ModalData:
         """Natural frequencies clamped (n,) [rad/s], ascending."""
         if not self.n:
             return np.zeros(0)
-        return np.sqrt(np.maximum(scipy.linalg.eigh(self.stiffness, self.modal_mass, eigvals_only=True), 0.0))
+        return np.sqrt(np.maximum(linalg.eigh(self.stiffness, self.modal_mass, eigvals_only=True), 0.0))
 
     @cached_property
     def pi(self) -> Array:
