@@ -9,7 +9,7 @@ from pliant.plants.arms.two_link import TwoLinkArm
 from pliant.plants.arms.two_link_paper_terms import Terms, paper_terms
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam, Material
-from pliant.plants.core import moved
+from pliant.plants.core import imports
 from pliant.plants.core.errors import (
     EquilibriumError,
     InfeasibleError,
@@ -74,7 +74,7 @@ __all__ = [
     "step_limit",
 ]
 
-moved.serve(
+imports.serve(
     __name__,
     {
         "core": "errors parameters signals functions=casadi_functions trajectory rotations=quaternions "

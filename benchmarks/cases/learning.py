@@ -27,8 +27,9 @@ from pliant.controllers import rl
 from pliant.controllers.learning.policy import FOLDER, Policy
 from pliant.envs import Scene, scenes
 from pliant.envs.environments.env import PlantEnv
+from pliant.studies.commands import console
 from pliant.studies.commands.train import lqr_cost, train
-from pliant.studies.common import console, machine
+from pliant.studies.common import machine
 
 GROUP, SCENE, LANES = "learning", "two-link-reach", 1024
 PLIANT, SYNC = "PPO on Pliant's vector environment", "PPO on Gymnasium's SyncVectorEnv of the same environment"

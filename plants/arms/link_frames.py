@@ -23,7 +23,7 @@ import numpy as np
 from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 
 FRAMES = ("clamped", "pinned", "pinned-pinned")
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count
 
 from .euler_bernoulli_modes import checked_position

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_choice, require_count
 
 from . import legendre_ritz

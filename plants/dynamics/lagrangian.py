@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
 

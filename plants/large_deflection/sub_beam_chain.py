@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import beams
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 
 from .tangent_field import Array, TangentField, points
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 

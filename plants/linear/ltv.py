@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, read_only, read_only_times, sample
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 
 GAUSS3 = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])  # three-point Gauss-Legendre nodes on [0, 1]
 TAYLOR = [1.0 / math.factorial(k) for k in range(13)]

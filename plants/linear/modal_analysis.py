@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_choice, require_count
 

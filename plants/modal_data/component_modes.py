@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.quaternions import skew
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import read_only
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pliant.plants.core import parameters
-from pliant.plants.core.late import linalg
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.linear_models import check_signals
