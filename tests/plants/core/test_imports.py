@@ -13,6 +13,7 @@ import pliant.envs
 import pliant.plants
 import pliant.studies  # noqa: F401  (each registers its old names)
 from pliant.plants.core import imports
+from pliant.plants.core.imports import Late
 
 OLD = sorted(imports._finder.places.items())
 
