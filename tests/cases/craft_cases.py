@@ -1,15 +1,19 @@
 """Spacecraft with random bodies, mountings and hinges, and rigid motions of them, by seed."""
 
+import dataclasses
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from pliant.plants import Trajectory
-from pliant.plants.core.quaternions import matrix_of, rates
+from pliant.plants.core.quaternions import matrix_of, product, rates
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
 from pliant.plants.spacecraft_parts.hub import Hub
 from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal
+
+TEXTBOOK = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 
 
 def unit(v):
@@ -101,3 +105,25 @@ def slew(made, t):
         x[:, s], x[:, r], dx[:, r] = (0.5 * v[:, None] for v in (g, dg, ddg))
         dx[:, s] = x[:, r]
     return Trajectory.from_arrays(t, x, np.zeros((len(t), made.nu)), plant=made, dx=dx)
+
+
+def deviations(made, nominal, x):
+    """[y, dy/dt] of states x (nt, nx) from a nominal, not linearised in the turn."""
+    at = made.layout
+    q0, q1 = nominal.x[:, at.quaternion], x[:, at.quaternion]
+    back = q0 * [1, -1, -1, -1]
+    turn = product(back, q1)
+    out = np.delete(x - nominal.x, at.quaternion.start, axis=1)
+    q = 2 * turn[:, 1:] * np.sign(turn[:, :1])
+    out[:, at.quaternion.start : at.quaternion.stop - 1] = q
+    out[:, at.omega.start - 1 : at.omega.stop - 1] -= np.cross(nominal.x[:, at.omega], q)
+    return out
+
+
+def motor_hinged(factor=1.0):
+    hinge = Hinge(axes=((0.0, 1.0, 0.0),), drive="torque", damping=0.5, stiffness=20.0)
+    parts = (
+        dataclasses.replace(TEXTBOOK.appendages[0], hinge=hinge, damping=0.01, stiffness_factor=factor),
+        dataclasses.replace(TEXTBOOK.appendages[1], damping=0.01, stiffness_factor=factor),
+    )
+    return dataclasses.replace(TEXTBOOK, appendages=parts, translation=False)

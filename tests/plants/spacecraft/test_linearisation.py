@@ -6,21 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from craft_cases import random_nominal, slew
+from craft_cases import deviations, motor_hinged, random_nominal, slew
 
 from pliant.plants import MassMatrixError, Trajectory
-from pliant.plants.core.quaternions import product
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
 from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
-from pliant.plants.spacecraft_parts.appendage import Hinge
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "spacecraft.json").read_text())
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
-
-
-TEXTBOOK = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 
 
 def nearest(found, wanted):
@@ -68,28 +63,6 @@ def test_a_hinge_that_turns_nothing_has_no_frequency(hinged, axes):
             MassMatrixError, match="no inertia about one of its hinge's axes, or two of these are paral"
         ):
             call()
-
-
-def deviations(made, nominal, x):
-    """[y, dy/dt] of states x (nt, nx) from a nominal, not linearised in the turn."""
-    at = made.layout
-    q0, q1 = nominal.x[:, at.quaternion], x[:, at.quaternion]
-    back = q0 * [1, -1, -1, -1]
-    turn = product(back, q1)
-    out = np.delete(x - nominal.x, at.quaternion.start, axis=1)
-    q = 2 * turn[:, 1:] * np.sign(turn[:, :1])
-    out[:, at.quaternion.start : at.quaternion.stop - 1] = q
-    out[:, at.omega.start - 1 : at.omega.stop - 1] -= np.cross(nominal.x[:, at.omega], q)
-    return out
-
-
-def motor_hinged(factor=1.0):
-    hinge = Hinge(axes=((0.0, 1.0, 0.0),), drive="torque", damping=0.5, stiffness=20.0)
-    parts = (
-        dataclasses.replace(TEXTBOOK.appendages[0], hinge=hinge, damping=0.01, stiffness_factor=factor),
-        dataclasses.replace(TEXTBOOK.appendages[1], damping=0.01, stiffness_factor=factor),
-    )
-    return dataclasses.replace(TEXTBOOK, appendages=parts, translation=False)
 
 
 def test_a_jump_in_the_nominal_is_carried():

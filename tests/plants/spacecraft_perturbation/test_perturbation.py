@@ -5,19 +5,16 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
-from craft_cases import craft, random_nominal, slew
+from craft_cases import TEXTBOOK, craft, deviations, motor_hinged, random_nominal, slew
 from scipy.interpolate import CubicSpline
 
 from pliant.plants import SingleLinkArm, Trajectory
-from pliant.plants.core.quaternions import matrix_of, product, rates, skew
+from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
 from pliant.plants.spacecraft.linearisation import in_deviations
-from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Hinge
 from pliant.plants.spacecraft_parts.hub import Wheel
 from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal, perturbation
-
-TEXTBOOK = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 
 
 def by_differentiation(made, x, a):
@@ -93,28 +90,6 @@ def with_torques(made, motion):
         u.append(np.linalg.solve(B[rows], want[k] - free[rows]))
     moved = Trajectory.from_arrays(motion.t, motion.x, np.array(u), plant=made, dx=motion.dx)
     return moved
-
-
-def deviations(made, nominal, x):
-    """[y, dy/dt] of states x (nt, nx) from a nominal, not linearised in the turn."""
-    at = made.layout
-    q0, q1 = nominal.x[:, at.quaternion], x[:, at.quaternion]
-    back = q0 * [1, -1, -1, -1]
-    turn = product(back, q1)
-    out = np.delete(x - nominal.x, at.quaternion.start, axis=1)
-    q = 2 * turn[:, 1:] * np.sign(turn[:, :1])
-    out[:, at.quaternion.start : at.quaternion.stop - 1] = q
-    out[:, at.omega.start - 1 : at.omega.stop - 1] -= np.cross(nominal.x[:, at.omega], q)
-    return out
-
-
-def motor_hinged(factor=1.0):
-    hinge = Hinge(axes=((0.0, 1.0, 0.0),), drive="torque", damping=0.5, stiffness=20.0)
-    parts = (
-        dataclasses.replace(TEXTBOOK.appendages[0], hinge=hinge, damping=0.01, stiffness_factor=factor),
-        dataclasses.replace(TEXTBOOK.appendages[1], damping=0.01, stiffness_factor=factor),
-    )
-    return dataclasses.replace(TEXTBOOK, appendages=parts, translation=False)
 
 
 def test_error_falls_with_the_square_about_a_slewing_rigid_nominal():
