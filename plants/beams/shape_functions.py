@@ -85,8 +85,8 @@ class Basis:
     phi' phi'^T from 0 to xi.
 
     A Timoshenko beam's section turns by psi, not by phi'. Then tip_slope is psi(1), stiffness int psi' psi'^T, the
-    shortening is that of `legendre_ritz.matrices`, strain energy has kappa G A/(2 L) q^T shear q more and kinetic energy
-    rho I/(2 L) q'^T rotary q' more. These fields are None without shear.
+    shortening is that of `legendre_ritz.matrices`, strain energy has kappa G A/(2 L) q^T shear q more and kinetic
+    energy rho I/(2 L) q'^T rotary q' more. These fields are None without shear.
     """
 
     kind: str
