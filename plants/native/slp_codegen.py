@@ -17,7 +17,7 @@ GAIN = 1.75  # scalar operations that one operation replaces on average; with fe
 
 
 def lane_function(name: str, function: ca.Function, width: int, registers: int) -> str:
-    """A C function of one lane with vectors of `width` elements, called as `block_function`'s of scalar_codegen is with W = 1.
+    """A C function of one lane with vectors of `width` elements, called as `scalar_codegen.block_function`'s at W = 1.
 
     registers: of the machine, that one vector takes. Where vectors gain little, it is block_function's.
     """
