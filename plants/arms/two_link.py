@@ -76,7 +76,6 @@ class TwoLinkArm(TwoLinkDeclaration):
     def _offset_load(self) -> bool:
         return any(is_symbolic(o) or o != 0.0 for o in self.payload.offset[:2])
 
-    # --- energies ------------------------------------------------------------------------------------------------
     def _exact_kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
         (_, theta2, q1, q2), (w1, theta2_rate, v1, v2) = self._split(q), self._split(v)
         link1, link2 = self.links

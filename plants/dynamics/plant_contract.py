@@ -30,7 +30,6 @@ PINION = 0.05  # [m], radius of the wheel by which an encoder reads a length
 class PlantContract(Declaration):
     """The questions and their defaults; every `Plant` answers them."""
 
-    # --- motion --------------------------------------------------------------------------------------------------
     @cached_property
     def rates(self) -> dict[str, str]:
         """{coordinate: its rate}, both states, in the order of the coordinates: where dx_i/dt is x_j itself."""
@@ -108,7 +107,6 @@ class PlantContract(Declaration):
         """
         return None
 
-    # --- measurement ---------------------------------------------------------------------------------------------
     def sensors(self) -> tuple[Sensed, ...]:
         """What such a machine carries, as on its data sheets. Default: an encoder at every joint (of a length, on a
         pinion of PINION).
@@ -142,7 +140,6 @@ class PlantContract(Declaration):
         """
         return tuple(s.name for s in self.states if s.unit in ("m", "m/s"))
 
-    # --- what is not certain -------------------------------------------------------------------------------------
     @property
     def uncertain(self) -> tuple[str, ...]:
         """Parameters that a robustness study varies, by dotted names. Default: every `quantity(.., uncertain=True)`:
@@ -160,7 +157,6 @@ class PlantContract(Declaration):
         """States that may have no part in the stability of the rest. Default: none."""
         return Unfelt()
 
-    # --- drawing -------------------------------------------------------------------------------------------------
     @property
     def drawn_as(self) -> str:
         """Which renderer draws it: "links" (default), lines in the plane by `outline`, or "spacecraft"."""

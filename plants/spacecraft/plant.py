@@ -59,7 +59,6 @@ class FlexibleSpacecraft(SpacecraftContract):
         left = Appendage(position=(-1.0, 0.0, 0.0), orientation=turned, body=boom, modes=(1, 2))
         return cls(hub=Hub(mass=500.0, inertia=(200.0, 150.0, 180.0)), appendages=(right, left))
 
-    # --- equations -----------------------------------------------------------------------------------------------
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         return equations.rate(self, t, x, u, w)[0]
 
@@ -142,7 +141,6 @@ class FlexibleSpacecraft(SpacecraftContract):
             raise ValueError(f"FlexibleSpacecraft.natural_frequencies: locked = {locked} must be (): it is free")
         return linearisation.natural_frequencies(self, self.state() if x0 is None else x0, p)
 
-    # --- linear models -------------------------------------------------------------------------------------------
     def linearize(
         self, x0: Any, u0: Any = None, *, w: Any = None, p: Any = None, t: float = 0.0, attitude: Attitude = "rotation"
     ) -> LinearModel:

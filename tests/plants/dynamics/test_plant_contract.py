@@ -133,7 +133,6 @@ TURN = Scene(
 )
 
 
-# --- shipped plants ----------------------------------------------------------------------------------------------
 def craft(drive):
     """Wheels about x and a skew axis, a thruster, one appendage on a hinge of one axis."""
     hub = Hub(
@@ -365,7 +364,6 @@ def test_units_of_rates():
     ]
 
 
-# --- a user's plants ---------------------------------------------------------------------------------------------
 def test_rates_are_read_from_the_equations():
     assert Crane().rates == {"lean": "sway", "place": "going"}
     assert Tables().rates == {"alpha": "omega", "beta": "zeta"}
