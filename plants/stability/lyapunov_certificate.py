@@ -18,8 +18,9 @@ import scipy.linalg as sla
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
-from .floquet import monodromy, periodic_path
+from .floquet import periodic_path
 from .state_matrix_path import Model, Path, as_pieces, kept, scaling
+from .transition_error import transition
 from .transition_growth import chain
 
 BETWEEN = (0.25, 0.5, 0.75)
@@ -143,7 +144,7 @@ def _grid(path: Path, length: float, most: int) -> int | None:
 def certified(path: Path, length: float, alpha: float | None = None, most: int = MOST) -> Certificate:
     """The certificate of a periodic A(t) given over one period [s]."""
     keep = list(range(path.n))
-    _, total, _ = monodromy(path, length, 1e-9)
+    total = transition([path], (), 1e-9).M
     margin = -float(np.log(np.abs(np.linalg.eigvals(total)).max()) / length)
     alpha = 0.9 * margin if alpha is None else float(alpha)
     if margin <= 0 or not alpha < margin:

@@ -1,7 +1,7 @@
 """A(t) of a linear model as a function of time, in coordinates scaled once for all times.
 
-Between the nodes A is a cubic spline, as in `LTVModel`; over a period of equidistant nodes a trigonometric polynomial
-where its harmonics die out, else a periodic cubic spline. A nominal with jumps is a `PiecewiseLTV`.
+Between the nodes each entry is a cubic, a chord or, over a period of equidistant nodes, a sum of harmonics, whichever is
+known best there, with a bound on what it misses: `interpolation`. A nominal with known jumps is a `PiecewiseLTV`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 
-DROPPED = 1e-11  # of the largest |A|: harmonics that are left out, root of the sum of squares
-MOST_HARMONICS = 256
+from .interpolation import Interpolant
+
+CLOSES = 1e-5  # of an entry's range: how near it must come back after a period
 NOISE, WIDEST = 1e-12, 2.0**30  # of entries that scaling ignores; of scales from their median
 CHUNK = 4096  # steps whose matrices are held at a time
 MOST_STEPS = 2**20
-CAUTIOUS = 3.0  # every other node left out, a cubic spline's error is 16 times its own where nodes are close, less else
 
 
 Model = LinearModel | LTVModel | PiecewiseLTV | Sequence[LTVModel]
@@ -71,61 +71,47 @@ def scaling(A: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """A(t) = base + what varies, from values A (nt, n, n) at times t; `period`: t[-1] is a period after t[0]."""
+    """A(t) = base + what varies, from values A (nt, n, n) at times t; `periodic`: t[-1] is a period after t[0]."""
 
-    def __init__(self, t: np.ndarray, A: np.ndarray, scale: np.ndarray, *, periodic: bool = False) -> None:
+    def __init__(
+        self,
+        t: np.ndarray,
+        A: np.ndarray,
+        scale: np.ndarray,
+        *,
+        periodic: bool = False,
+        moving: np.ndarray | None = None,  # (n, n) which entries count as varying; None: those that do
+    ) -> None:
         A = A * scale / scale[:, None]
         self.t, self.n, self.scale = t, A.shape[-1], scale
         self.size = float(np.abs(A).max(initial=0.0))  # [1/s]
-        self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > 1e-14 * self.size)
-        self.base, flat = A.mean(axis=0), A[:, self.rows, self.columns]
-        self.harmonics, self.error = 0, 0.0  # error [1/s]: of A between the nodes
-        self._values: Any = None
+        rounding = 1e-14 * np.abs(A).max(axis=0, initial=0.0)
+        self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > rounding if moving is None else moving)
+        self.base = A.mean(axis=0)
         if not len(self.rows):
             return
         self.base[self.rows, self.columns] = 0.0
+        flat = A[:, self.rows, self.columns]
+        seam = np.zeros(flat.shape[1])
         if periodic:
-            flat = flat.copy()
-            flat[0] = flat[-1] = (flat[0] + flat[-1]) / 2
-            if np.ptp(np.diff(t)) <= 1e-7 * np.diff(t).mean() and len(t) >= 5 and self._trigonometric(flat):
-                return
-        self._spline(flat, periodic)
+            seam = np.abs(flat[-1] - flat[0])
+            near = seam <= CLOSES * np.ptp(flat, axis=0)
+            flat[0] = np.where(near, (flat[0] + flat[-1]) / 2, flat[0])  # elsewhere it jumps there
+            flat[-1], seam = flat[0], np.where(near, seam, 0.0)
+        self.values = Interpolant(t, flat, periodic=periodic)
+        self.values.add(0, seam)
+        self.values.add(-1, seam)
 
-    def _trigonometric(self, flat: np.ndarray) -> bool:
-        c = np.fft.rfft(flat[:-1], axis=0) / (len(flat) - 1)
-        c[1:] *= 2.0
-        if len(flat) % 2:
-            c[-1] /= 2.0
-        size = np.abs(c).max(axis=1)
-        tail = np.sqrt(np.cumsum(size[::-1] ** 2)[::-1])
-        K = int(np.sum(tail > DROPPED * self.size))  # harmonics 0 .. K-1 are kept
-        if K > MOST_HARMONICS or (len(c) == K and tail[3 * len(c) // 4] > 1e-4 * self.size):
-            return False
-        K = max(K, 1)
-        self.harmonics = K - 1
-        self.error = float(tail[K] if len(c) > K else tail[-1])
-        omega, start = 2 * np.pi / (self.t[-1] - self.t[0]) * np.arange(K), self.t[0]
-        weights = np.concatenate([c[:K].real, -c[:K].imag])
+    @property
+    def harmonics(self) -> int:
+        return 0 if self.constant else self.values.harmonics
 
-        def values(t: np.ndarray) -> np.ndarray:
-            angle = np.outer(t - start, omega)
-            return np.hstack([np.cos(angle), np.sin(angle)]) @ weights
-
-        self._values = values
-        return True
-
-    def _spline(self, flat: np.ndarray, periodic: bool) -> None:
-        from scipy.interpolate import CubicSpline
-
-        self.spline = CubicSpline(self.t, flat, bc_type="periodic" if periodic else "not-a-knot")
-        self._values = self.spline
-        if len(self.t) >= 9:
-            half = np.unique(np.r_[np.arange(0, len(self.t), 2), len(self.t) - 1])
-            coarse = CubicSpline(self.t[half], flat[half], bc_type="periodic" if periodic else "not-a-knot")
-            self.error = float(np.sqrt(np.mean((coarse(self.t) - flat) ** 2, axis=0)).max() / CAUTIOUS)
-        else:  # nothing to judge it by
-            self.error = float(np.ptp(flat, axis=0).max())
-        self.harmonics = min(len(self.t) - 1, 64) if periodic else 0
+    def area(self) -> np.ndarray:
+        """Integral [1] over each interval (nt-1, n, n) of what A misses between the nodes; see `interpolation`."""
+        found = np.zeros((len(self.t) - 1, self.n, self.n))
+        if not self.constant:
+            found[:, self.rows, self.columns] = self.values.area
+        return found
 
     @property
     def constant(self) -> bool:
@@ -137,7 +123,7 @@ class Path:
         found = np.broadcast_to(self.base, (t.size, self.n, self.n))
         if not self.constant:
             found = found.copy()
-            found[:, self.rows, self.columns] = self._values(t.ravel())
+            found[:, self.rows, self.columns] = self.values(t.ravel())
         return found.reshape(*t.shape, self.n, self.n)
 
     def rate(self, t: np.ndarray) -> np.ndarray:

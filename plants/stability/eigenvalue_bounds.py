@@ -1,0 +1,252 @@
+"""Where the eigenvalues of every matrix within a ball lie: |M' - M| <= D entry by entry.
+
+parts       states that depend on each other both ways; between parts M' is triangular in blocks for every member (an
+            entry that is zero in M and in D), so that its eigenvalues are those of the diagonal blocks
+disks       with W = V^-1, W M' V = diag(lambda) + G', |G'| <= G = |W M V - diag(lambda)| + |W| D |V|: Gershgorin's
+            disks, scaled by rows for one that stands alone; k disks that touch hold k eigenvalues of each member
+curves      a closed curve on which rho(|(z - M)^-1| D) < 1 is crossed by no eigenvalue of any member (they move
+            continuously from those of M), whatever clusters M has; rho is bounded from above by Collatz and Wielandt's
+            quotients max (B x)/x, x > 0, and a disk of radius d about z is covered with D + d 1 in place of D
+Entries are compared with entries, so that scaling a state, or time, changes nothing.
+
+References: Wilkinson 1965 (disks scaled by rows); Varga 2004; Trefethen and Embree 2005 (pseudospectra).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.linalg as sla
+
+EPS = float(np.finfo(float).eps)
+TESTS = 3000  # of a curve, at most ..
+WORK = 2e8  # .. and so many multiplications
+ROUNDING = 1e-6  # of a quotient
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Eigenvalues (n,) of M, what each may be off in any member, and their groups that cannot be told apart."""
+
+    values: np.ndarray
+    errors: np.ndarray  # (n,) a group's: distance from its mean and the radius about it
+    vectors: np.ndarray = field(repr=False)  # (n, n) columns
+    groups: tuple[np.ndarray, ...] = field(repr=False)  # positions
+    inside: bool  # every eigenvalue of every member is inside the circle (left of the line)
+    outside: bool  # every member has one outside it
+    least: float  # the largest size (real part) of any member is this at least ..
+    most: float  # .. and this at most
+
+
+def parts_of(A: np.ndarray) -> list[np.ndarray]:
+    """States (positions) that depend on each other both ways, from the nonzero entries of A (n, n)."""
+    n = len(A)
+    reach = (A != 0) | np.eye(n, dtype=bool)
+    for _ in range(max(1, n.bit_length())):
+        reach = (reach.astype(np.float32) @ reach.astype(np.float32)) > 0
+    both, rest, found = reach & reach.T, np.ones(n, dtype=bool), []
+    for k in range(n):
+        if rest[k]:
+            found.append(np.flatnonzero(both[k]))
+            rest[both[k]] = False
+    return found
+
+
+def bounds(M: np.ndarray, D: np.ndarray, *, line: bool = False) -> Bounds:
+    """Against the unit circle, or the line Re z = 0: M (n, n) real, D (n, n) >= 0."""
+    n = len(M)
+    values, vectors = np.zeros(n, dtype=complex), np.zeros((n, n), dtype=complex)
+    errors, groups = np.zeros(n), []
+    inside, outside, least, most = True, False, -np.inf if line else 0.0, -np.inf if line else 0.0
+    if not np.isfinite(M).all():
+        return Bounds(values, np.full(n, np.inf), vectors, (np.arange(n),), False, False, least, np.inf)
+    every, right = np.linalg.eig(M) if n else (values, vectors)
+    taken = np.zeros(n, dtype=bool)
+    for part in parts_of((np.abs(M) + D) != 0):
+        one = _part(M[np.ix_(part, part)], D[np.ix_(part, part)], line)
+        values[part], errors[part] = one.values, one.errors
+        groups += [part[g] for g in one.groups]
+        inside, outside = inside and one.inside, outside or one.outside
+        least, most = max(least, one.least), max(most, one.most)
+        for k in part:  # the whole matrix's eigenvector, the nearest that is left
+            j = int(np.argmin(np.where(taken, np.inf, np.abs(every - values[k]))))
+            taken[j] = True
+            vectors[:, k] = right[:, j]
+    return Bounds(values, errors, vectors, tuple(groups), inside, outside, least, most)
+
+
+def _size(z: np.ndarray, line: bool) -> np.ndarray:
+    return z.real if line else np.abs(z)
+
+
+def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
+    n, edge = len(M), 0.0 if line else 1.0
+    if n == 1:
+        lam, error = M[0].astype(complex), D[0] + 2 * EPS * np.abs(M[0])
+        size, e = float(_size(lam, line)[0]), float(error[0])
+        return Bounds(lam, error, np.ones((1, 1)), (np.zeros(1, int),), size + e < edge, size - e > edge, size - e, size + e)
+    _, (scale, _) = sla.matrix_balance(np.abs(M) + D, permute=False, separate=True)
+    if not np.isfinite(scale).all() or (scale <= 0).any():
+        scale = np.ones(n)
+    M, D = M * scale / scale[:, None], D * scale / scale[:, None]
+    lam, V, G = diagonalised(M, D)
+    errors, groups = _disks(lam, G)
+    size = _size(lam, line)
+    ball = D + 4 * EPS * np.abs(M)
+    for g in groups:
+        if len(g) > 1 or not np.isfinite(errors[g]).all():
+            _group(M, ball, lam, g, errors)
+    most = float((size + errors).max())
+    least = max(float((size[g] - errors[g]).min()) for g in groups)
+    inside, outside = most < edge, least > edge
+    if not inside and not outside and np.isfinite(D).all():
+        if (size < edge).all():
+            inside = separated(M, ball, edge, line)
+            most = min(most, edge) if inside else most
+        elif size.max() > edge:
+            far = size.max()
+            radii = [edge, edge + (far - edge) / 16, edge + (far - edge) / 4, edge + (far - edge) / 2]
+            for r in radii:
+                if separated(M, ball, r, line):
+                    outside, least = True, max(least, r)
+                    break
+    return Bounds(lam, errors, V * scale[:, None], groups, bool(inside), bool(outside), least, most)
+
+
+def diagonalised(M: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Eigenvalues, eigenvectors and G; refined in extended precision, so that 1 beside 1e15 keeps its digits."""
+    lam, V = np.linalg.eig(M)
+    n, extended = len(M), np.longdouble if np.isrealobj(lam) else np.clongdouble
+    unknown = lam.astype(complex), V.astype(complex), np.full((n, n), np.inf)
+    try:
+        W = np.linalg.inv(V).astype(extended)
+    except np.linalg.LinAlgError:
+        return unknown
+    V, A, one = V.astype(extended), M.astype(np.longdouble), np.eye(n)
+    for last in (False, False, True):
+        W = W @ (2 * one - V @ W)
+        T = W @ (A @ V)
+        if not np.isfinite(T.astype(complex)).all() or np.abs(W @ V - one).max() > 1e-6:
+            return unknown
+        lam = np.diagonal(T).copy()
+        if last:
+            break
+        gap = lam[None, :] - lam[:, None]
+        np.fill_diagonal(gap, 1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            X = np.where(np.abs(T) < 0.1 * np.abs(gap), T / gap, 0)
+        np.fill_diagonal(X, 0)
+        V = V @ (one + X)
+        W = (one - X) @ W
+    off = np.abs(T).astype(float)
+    np.fill_diagonal(off, 0.0)
+    V, W = V.astype(complex), W.astype(complex)
+    spread = np.abs(W) @ (D @ np.abs(V)) * (1 + 1e-9)
+    left = np.abs(W).sum(axis=1)[:, None] * np.abs(V).max(axis=0)  # rounding of the products in extended precision
+    extra = 1e-19 * n * np.abs(M).max() * left
+    return lam.astype(complex), V, off + spread + extra + np.diag(2 * EPS * np.abs(lam).astype(float))
+
+
+def _disks(lam: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Radii (n,) and the groups of disks that touch."""
+    n = len(lam)
+    if not np.isfinite(G).all():
+        return np.full(n, np.inf), (np.arange(n),)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        _, (scale, _) = sla.matrix_balance(G + 1e-300, permute=False, separate=True)
+    if np.isfinite(scale).all() and (scale > 0).all():
+        G = G * scale / scale[:, None]
+    own, whole = np.diagonal(G), G.sum(axis=1)
+    rest = whole - own
+    gap = np.abs(lam[:, None] - lam[None, :])
+    touch = gap <= whole[:, None] + whole[None, :]
+    groups = tuple(parts_of(touch))
+    room = gap - whole[:, None] - whole[None, :]
+    np.fill_diagonal(room, np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(room > 0, G.T / room, np.inf)
+    np.fill_diagonal(share, 0.0)
+    share = np.minimum(share.max(axis=1), 1.0)
+    errors = np.where([bool(touch[k].sum() == 1) for k in range(n)], own + share * rest, whole)
+    for g in groups:
+        if len(g) > 1:
+            mean = lam[g].mean()
+            errors[g] = np.abs(lam[g] - mean) + np.max(np.abs(lam[g] - mean) + whole[g])
+    return errors, groups
+
+
+def _group(M: np.ndarray, D: np.ndarray, lam: np.ndarray, g: np.ndarray, errors: np.ndarray) -> None:
+    """A smaller disk about a group's mean that its eigenvalues do not leave, where there is one."""
+    mean = lam[g].mean()
+    if abs(mean.imag) < 1e-9 * abs(mean):
+        mean = complex(mean.real)
+    others = np.delete(np.abs(lam - mean), g)
+    low = 1.1 * float(np.abs(lam[g] - mean).max()) + 16 * EPS * abs(mean)
+    high = min(float(errors[g].max()), 0.9 * float(others.min(initial=np.inf)))
+    if not np.isfinite(high):
+        high = 4 * (float(np.abs(lam - mean).max()) + float(np.linalg.norm(D)) + EPS * float(np.linalg.norm(M)))
+    radii = np.geomspace(low, high, 12) if 0 < low < high else []
+    for r in radii:
+        if separated(M, D, float(r), centre=mean, most=400):
+            errors[g] = np.abs(lam[g] - mean) + r
+            return
+
+
+def separated(
+    M: np.ndarray, D: np.ndarray, r: float, line: bool = False, *, centre: complex = 0.0, most: int = TESTS
+) -> bool:
+    """Whether no member has an eigenvalue on the circle |z - centre| = r, or on the line Re z = r."""
+    n = len(M)
+    most = int(min(most, max(200, WORK / n**3)))
+    if not np.isfinite(D).all():
+        return False
+    lam = np.linalg.eigvals(M)
+    if line:
+        reach = 1.01 * float(np.linalg.norm(np.abs(M) + D)) + r
+        small = 1e-3 * max(float(np.abs(lam[np.abs(lam) > 0]).min(initial=reach)), 1e-18 * reach)
+        edges = np.r_[0.0, np.geomspace(small, reach, 2 + int(np.log2(reach / small)))]
+        first = r + 1j * lam.imag
+    else:
+        full = 2 * np.pi if complex(centre).imag else np.pi
+        edges = np.linspace(0.0, full, 9)
+        first = centre + r * np.exp(1j * np.angle(lam - centre))
+    if not _free(M, D, first, np.zeros(len(first))).all():
+        return False
+    arcs, used = np.stack([edges[:-1], edges[1:]], axis=1), 0
+    while len(arcs):
+        middle, half = arcs.mean(axis=1), np.diff(arcs, axis=1)[:, 0] / 2
+        z, d = (r + 1j * middle, half) if line else (centre + r * np.exp(1j * middle), r * half)
+        used += 2 * len(arcs)
+        if used > most:
+            return False
+        covered = _free(M, D, z, d)
+        arcs = arcs[~covered]
+        if not _free(M, D, z[~covered], np.zeros(len(arcs))).all():
+            return False
+        middle = middle[~covered]
+        arcs = np.concatenate([np.stack([arcs[:, 0], middle], 1), np.stack([middle, arcs[:, 1]], 1)])
+    return True
+
+
+def _free(M: np.ndarray, D: np.ndarray, z: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """Whether no member has an eigenvalue within d (q,) of z (q,)."""
+    if not len(z):
+        return np.zeros(0, dtype=bool)
+    n, found = len(M), np.zeros(len(z), dtype=bool)
+    at_once = max(1, int(4e6 / n**2))
+    for k in range(0, len(z), at_once):
+        zk, dk = z[k : k + at_once], d[k : k + at_once]
+        try:
+            R = np.abs(np.linalg.inv(zk[:, None, None] * np.eye(n) - M))
+        except np.linalg.LinAlgError:
+            continue
+        B = R @ D + dk[:, None, None] * R
+        x, least = np.ones((len(zk), n)), np.full(len(zk), np.inf)
+        for _ in range(10):
+            y = np.einsum("kij,kj->ki", B, x) + 1e-300
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                least = np.fmin(least, (y / x).max(axis=1))
+                x = y / y.max(axis=1, keepdims=True) + 1e-12
+        found[k : k + at_once] = least < 1 - ROUNDING
+    return found

@@ -1,0 +1,176 @@
+"""The transition matrix over a nominal, and what the data leave open in it, entry by entry.
+
+|dM| <= D = sum over intervals k of |Phi(T, t)| E_k |Phi(t, 0)|, the largest of each factor within the interval,
+E_k (n, n) the integral of what A(t) misses between two nodes (`interpolation`). Second and higher orders add
+(e^s - 1)/s, s the sum of the norms of the terms over that of M. To it come the change when all steps are halved, and
+the rounding of the products. Where D is large the steps need not be small.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pliant.plants.linear import magnus
+
+from .state_matrix_path import MOST_STEPS, Path
+
+ACROSS = 2.0  # |eigenvalue| times step to begin with
+KEPT = 1 << 20  # numbers in the stacks of partial products
+HELD = 1 << 21  # numbers in a stack of steps
+SEEN = 0.7  # |eigenvalue| times distance of two partial products between which they hide little
+HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """M (n, n) in scaled coordinates and D (n, n) >= |M' - M| for every A(t) that the data allow."""
+
+    M: np.ndarray
+    D: np.ndarray = field(repr=False)
+    steps: int
+    halvings: int
+
+
+def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]:
+    """Times of steps, the nodes among them, and which are nodes: |eigenvalue| times step at most `across`."""
+    if path.constant:
+        return path.t[[0, -1]], np.array([0, 1])
+    fastest, h = path.fastest(), np.diff(path.t)
+    parts = np.maximum(1, np.ceil(fastest * h / across)).astype(np.int64)
+    need = int(parts.sum())
+    if need > MOST_STEPS:
+        raise ValueError(
+            f"a period of {path.t[-1] - path.t[0]:.6g} s and modes of up to {fastest:.4g} 1/s need {need:,} steps, more "
+            f"than {MOST_STEPS:,}: leave out the fastest modes"
+        )
+    begin = np.concatenate([[0], np.cumsum(parts)])
+    k = np.repeat(np.arange(len(h)), parts)
+    inner = path.t[k] + h[k] * (np.arange(need) - begin[k]) / parts[k]
+    return np.append(inner, path.t[-1]), begin
+
+
+def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), tolerance: float = 1e-11) -> Transition:
+    """Over the paths in turn, a jump (n, n) in the same scaled coordinates between each two."""
+    n = paths[0].n
+    grids = [refined(path) for path in paths]
+    chosen = [_edges(path, *grid) for path, grid in zip(paths, grids)]
+    steps, halvings, before = sum(len(grid) - 1 for grid, _ in grids), 0, None
+    D = np.zeros((n, n))
+    while True:
+        Phi = [_products(path, grid, edges, 1 << halvings) for path, (grid, _), edges in zip(paths, grids, chosen)]
+        if before is None:
+            D = _first_order(paths, grids, chosen, Phi, jumps)
+        M = _joined([magnus.product(P) for P in Phi], jumps)
+        if before is not None:
+            change = np.abs(M - before)
+            size = float(np.linalg.norm(M))
+            enough = max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
+            if np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size):
+                return Transition(M, D + HALVED * change, steps << halvings, halvings)
+        elif all(path.constant for path in paths):
+            return Transition(M, D, steps, 0)
+        before, halvings = M, halvings + 1
+
+
+def _joined(Phi: Sequence[np.ndarray], jumps: Sequence[np.ndarray]) -> np.ndarray:
+    total = Phi[0]
+    for J, P in zip(jumps, Phi[1:]):
+        total = P @ (J @ total)
+    return total
+
+
+def _edges(path: Path, grid: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Positions in the grid between which products are kept."""
+    most = max(64, KEPT // path.n**2)
+    if len(grid) <= most:
+        return np.arange(len(grid))
+    return nodes[np.unique(np.r_[np.arange(0, len(nodes), -(-len(nodes) // most)), len(nodes) - 1])]
+
+
+def _products(path: Path, grid: np.ndarray, edges: np.ndarray, parts: int) -> np.ndarray:
+    """Phi (len(edges) - 1, n, n) between the edges of the grid, each of its steps in `parts`."""
+    found = np.empty((len(edges) - 1, path.n, path.n))
+    at_once = max(1, HELD // (parts * path.n**2))  # steps of the grid
+    k = 0
+    while k < len(found):
+        last = max(k + 1, int(np.searchsorted(edges, edges[k] + at_once, side="right")) - 1)
+        part = slice(k, last)
+        steps = path.between(grid[edges[k] : edges[last] + 1], parts)
+        found[part] = magnus.grouped(steps, edges[k : last + 1] - edges[k])
+        k = last
+    return found
+
+
+def _first_order(
+    paths: Sequence[Path],
+    grids: Sequence[tuple[np.ndarray, np.ndarray]],
+    chosen: Sequence[np.ndarray],
+    Phi: Sequence[np.ndarray],
+    jumps: Sequence[np.ndarray],
+) -> np.ndarray:
+    n = paths[0].n
+    before = [np.eye(n)]  # Phi(start of the path, 0)
+    for k, P in enumerate(Phi[:-1]):
+        before.append(jumps[k] @ magnus.product(P) @ before[-1])
+    after = np.eye(n)
+    D, total = np.zeros((n, n)), 0.0
+    for k in range(len(paths) - 1, -1, -1):
+        D_k, share = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
+        D, total = D + D_k, total + share
+        after = after @ magnus.product(Phi[k])
+        if k:
+            after = after @ jumps[k - 1]
+    size = float(np.linalg.norm(after))
+    s = min(total / size, 300.0) if size > 0 else 0.0
+    return D * (np.expm1(s) / s if s > 1e-8 else 1.0)
+
+
+def _over_one(
+    path: Path,
+    grid: np.ndarray,
+    nodes: np.ndarray,
+    edges: np.ndarray,
+    Phi: np.ndarray,
+    before: np.ndarray,
+    after: np.ndarray,
+) -> tuple[np.ndarray, float]:
+    """D of one path, and the sum of the norms of its terms."""
+    m = len(Phi)
+    F, B = np.empty((m + 1, path.n, path.n)), np.empty((m + 1, path.n, path.n))
+    F[0], B[m] = before, after
+    for k in range(m):
+        F[k + 1] = Phi[k] @ F[k]
+        B[m - 1 - k] = B[m - k] @ Phi[m - 1 - k]
+    F, B = np.abs(F), np.abs(B)
+    hidden = path.fastest() * np.diff(grid[edges])
+    if not path.constant and hidden.max() > SEEN:
+        F, B = _widest(F), _widest(B)
+    own = np.flatnonzero(np.isin(edges, nodes))  # edges that are nodes
+    F, B = (np.maximum(np.maximum.reduceat(X[:-1], own[:-1]), X[own[1:]]) for X in (F, B))
+    steps = np.diff(edges[own]) + path.size * np.diff(grid[edges[own]])
+    D, total = np.zeros((path.n, path.n)), 0.0
+    first = np.searchsorted(nodes, edges[own])  # nodes that these are
+    for k in range(0, len(own) - 1, 64):
+        part = slice(k, min(k + 64, len(own) - 1))
+        E = np.zeros((part.stop - k, path.n, path.n))
+        if not path.constant:
+            sums = np.add.reduceat(path.values.area[first[k] : first[part.stop]], first[part] - first[k], axis=0)
+            E[:, path.rows, path.columns] = sums
+        inner = E @ F[part] + 4 * EPS * steps[part, None, None] * F[part]
+        terms = B[part] @ inner
+        D += terms.sum(axis=0)
+        total += float(np.linalg.norm(terms, axis=(1, 2)).sum())
+    return D, total
+
+
+def _widest(X: np.ndarray) -> np.ndarray:
+    """The largest of each and its two neighbours on either side."""
+    found = X.copy()
+    for k in (1, 2):
+        np.maximum(found[k:], X[:-k], out=found[k:])
+        np.maximum(found[:-k], X[k:], out=found[:-k])
+    return found
