@@ -76,6 +76,31 @@ def bounds(M: np.ndarray, D: np.ndarray, *, line: bool = False) -> Bounds:
     return Bounds(values, errors, vectors, tuple(groups), inside, outside, least, most)
 
 
+def rounding(A: np.ndarray) -> np.ndarray:
+    """What rounding leaves open (n, n) in a matrix that came out of a computation; zeros are taken as meant."""
+    size = np.abs(A)
+    row, column = size.sum(axis=1, keepdims=True), size.sum(axis=0, keepdims=True)
+    return EPS * (2 * len(A) * size + 4 * np.minimum(row, column)) * (size > 0)
+
+
+def degree(M: np.ndarray, values: np.ndarray, errors: np.ndarray, near: np.ndarray) -> int:
+    """The power of time with which motions of the eigenvalues `near` the boundary may grow: 0 where each has its own
+    direction. Equal ones are as many as M - mean has fewer directions that it sends to zero.
+    """
+    size = max(float(np.abs(M).sum(axis=1).max(initial=0.0)), 1e-300)
+    rest, found = list(np.flatnonzero(near)), 0
+    while rest:
+        k = rest[0]
+        same = [j for j in rest if abs(values[j] - values[k]) <= errors[j] + errors[k] + 64 * EPS * size]
+        rest = [j for j in rest if j not in same]
+        if len(same) > 1:
+            mean = values[same].mean()
+            least = np.linalg.svd(M - mean * np.eye(len(M)), compute_uv=False)[-len(same) :]
+            zero = 1e3 * EPS * size + 2 * float(np.abs(values[same] - mean).max())
+            found = max(found, int((least > zero).sum()))
+    return found
+
+
 def _size(z: np.ndarray, line: bool) -> np.ndarray:
     return z.real if line else np.abs(z)
 

@@ -22,6 +22,7 @@ from .interpolation import Interpolant
 
 CLOSES = 1e-5  # of an entry's range: how near it must come back after a period
 NOISE, WIDEST = 1e-12, 2.0**30  # of entries that scaling ignores; of scales from their median
+FELT = 1e-12  # of the largest entry in scaled coordinates: what is less is rounding
 CHUNK = 4096  # steps whose matrices are held at a time
 MOST_STEPS = 2**20
 
@@ -44,13 +45,25 @@ def as_pieces(model: Model) -> PiecewiseLTV:
 
 
 def kept(model: Any, states: Sequence[str] | None) -> list[int]:
-    """Positions of the named states (None: all)."""
-    signals = as_pieces(model).pieces[0].states if not isinstance(model, LinearModel) else model.states
+    """Positions of the named states (None: all); ValueError where they feel one that is not named, at any time."""
+    linear = isinstance(model, LinearModel)
+    pieces = () if linear else as_pieces(model).pieces
+    signals = model.states if linear else pieces[0].states
     if states is None:
         return list(range(len(signals)))
     found = [index(signals, name, "state") for name in states]
     if not found or len(set(found)) < len(found):
         raise ValueError(f"states = {tuple(states)} must name one state or more, each once")
+    rest = [k for k in range(len(signals)) if k not in found]
+    jumps = [] if linear else [J for J, _ in as_pieces(model).jumps]
+    for A in [model.A[None]] if linear else [*(piece.A for piece in pieces), *(J[None] for J in jumps)]:
+        scale = scaling(A)
+        size = (np.abs(A).max(axis=0, initial=0.0)) * scale / scale[:, None]
+        felt = size[np.ix_(found, rest)] > FELT * size.max(initial=0.0)
+        if felt.any():
+            i, j = np.argwhere(felt)[0]
+            by, of = signals[found[int(i)]].name, signals[rest[int(j)]].name
+            raise ValueError(f"states = {tuple(states)}: {by} feels {of}, which is left out: no part that stands alone")
     return found
 
 

@@ -53,6 +53,7 @@ def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]
     return np.append(inner, path.t[-1]), begin
 
 
+@np.errstate(over="ignore", invalid="ignore")  # beyond the range of numbers D is not finite: nothing is known
 def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), tolerance: float = 1e-11) -> Transition:
     """Over the paths in turn, a jump (n, n) in the same scaled coordinates between each two."""
     n = paths[0].n
@@ -124,6 +125,8 @@ def _first_order(
         after = after @ magnus.product(Phi[k])
         if k:
             after = after @ jumps[k - 1]
+    if not (np.isfinite(D).all() and np.isfinite(after).all()):
+        return np.full((n, n), np.inf)
     size = float(np.linalg.norm(after))
     s = min(total / size, 300.0) if size > 0 else 0.0
     return D * (np.expm1(s) / s if s > 1e-8 else 1.0)

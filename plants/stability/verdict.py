@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time")
+GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,12 +18,14 @@ class Verdict:
 
     verdict: str  # stable | unstable | marginal | undecided
     method: str  # the deciding method, "" where undecided
-    margin: float  # decay rate [1/s] of the slowest deviation; below zero: growth
+    margin: float  # decay rate [1/s] of the slowest deviation; below zero: growth. An estimate
     critical_times: tuple[float, ...]  # [s] where frozen roots cross the axis, or windows begin or cease to grow
     why: str
     reasons: Mapping[str, str]  # of every method but the deciding one
     evidence: Mapping[str, Any] = field(repr=False)  # the results by method
     coordinates: str = ""  # in which the frozen-time roots were taken
+    margin_bound: float = np.nan  # [1/s] guaranteed: nothing that the data allow decays slower (grows faster); NaN: none
+    growth: str = "unknown"  # of GROWTH: how the deviation that lasts longest behaves
 
     @property
     def stable(self) -> bool:
@@ -48,6 +51,8 @@ class Verdict:
             "verdict": self.verdict,
             "method": self.method,
             "margin": self.margin if np.isfinite(self.margin) else None,
+            "margin_bound": self.margin_bound if np.isfinite(self.margin_bound) else None,
+            "growth": self.growth,
             "critical_times": list(self.critical_times),
             "why": self.why,
             "reasons": dict(self.reasons),
