@@ -7,6 +7,8 @@ disks       with W = V^-1, W M' V = diag(lambda) + G', |G'| <= G = |W M V - diag
 curves      a closed curve on which rho(|(z - M)^-1| D) < 1 is crossed by no eigenvalue of any member (they move
             continuously from those of M), whatever clusters M has; rho is bounded from above by Collatz and Wielandt's
             quotients max (B x)/x, x > 0, and a disk of radius d about z is covered with D + d 1 in place of D
+two states  the trace within its D and the determinant e^(integral of trace A), which Liouville's formula gives to what
+            the trace of A alone leaves open: |lambda| of a complex pair hangs on that only; Jury's conditions decide
 Entries are compared with entries, so that scaling a state, or time, changes nothing.
 
 References: Wilkinson 1965 (disks scaled by rows); Varga 2004; Trefethen and Embree 2005 (pseudospectra).
@@ -53,8 +55,17 @@ def parts_of(A: np.ndarray) -> list[np.ndarray]:
     return found
 
 
-def bounds(M: np.ndarray, D: np.ndarray, *, line: bool = False) -> Bounds:
-    """Against the unit circle, or the line Re z = 0: M (n, n) real, D (n, n) >= 0."""
+def bounds(
+    M: np.ndarray,
+    D: np.ndarray,
+    *,
+    line: bool = False,
+    volume: tuple[np.ndarray, np.ndarray] | None = None,
+) -> Bounds:
+    """Against the unit circle, or the line Re z = 0: M (n, n) real, D (n, n) >= 0.
+
+    `volume`: the integral (n,) of each A_ii whose transition matrix M is, and what it may be off (n,).
+    """
     n = len(M)
     values, vectors = np.zeros(n, dtype=complex), np.zeros((n, n), dtype=complex)
     errors, groups = np.zeros(n), []
@@ -64,7 +75,12 @@ def bounds(M: np.ndarray, D: np.ndarray, *, line: bool = False) -> Bounds:
     every, right = np.linalg.eig(M) if n else (values, vectors)
     taken = np.zeros(n, dtype=bool)
     for part in parts_of((np.abs(M) + D) != 0):
-        one = _part(M[np.ix_(part, part)], D[np.ix_(part, part)], line)
+        square = np.ix_(part, part)
+        one = None
+        if len(part) == 2 and not line:
+            known = None if volume is None else tuple(float(v[part].sum()) for v in volume)
+            one = _two(M[square], D[square], known)
+        one = one or _part(M[square], D[square], line)
         values[part], errors[part] = one.values, one.errors
         groups += [part[g] for g in one.groups]
         inside, outside = inside and one.inside, outside or one.outside
@@ -137,6 +153,49 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
                     outside, least = True, max(least, r)
                     break
     return Bounds(lam, errors, V * scale[:, None], groups, bool(inside), bool(outside), least, most)
+
+
+def _two(M: np.ndarray, D: np.ndarray, volume: tuple[float, ...] | None) -> Bounds | None:
+    """A part of two states: from the trace and the determinant of every member."""
+    if not np.isfinite(D).all():
+        return None
+    trace, slack = float(M[0, 0] + M[1, 1]), float(D[0, 0] + D[1, 1]) + 4 * EPS * float(np.abs(np.diagonal(M)).sum())
+    det = float(M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0])
+    size = np.abs(M) + D
+    off = float(size[0, 0] * D[1, 1] + D[0, 0] * size[1, 1] + size[0, 1] * D[1, 0] + D[0, 1] * size[1, 0])
+    off += 8 * EPS * float(size[0, 0] * size[1, 1] + size[0, 1] * size[1, 0])
+    low, high = det - off, det + off
+    if volume is not None and np.isfinite(volume[1]) and abs(volume[0]) + volume[1] < 600:
+        known = np.exp(volume[0] + volume[1] * np.array([-1.0, 1.0])) * (1 + 4 * EPS * np.array([-1.0, 1.0]))
+        if known[1] - known[0] < high - low:
+            low, high = float(known[0]), float(known[1])
+    if not np.isfinite([trace, slack, low, high]).all():
+        return None
+    lam, V = np.linalg.eig(M)
+    lam = lam.astype(complex)
+    inside = high < 1 and abs(trace) + slack < 1 + low
+    outside = low > 1 or abs(trace) - slack > 1 + high
+    traces, dets = [trace - slack, trace + slack], [low, high]
+    corners = [_roots(a, b) for a in traces for b in dets]
+    for b in dets:  # where the two meet, and where they are farthest apart on the circle
+        for a in ([2 * np.sqrt(b), -2 * np.sqrt(b)] if b > 0 else []) + [0.0]:
+            if traces[0] < a < traces[1]:
+                corners.append(_roots(a, b))
+    error = max(_apart(lam, other) for other in corners) + 8 * EPS * float(np.abs(lam).max())
+    sizes = [float(np.abs(r).max()) for r in corners]
+    groups = (np.array([0]), np.array([1])) if abs(lam[0] - lam[1]) > 2 * error else (np.arange(2),)
+    return Bounds(lam, np.full(2, error), V, groups, bool(inside), bool(outside), min(sizes), max(sizes))
+
+
+def _roots(trace: float, det: float) -> np.ndarray:
+    root = np.sqrt(complex(trace**2 / 4 - det))
+    big = trace / 2 + root if abs(trace / 2 + root) >= abs(trace / 2 - root) else trace / 2 - root
+    return np.array([big, det / big if big != 0 else 0.0])
+
+
+def _apart(a: np.ndarray, b: np.ndarray) -> float:
+    """The larger distance of two pairs, paired so that it is least."""
+    return float(min(np.abs(a - b).max(), np.abs(a - b[::-1]).max()))
 
 
 def diagonalised(M: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -32,7 +32,8 @@ class Transition:
     M: np.ndarray
     D: np.ndarray = field(repr=False)
     steps: int
-    halvings: int
+    rate: np.ndarray  # (n,) integral of A_ii, and ..
+    rate_error: np.ndarray  # (n,) .. what it may be off; infinite where jumps add to it
 
 
 def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]:
@@ -71,9 +72,9 @@ def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), toleranc
             size = float(np.linalg.norm(M))
             enough = max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
             if np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size):
-                return Transition(M, D + HALVED * change, steps << halvings, halvings)
+                return Transition(M, D + HALVED * change, steps << halvings, *_rates(paths))
         elif all(path.constant for path in paths):
-            return Transition(M, D, steps, 0)
+            return Transition(M, D, steps, *_rates(paths))
         before, halvings = M, halvings + 1
 
 
@@ -82,6 +83,22 @@ def _joined(Phi: Sequence[np.ndarray], jumps: Sequence[np.ndarray]) -> np.ndarra
     for J, P in zip(jumps, Phi[1:]):
         total = P @ (J @ total)
     return total
+
+
+def _rates(paths: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
+    n = paths[0].n
+    rate, error = np.zeros(n), np.full(n, 0.0 if len(paths) == 1 else np.inf)
+    for path in paths:
+        length = path.t[-1] - path.t[0]
+        rate += np.diagonal(path.base) * length
+        error += 8 * EPS * np.abs(np.diagonal(path.base)) * length
+        if path.constant:
+            continue
+        for column in np.flatnonzero(path.rows == path.columns):
+            whole, area = path.values.integral(column)
+            rate[path.rows[column]] += whole
+            error[path.rows[column]] += area
+    return rate, error
 
 
 def _edges(path: Path, grid: np.ndarray, nodes: np.ndarray) -> np.ndarray:

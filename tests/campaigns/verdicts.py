@@ -315,7 +315,7 @@ def judged(s: System, v: Verdict) -> dict[str, Any]:
         cost = np.maximum(np.abs(lam[:, None] - s.truth[None, :]) - error[:, None] - slack, 0.0)
         rows, columns = linear_sum_assignment(np.where(np.isfinite(cost), cost, 0.0))
         short = float(cost[rows, columns].max())
-        true = abs(float(np.abs(lam).max()) - float(size.max()))
+        true = float(np.abs(lam[np.abs(lam).argmax()] - s.truth).min())
         told = float(error[np.abs(lam).argmax()])
         if v.verdict == "marginal":
             near = cycle.on_circle
