@@ -24,9 +24,11 @@ from typing import Any
 
 import numpy as np
 
-SMOOTH, ROUGH = 6.0, 32.0
+SMOOTH, ROUGH = 9.0, 32.0
 LONE = 0.3  # of an interval's length: one beside it that is shorter does not help to judge it
-FEW = 12  # intervals below which nothing is measured: the steps between the nodes are the error
+FEW = 12  # intervals below which nothing is measured, and the steps between the nodes count too, ..
+STEP = 0.3  # .. so much of them
+FEWEST = 9  # intervals with harmonics enough for a run of four beside the first
 GHOSTS = 8  # nodes of the neighbouring periods that are looked at
 QUIET = 1e-3  # of an entry's range
 MOST_HARMONICS = 256
@@ -48,7 +50,7 @@ class Interpolant:
         self.waves = np.zeros(c, dtype=bool)
         for k in range(0, c, COLUMNS):
             self._local(np.arange(k, min(k + COLUMNS, c)), periodic)
-        if periodic and m >= FEW and np.ptp(self.h) <= 1e-7 * self.h.mean():
+        if periodic and m >= FEWEST and np.ptp(self.h) <= 1e-7 * self.h.mean():
             self._harmonic(np.arange(c))
 
     def integral(self, column: int) -> tuple[float, float]:
@@ -94,7 +96,7 @@ class Interpolant:
         d1 = np.diff(f, axis=0) / h[:, None]
         area, most = _linear(h, d1)
         if m < FEW:
-            area += np.abs(d1) * h[:, None] ** 2
+            area += STEP * np.abs(d1) * h[:, None] ** 2
             most += np.abs(d1) * h[:, None]
         begin, end = d1.copy(), d1.copy()
         if m >= FEW:

@@ -1,9 +1,11 @@
 """The transition matrix over a nominal, and what the data leave open in it, entry by entry.
 
 |dM| <= D = sum over intervals k of |Phi(T, t)| E_k |Phi(t, 0)|, the largest of each factor within the interval,
-E_k (n, n) the integral of what A(t) misses between two nodes (`interpolation`). Second and higher orders add
-(e^s - 1)/s, s the sum of the norms of the terms over that of M. To it come the change when all steps are halved, and
-the rounding of the products. Where D is large the steps need not be small.
+E_k (n, n) the integral of what A(t) misses between two nodes (`interpolation`). The second and all higher orders are
+summed along a tree: two stretches with errors of first order D1, D2 and a rest R1, R2 beyond it make together
+    D = D2 |M1| + |M2| D1,   R = R2 |M1| + |M2| R1 + (D2 + R2)(D1 + R1),
+and R of the whole is added. To it come the change when all steps are halved, and the rounding of the products. Where D
+is large the steps need not be small.
 """
 
 from __future__ import annotations
@@ -135,18 +137,31 @@ def _first_order(
     for k, P in enumerate(Phi[:-1]):
         before.append(jumps[k] @ magnus.product(P) @ before[-1])
     after = np.eye(n)
-    D, total = np.zeros((n, n)), 0.0
+    first = np.zeros((n, n))
+    whole: tuple[np.ndarray, ...] | None = None  # |M|, D, R of what comes after
     for k in range(len(paths) - 1, -1, -1):
-        D_k, share = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
-        D, total = D + D_k, total + share
+        D, own = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
+        first = first + D
+        if whole is None:
+            whole = own
+        else:
+            M, left, rest = whole
+            later = (M @ jumps[k], left @ np.abs(jumps[k]), rest @ np.abs(jumps[k]))
+            whole = tuple(x[0] for x in _pair(*(x[None] for x in own), *(x[None] for x in later)))
         after = after @ magnus.product(Phi[k])
         if k:
             after = after @ jumps[k - 1]
-    if not (np.isfinite(D).all() and np.isfinite(after).all()):
-        return np.full((n, n), np.inf)
-    size = float(np.linalg.norm(after))
-    s = min(total / size, 300.0) if size > 0 else 0.0
-    return D * (np.expm1(s) / s if s > 1e-8 else 1.0)
+    assert whole is not None
+    found = first + whole[2]
+    return found if np.isfinite(found).all() and np.isfinite(after).all() else np.full((n, n), np.inf)
+
+
+def _pair(
+    M1: np.ndarray, D1: np.ndarray, R1: np.ndarray, M2: np.ndarray, D2: np.ndarray, R2: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Two stretches (.., n, n) in turn: transition, first order and the rest of its error."""
+    one, two = np.abs(M1), np.abs(M2)
+    return M2 @ M1, D2 @ one + two @ D1, R2 @ one + two @ R1 + (D2 + R2) @ (D1 + R1)
 
 
 def _over_one(
@@ -157,10 +172,10 @@ def _over_one(
     Phi: np.ndarray,
     before: np.ndarray,
     after: np.ndarray,
-) -> tuple[np.ndarray, float]:
-    """D of one path, and the sum of the norms of its terms."""
-    m = len(Phi)
-    F, B = np.empty((m + 1, path.n, path.n)), np.empty((m + 1, path.n, path.n))
+) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """The first order of one path in the whole, and its own transition, first order and rest."""
+    m, n = len(Phi), path.n
+    F, B = np.empty((m + 1, n, n)), np.empty((m + 1, n, n))
     F[0], B[m] = before, after
     for k in range(m):
         F[k + 1] = Phi[k] @ F[k]
@@ -172,19 +187,25 @@ def _over_one(
     own = np.flatnonzero(np.isin(edges, nodes))  # edges that are nodes
     F, B = (np.maximum(np.maximum.reduceat(X[:-1], own[:-1]), X[own[1:]]) for X in (F, B))
     steps = np.diff(edges[own]) + path.size * np.diff(grid[edges[own]])
-    D, total = np.zeros((path.n, path.n)), 0.0
-    first = np.searchsorted(nodes, edges[own])  # nodes that these are
-    for k in range(0, len(own) - 1, 64):
-        part = slice(k, min(k + 64, len(own) - 1))
-        E = np.zeros((part.stop - k, path.n, path.n))
-        if not path.constant:
-            sums = np.add.reduceat(path.values.area[first[k] : first[part.stop]], first[part] - first[k], axis=0)
-            E[:, path.rows, path.columns] = sums
-        inner = E @ F[part] + 4 * EPS * steps[part, None, None] * F[part]
-        terms = B[part] @ inner
-        D += terms.sum(axis=0)
-        total += float(np.linalg.norm(terms, axis=(1, 2)).sum())
-    return D, total
+    E = np.zeros((len(own) - 1, n, n))
+    if not path.constant:
+        first = np.searchsorted(nodes, edges[own])  # nodes that these are
+        E[:, path.rows, path.columns] = np.add.reduceat(path.values.area, first[:-1], axis=0)
+    D = np.zeros((n, n))
+    for k in range(0, len(E), 64):
+        part = slice(k, k + 64)
+        D += (B[part] @ (E[part] @ F[part] + 4 * EPS * steps[part, None, None] * F[part])).sum(axis=0)
+    M = magnus.grouped(Phi, own)
+    size = np.maximum(np.abs(M), np.eye(n))  # within a stretch Phi is one of these or between
+    one = size @ E @ size
+    strength = np.minimum(np.abs(E).sum(axis=2).max(axis=1), 50.0)[:, None, None]
+    rest = one * np.where(strength > 1e-8, np.expm1(strength) / np.maximum(strength, 1e-8) - 1, strength / 2)
+    while len(M) > 1:
+        last = [x[len(M) - len(M) % 2 :] for x in (M, one, rest)]
+        even = len(M) - len(M) % 2
+        joined = _pair(*(x[0:even:2] for x in (M, one, rest)), *(x[1:even:2] for x in (M, one, rest)))
+        M, one, rest = (np.concatenate([x, y]) for x, y in zip(joined, last))
+    return D, (M[0], one[0], rest[0])
 
 
 def _widest(X: np.ndarray) -> np.ndarray:

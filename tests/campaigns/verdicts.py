@@ -32,13 +32,13 @@ from pliant.plants.stability import Verdict, assess
 
 EXACT = 1e-9  # of the truth
 FAMILIES = {
-    "constant": 3,
-    "sampled": 2,
+    "constant": 5,
+    "sampled": 3,
     "chain": 2,
-    "pieces": 2,
-    "oscillator": 8,
+    "pieces": 4,
+    "oscillator": 9,
     "undamped": 4,
-    "mixed": 5,
+    "mixed": 3,
     "cluster": 2,
     "drift": 2,
 }
