@@ -61,10 +61,12 @@ def bounds(
     *,
     line: bool = False,
     volume: tuple[np.ndarray, np.ndarray] | None = None,
+    trace: np.ndarray | None = None,
 ) -> Bounds:
     """Against the unit circle, or the line Re z = 0: M (n, n) real, D (n, n) >= 0.
 
-    `volume`: the integral (n,) of each A_ii whose transition matrix M is, and what it may be off (n,).
+    `volume`: the integral (n,) of each A_ii whose transition matrix M is, and what it may be off (n,). `trace` (n, n):
+    the sum over a part bounds what its trace may be off, where that is less than D says.
     """
     n = len(M)
     values, vectors = np.zeros(n, dtype=complex), np.zeros((n, n), dtype=complex)
@@ -79,7 +81,7 @@ def bounds(
         one = None
         if len(part) == 2 and not line:
             known = None if volume is None else tuple(float(v[part].sum()) for v in volume)
-            one = _two(M[square], D[square], known)
+            one = _two(M[square], D[square], known, np.inf if trace is None else float(trace[square].sum()))
         one = one or _part(M[square], D[square], line)
         values[part], errors[part] = one.values, one.errors
         groups += [part[g] for g in one.groups]
@@ -147,7 +149,8 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
             most = min(most, edge) if inside else most
         elif size.max() > edge:
             far = size.max()
-            radii = [edge, edge + (far - edge) / 16, edge + (far - edge) / 4, edge + (far - edge) / 2]
+            outside = not line and _grows(M, ball)
+            radii = edge + (far - edge) * np.array([0.0, 0.06, 0.25, 0.5, 0.75, 0.9]) if not outside else []
             for r in radii:
                 if separated(M, ball, r, line):
                     outside, least = True, max(least, r)
@@ -155,11 +158,12 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
     return Bounds(lam, errors, V * scale[:, None], groups, bool(inside), bool(outside), least, most)
 
 
-def _two(M: np.ndarray, D: np.ndarray, volume: tuple[float, ...] | None) -> Bounds | None:
+def _two(M: np.ndarray, D: np.ndarray, volume: tuple[float, ...] | None, known_trace: float) -> Bounds | None:
     """A part of two states: from the trace and the determinant of every member."""
     if not np.isfinite(D).all():
         return None
-    trace, slack = float(M[0, 0] + M[1, 1]), float(D[0, 0] + D[1, 1]) + 4 * EPS * float(np.abs(np.diagonal(M)).sum())
+    trace = float(M[0, 0] + M[1, 1])
+    slack = min(float(D[0, 0] + D[1, 1]), known_trace) + 4 * EPS * float(np.abs(np.diagonal(M)).sum())
     det = float(M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0])
     size = np.abs(M) + D
     off = float(size[0, 0] * D[1, 1] + D[0, 0] * size[1, 1] + size[0, 1] * D[1, 0] + D[0, 1] * size[1, 0])
@@ -196,6 +200,16 @@ def _roots(trace: float, det: float) -> np.ndarray:
 def _apart(a: np.ndarray, b: np.ndarray) -> float:
     """The larger distance of two pairs, paired so that it is least."""
     return float(min(np.abs(a - b).max(), np.abs(a - b[::-1]).max()))
+
+
+def _grows(M: np.ndarray, D: np.ndarray) -> bool:
+    """Whether a power of every member has a trace beyond n: its largest eigenvalue is at least |trace|/n."""
+    P, E = M, D
+    for _ in range(4):
+        if abs(float(np.trace(P))) - float(np.trace(E)) > len(M):
+            return True
+        P, E = P @ M, E @ (np.abs(M) + D) + np.abs(P) @ D
+    return False
 
 
 def diagonalised(M: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

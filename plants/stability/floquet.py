@@ -130,7 +130,7 @@ def floquet(
     except ValueError as refusal:
         raise ValueError(f"floquet: {refusal}") from None
     M = found.M
-    b = bounds(M, found.D, volume=(found.rate, found.rate_error))
+    b = bounds(M, found.D, volume=(found.rate, found.rate_error), trace=found.trace)
     order = np.argsort(-np.abs(b.values), kind="stable")
     place = np.argsort(order)
     lam, error = b.values[order], b.errors[order]

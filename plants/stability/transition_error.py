@@ -36,6 +36,7 @@ class Transition:
     steps: int
     rate: np.ndarray  # (n,) integral of A_ii, and ..
     rate_error: np.ndarray  # (n,) .. what it may be off; infinite where jumps add to it
+    trace: np.ndarray = field(repr=False)  # (n, n): the sum over a closed part bounds what the part's trace may be off
 
 
 def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]:
@@ -63,20 +64,20 @@ def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), toleranc
     grids = [refined(path) for path in paths]
     chosen = [_edges(path, *grid) for path, grid in zip(paths, grids)]
     steps, halvings, before = sum(len(grid) - 1 for grid, _ in grids), 0, None
-    D = np.zeros((n, n))
+    D, S = np.zeros((n, n)), np.zeros((n, n))
     while True:
         Phi = [_products(path, grid, edges, 1 << halvings) for path, (grid, _), edges in zip(paths, grids, chosen)]
         if before is None:
-            D = _first_order(paths, grids, chosen, Phi, jumps)
+            D, S = _first_order(paths, grids, chosen, Phi, jumps)
         M = _joined([magnus.product(P) for P in Phi], jumps)
         if before is not None:
             change = np.abs(M - before)
             size = float(np.linalg.norm(M))
             enough = max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
             if np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size):
-                return Transition(M, D + HALVED * change, steps << halvings, *_rates(paths))
+                return Transition(M, D + HALVED * change, steps << halvings, *_rates(paths), S + np.diag(np.diagonal(HALVED * change)))
         elif all(path.constant for path in paths):
-            return Transition(M, D, steps, *_rates(paths))
+            return Transition(M, D, steps, *_rates(paths), S)
         before, halvings = M, halvings + 1
 
 
@@ -131,17 +132,21 @@ def _first_order(
     chosen: Sequence[np.ndarray],
     Phi: Sequence[np.ndarray],
     jumps: Sequence[np.ndarray],
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (n, n) on the entries, and those whose sum over a part bounds its trace.
+
+    The trace of Phi(T, t) dA Phi(t, 0) is that of Phi(t, 0) Phi(T, t) dA: the factors' signs count.
+    """
     n = paths[0].n
     before = [np.eye(n)]  # Phi(start of the path, 0)
     for k, P in enumerate(Phi[:-1]):
         before.append(jumps[k] @ magnus.product(P) @ before[-1])
     after = np.eye(n)
-    first = np.zeros((n, n))
+    first, trace = np.zeros((n, n)), np.zeros((n, n))
     whole: tuple[np.ndarray, ...] | None = None  # |M|, D, R of what comes after
     for k in range(len(paths) - 1, -1, -1):
-        D, own = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
-        first = first + D
+        D, S, own = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
+        first, trace = first + D, trace + S
         if whole is None:
             whole = own
         else:
@@ -152,8 +157,10 @@ def _first_order(
         if k:
             after = after @ jumps[k - 1]
     assert whole is not None
-    found = first + whole[2]
-    return found if np.isfinite(found).all() and np.isfinite(after).all() else np.full((n, n), np.inf)
+    found, trace = first + whole[2], trace + np.diag(np.diagonal(whole[2]))
+    if not (np.isfinite(found).all() and np.isfinite(after).all()):
+        return np.full((n, n), np.inf), np.full((n, n), np.inf)
+    return found, trace
 
 
 def _pair(
@@ -172,20 +179,20 @@ def _over_one(
     Phi: np.ndarray,
     before: np.ndarray,
     after: np.ndarray,
-) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """The first order of one path in the whole, and its own transition, first order and rest."""
+) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """The first order of one path in the whole, of the trace, and its own transition, first order and rest."""
     m, n = len(Phi), path.n
     F, B = np.empty((m + 1, n, n)), np.empty((m + 1, n, n))
     F[0], B[m] = before, after
     for k in range(m):
         F[k + 1] = Phi[k] @ F[k]
         B[m - 1 - k] = B[m - k] @ Phi[m - 1 - k]
-    F, B = np.abs(F), np.abs(B)
+    F, B, around = np.abs(F), np.abs(B), np.abs((F @ B).transpose(0, 2, 1))
     hidden = path.fastest() * np.diff(grid[edges])
     if not path.constant and hidden.max() > SEEN:
-        F, B = _widest(F), _widest(B)
+        F, B, around = _widest(F), _widest(B), _widest(around)
     own = np.flatnonzero(np.isin(edges, nodes))  # edges that are nodes
-    F, B = (np.maximum(np.maximum.reduceat(X[:-1], own[:-1]), X[own[1:]]) for X in (F, B))
+    F, B, around = (np.maximum(np.maximum.reduceat(X[:-1], own[:-1]), X[own[1:]]) for X in (F, B, around))
     steps = np.diff(edges[own]) + path.size * np.diff(grid[edges[own]])
     E = np.zeros((len(own) - 1, n, n))
     if not path.constant:
@@ -195,6 +202,8 @@ def _over_one(
     for k in range(0, len(E), 64):
         part = slice(k, k + 64)
         D += (B[part] @ (E[part] @ F[part] + 4 * EPS * steps[part, None, None] * F[part])).sum(axis=0)
+    S = (around * E).sum(axis=0)
+    S[np.diag_indices(n)] += 4 * EPS * steps.sum() * np.abs(np.diagonal(before @ after)).max()
     M = magnus.grouped(Phi, own)
     size = np.maximum(np.abs(M), np.eye(n))  # within a stretch Phi is one of these or between
     one = size @ E @ size
@@ -205,7 +214,7 @@ def _over_one(
         even = len(M) - len(M) % 2
         joined = _pair(*(x[0:even:2] for x in (M, one, rest)), *(x[1:even:2] for x in (M, one, rest)))
         M, one, rest = (np.concatenate([x, y]) for x, y in zip(joined, last))
-    return D, (M[0], one[0], rest[0])
+    return D, S, (M[0], one[0], rest[0])
 
 
 def _widest(X: np.ndarray) -> np.ndarray:
