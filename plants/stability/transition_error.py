@@ -1,11 +1,10 @@
 """The transition matrix over a nominal, and what the data leave open in it, entry by entry.
 
 |dM| <= D = sum over intervals k of |Phi(T, t)| E_k |Phi(t, 0)|, the largest of each factor within the interval,
-E_k (n, n) the integral of what A(t) misses between two nodes (`interpolation`). The second and all higher orders are
-summed along a tree: two stretches with errors of first order D1, D2 and a rest R1, R2 beyond it make together
-    D = D2 |M1| + |M2| D1,   R = R2 |M1| + |M2| R1 + (D2 + R2)(D1 + R1),
-and R of the whole is added. To it come the change when all steps are halved, and the rounding of the products. Where D
-is large the steps need not be small.
+E_k (n, n) the integral of what A(t) misses between two nodes (`interpolation`). All higher orders come with |Phi(t, 0)|
+enlarged by what it may itself be off, dF_k <= sum over j < k of |Phi(t_k, t_j)| E_j (|Phi(t_j, 0)| + dF_j), found from
+the start onwards over stretches of the nominal. To it come the change when all steps are halved, and the rounding of
+the products. Where D is large the steps need not be small.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ from .state_matrix_path import MOST_STEPS, Path
 ACROSS = 2.0  # |eigenvalue| times step to begin with
 KEPT = 1 << 20  # numbers in the stacks of partial products
 HELD = 1 << 21  # numbers in a stack of steps
+STRETCHES = 192  # between which higher orders are summed
 SEEN = 0.7  # |eigenvalue| times distance of two partial products between which they hide little
 HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it
 EPS = float(np.finfo(float).eps)
@@ -142,33 +142,40 @@ def _first_order(
     for k, P in enumerate(Phi[:-1]):
         before.append(jumps[k] @ magnus.product(P) @ before[-1])
     after = np.eye(n)
-    first, trace = np.zeros((n, n)), np.zeros((n, n))
-    whole: tuple[np.ndarray, ...] | None = None  # |M|, D, R of what comes after
+    D, trace = np.zeros((n, n)), np.zeros((n, n))
+    stretches: list[tuple[np.ndarray, ...]] = []  # last path first
     for k in range(len(paths) - 1, -1, -1):
-        D, S, own = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
-        first, trace = first + D, trace + S
-        if whole is None:
-            whole = own
-        else:
-            M, left, rest = whole
-            later = (M @ jumps[k], left @ np.abs(jumps[k]), rest @ np.abs(jumps[k]))
-            whole = tuple(x[0] for x in _pair(*(x[None] for x in own), *(x[None] for x in later)))
+        first, S, own = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
+        D, trace = D + first, trace + S
         after = after @ magnus.product(Phi[k])
         if k:
             after = after @ jumps[k - 1]
-    assert whole is not None
-    found, trace = first + whole[2], trace + np.diag(np.diagonal(whole[2]))
-    if not (np.isfinite(found).all() and np.isfinite(after).all()):
+            own[0][0] = own[0][0] @ jumps[k - 1]
+        stretches.append(own)
+    rest = _higher(*(np.concatenate(x) for x in zip(*stretches[::-1])))
+    D, trace = D + rest, trace + np.diag(np.diagonal(rest))
+    if not (np.isfinite(D).all() and np.isfinite(after).all()):
         return np.full((n, n), np.inf), np.full((n, n), np.inf)
-    return found, trace
+    return D, trace
 
 
-def _pair(
-    M1: np.ndarray, D1: np.ndarray, R1: np.ndarray, M2: np.ndarray, D2: np.ndarray, R2: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Two stretches (.., n, n) in turn: transition, first order and the rest of its error."""
-    one, two = np.abs(M1), np.abs(M2)
-    return M2 @ M1, D2 @ one + two @ D1, R2 @ one + two @ R1 + (D2 + R2) @ (D1 + R1)
+def _higher(P: np.ndarray, E: np.ndarray, F: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Orders beyond the first, from stretches (m, n, n): transition, error of A, largest |Phi(t, 0)| and |Phi(T, t)|."""
+    m, n, one = len(P), P.shape[-1], np.eye(P.shape[-1])
+    rest, moved = np.zeros((n, n)), one[None]  # Phi(t_k, t_j), j = 0 .. k
+    sources = np.empty_like(P)  # E_j (|F_j| + dF_j)
+    for k in range(m):
+        off = np.zeros((n, n))
+        if k:
+            size = np.abs(moved)
+            off = (np.maximum(size[:-1], size[1:]) @ sources[:k]).sum(axis=0)
+        strength = min(float(np.abs(E[k]).sum(axis=1).max()), 50.0)
+        own = off + np.abs(P[k] - one) @ off
+        own = own + (E[k] @ (F[k] + own)) * (np.expm1(strength) / strength if strength > 1e-8 else 1.0)
+        sources[k] = E[k] @ (F[k] + own)
+        rest += B[k] @ (E[k] @ own)
+        moved = np.concatenate([P[k] @ moved, one[None]])
+    return rest
 
 
 def _over_one(
@@ -179,8 +186,8 @@ def _over_one(
     Phi: np.ndarray,
     before: np.ndarray,
     after: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """The first order of one path in the whole, of the trace, and its own transition, first order and rest."""
+) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+    """The first order of one path in the whole, of the trace, and its stretches for the higher ones."""
     m, n = len(Phi), path.n
     F, B = np.empty((m + 1, n, n)), np.empty((m + 1, n, n))
     F[0], B[m] = before, after
@@ -204,17 +211,10 @@ def _over_one(
         D += (B[part] @ (E[part] @ F[part] + 4 * EPS * steps[part, None, None] * F[part])).sum(axis=0)
     S = (around * E).sum(axis=0)
     S[np.diag_indices(n)] += 4 * EPS * steps.sum() * np.abs(np.diagonal(before @ after)).max()
-    M = magnus.grouped(Phi, own)
-    size = np.maximum(np.abs(M), np.eye(n))  # within a stretch Phi is one of these or between
-    one = size @ E @ size
-    strength = np.minimum(np.abs(E).sum(axis=2).max(axis=1), 50.0)[:, None, None]
-    rest = one * np.where(strength > 1e-8, np.expm1(strength) / np.maximum(strength, 1e-8) - 1, strength / 2)
-    while len(M) > 1:
-        last = [x[len(M) - len(M) % 2 :] for x in (M, one, rest)]
-        even = len(M) - len(M) % 2
-        joined = _pair(*(x[0:even:2] for x in (M, one, rest)), *(x[1:even:2] for x in (M, one, rest)))
-        M, one, rest = (np.concatenate([x, y]) for x, y in zip(joined, last))
-    return D, S, (M[0], one[0], rest[0])
+    most = STRETCHES if n <= 12 else STRETCHES // 4
+    few = np.unique(np.linspace(0, len(E), min(len(E), most) + 1).astype(int))
+    P = magnus.grouped(Phi, own[few])
+    return D, S, (P, np.add.reduceat(E, few[:-1], axis=0), *(np.maximum.reduceat(x, few[:-1], axis=0) for x in (F, B)))
 
 
 def _widest(X: np.ndarray) -> np.ndarray:
