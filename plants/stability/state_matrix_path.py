@@ -45,7 +45,11 @@ def as_pieces(model: Model) -> PiecewiseLTV:
 
 
 def kept(model: Any, states: Sequence[str] | None) -> list[int]:
-    """Positions of the named states (None: all); ValueError where they feel one that is not named, at any time."""
+    """Positions of the named states (None: all); ValueError where they are no part that may be judged alone.
+
+    They may feel one that is left out only where its motion is given (a driven crank or hinge, a wheel that nothing
+    turns): it feels none of them, and what it feels of the others leaves its deviation a polynomial of time.
+    """
     linear = isinstance(model, LinearModel)
     pieces = () if linear else as_pieces(model).pieces
     signals = model.states if linear else pieces[0].states
@@ -55,16 +59,32 @@ def kept(model: Any, states: Sequence[str] | None) -> list[int]:
     if not found or len(set(found)) < len(found):
         raise ValueError(f"states = {tuple(states)} must name one state or more, each once")
     rest = [k for k in range(len(signals)) if k not in found]
-    jumps = [] if linear else [J for J, _ in as_pieces(model).jumps]
-    for A in [model.A[None]] if linear else [*(piece.A for piece in pieces), *(J[None] for J in jumps)]:
+    jumps = [] if linear else [J[None] - np.eye(len(signals)) for J, _ in as_pieces(model).jumps]
+    felt = np.zeros((len(signals), len(signals)), dtype=bool)
+    for A in [model.A[None]] if linear else [*(piece.A for piece in pieces), *jumps]:
         scale = scaling(A)
-        size = (np.abs(A).max(axis=0, initial=0.0)) * scale / scale[:, None]
-        felt = size[np.ix_(found, rest)] > FELT * size.max(initial=0.0)
-        if felt.any():
-            i, j = np.argwhere(felt)[0]
-            by, of = signals[found[int(i)]].name, signals[rest[int(j)]].name
-            raise ValueError(f"states = {tuple(states)}: {by} feels {of}, which is left out: no part that stands alone")
+        size = np.abs(A).max(axis=0, initial=0.0) * scale / scale[:, None]
+        felt |= size > FELT * size.max(initial=0.0)
+    own = felt.copy()
+    if linear and model.dt is not None:
+        own &= ~np.eye(len(own), dtype=bool) | (np.abs(np.diagonal(model.A) - 1) > FELT)  # 1 is what 0 is to a rate
+    for j in rest:
+        for i in found:
+            if felt[i, j] and not _given(own, j, found):
+                by, of = signals[i].name, signals[j].name
+                raise ValueError(f"states = {tuple(states)}: {by} feels {of}, which is left out and whose motion is not given")
     return found
+
+
+def _given(felt: np.ndarray, j: int, found: list[int]) -> bool:
+    """Whether state j feels none of those `found`, and no state, itself included, that feels it in turn."""
+    reached, new = set(), {j}
+    while new:
+        reached |= new
+        new = {int(k) for i in new for k in np.flatnonzero(felt[i])} - reached
+    inner = sorted(reached)
+    loops = felt[np.ix_(inner, inner)].any() and np.linalg.matrix_power(felt[np.ix_(inner, inner)].astype(float), len(inner)).any()
+    return not reached & set(found) and not loops
 
 
 def scaling(A: np.ndarray) -> np.ndarray:

@@ -47,6 +47,7 @@ def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]
     parts = np.maximum(1, np.ceil(fastest * h / across)).astype(np.int64)
     need = int(parts.sum())
     if need > MOST_STEPS:
+        need = 1 << (need - 1).bit_length()
         raise ValueError(
             f"a period of {path.t[-1] - path.t[0]:.6g} s and modes of up to {fastest:.4g} 1/s need {need:,} steps, more "
             f"than {MOST_STEPS:,}: leave out the fastest modes"

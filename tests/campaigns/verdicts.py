@@ -204,7 +204,7 @@ def constant(rng: np.random.Generator, family: str) -> System:
                 truth.append(rate[k])
                 k += 1
         A = A + np.triu(rng.standard_normal((n, n)), 2) * rng.choice([0, 1])
-        if rng.uniform() < 0.15 and n > 1:  # fast beside slow
+        if rng.uniform() < 0.15 and n > 1 and line:  # fast beside slow
             A[-1, -1], truth[-1] = (-1e15, -1e15) if A[-1, -2] == 0 else (A[-1, -1], truth[-1])
         truth = np.array(truth, dtype=complex)
         if not line:
@@ -242,7 +242,7 @@ def varying(rng: np.random.Generator, family: str) -> System | None:
     if not seen(own, w.corners):
         return None
     exact = False
-    period = 2 * np.pi if family in ("oscillator", "undamped") else rng.uniform(0.5, 6.0)
+    period = 2 * np.pi if family in ("oscillator", "undamped") else rng.uniform(0.5, 3.0)
     if family in ("oscillator", "undamped", "cluster", "drift"):
         k, depth = rng.uniform(0.05, 3.0), 0.0
         depth = rng.uniform(0.02, 0.95) * k
@@ -257,7 +257,7 @@ def varying(rng: np.random.Generator, family: str) -> System | None:
             pump = np.block([[pump, np.zeros((2, 2))], [np.zeros((2, 4))]])
     else:
         n = int(rng.integers(2, 7))
-        mean = rng.standard_normal((n, n)) * rng.uniform(0.2, 1.5) - rng.uniform(-0.3, 1.5) * np.eye(n)
+        mean = rng.standard_normal((n, n)) * rng.uniform(0.2, 1.0) - rng.uniform(-0.2, 1.5) * np.eye(n)
         pump = rng.standard_normal((n, n)) * rng.uniform(0.05, 1.0) * (rng.uniform(size=(n, n)) < 0.6)
         if not pump.any():
             return None
