@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
 from .eigenvalue_bounds import bounds, degree, rounding
@@ -45,8 +46,8 @@ from .transition_growth import Growth, grown, growth
 from .verdict import METHODS, Verdict
 
 GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable, if it compounds
-POINTS, MOST_POINTS = 200, 2000  # times of a period at which growth is taken beside Floquet's answer
-SOME = 64  # and times at which frozen roots are
+POINTS, MOST_POINTS = 200, 2000  # times at which frozen roots are taken, of a period at which growth is, at most
+SOME, LARGE = 64, 40  # times of a period at which frozen roots are, an eighth of them beyond so many states
 FEW_STEPS = 256  # a certificate beside Floquet's answer is only sought with so many steps ..
 OPEN_STEPS = 2048  # .. and with so many on a nominal that is not periodic
 
@@ -182,22 +183,25 @@ def _beside(
         evidence["growth"] = growth(joined, window, states=states)
         return
     path, t0 = cycle.path, cycle.path.t[0]
-    few = t0 + np.linspace(0.0, cycle.period, SOME + 1)
+    few = t0 + np.linspace(0.0, cycle.period, (SOME if path.n <= LARGE else SOME // 8) + 1)
     said_in = coordinates or said_coordinates(joined, states)
     evidence["frozen_time"] = frozen_along(path, few, said_in)
     if evidence["frozen_time"].suggests == "stable":
         evidence["slow_variation"] = slow_along(path, few)
     else:
         said["slow_variation"] = "frozen roots are not all in the left half-plane"
-    steps = max(cycle.steps, POINTS)
-    few = min(steps, MOST_POINTS)
-    edges = t0 + np.linspace(0.0, cycle.period, few + 1)
+    m = len(cycle.transitions)
+    edges = np.unique(np.linspace(0, m, min(m, MOST_POINTS) + 1).astype(int))
     try:
-        evidence["growth"] = grown(edges, path.between(edges, -(-steps // few)), path.scale, window)
+        Phi = magnus.grouped(cycle.transitions, edges)
+        evidence["growth"] = grown(cycle.times[edges], Phi, path.scale, window)
     except ValueError as failure:
         said["growth"] = str(failure)
     if cycle.verdict != "stable":
         said["lyapunov"] = f"no certificate where Floquet says {cycle.verdict}"
+        return
+    if path.n > LARGE:
+        said["lyapunov"] = f"not needed: Floquet decides, and it costs much with {path.n} states"
         return
     found = certified(path, cycle.period, most=FEW_STEPS)
     if found:
@@ -261,7 +265,9 @@ def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], s
     if grown.total + error < 1:
         return _made("stable", "growth", -grown.rate, why, evidence, said, bound, "decays")
     if (grown.total - error > GROWN or beyond) and grown.compounds:
-        return _made("unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential")
+        return _made(
+            "unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential"
+        )
     kind = "unknown"
     if grown.total - error > GROWN:
         why += ", but it does not build on itself, as free drift does not: no exponential growth is shown"

@@ -128,7 +128,9 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
     if n == 1:
         lam, error = M[0].astype(complex), D[0] + 2 * EPS * np.abs(M[0])
         size, e = float(_size(lam, line)[0]), float(error[0])
-        return Bounds(lam, error, np.ones((1, 1)), (np.zeros(1, int),), size + e < edge, size - e > edge, size - e, size + e)
+        return Bounds(
+            lam, error, np.ones((1, 1)), (np.zeros(1, int),), size + e < edge, size - e > edge, size - e, size + e
+        )
     _, (scale, _) = sla.matrix_balance(np.abs(M) + D, permute=False, separate=True)
     if not np.isfinite(scale).all() or (scale <= 0).any():
         scale = np.ones(n)

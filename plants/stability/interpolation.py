@@ -27,7 +27,7 @@ import numpy as np
 SMOOTH, ROUGH = 9.0, 32.0
 LONE = 0.3  # of an interval's length: one beside it that is shorter does not help to judge it
 FEW = 12  # intervals below which nothing is measured, and the steps between the nodes count too, ..
-STEP = 0.3  # .. so much of them
+STEP = 0.1  # .. so much of them
 FEWEST = 9  # intervals with harmonics enough for a run of four beside the first
 GHOSTS = 8  # nodes of the neighbouring periods that are looked at
 QUIET = 1e-3  # of an entry's range
@@ -143,7 +143,7 @@ def _linear(h: np.ndarray, d1: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         miss[:] = np.abs(d1)
     miss *= h[:, None]
     least, largest = miss.min(axis=0), miss.max(axis=0)
-    return h[:, None] * (least / 2 + largest / 10), np.maximum(least, largest)
+    return h[:, None] * (least / 2 + largest / 20), np.maximum(least, largest)
 
 
 def _cubic(t: np.ndarray, f: np.ndarray, h: np.ndarray, d1: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -159,7 +159,9 @@ def _cubic(t: np.ndarray, f: np.ndarray, h: np.ndarray, d1: np.ndarray) -> tuple
     fine = _covering(bend * ((t[4:] - t[:-4]) / 4)[:, None] ** 4, m, 4)
     wide = _covering(np.abs(apart) * ((t[8:] - t[:-8]) / 4)[:, None] ** 4, m, 8)
     before, after = np.r_[h[0], h[:-1]], np.r_[h[1:], h[-1]]
-    largest = np.max([np.r_[[h[0]] * k, h[: m - k]] for k in (0, 1, 2)] + [np.r_[h[k:], [h[-1]] * k] for k in (1, 2)], 0)
+    largest = np.max(
+        [np.r_[[h[0]] * k, h[: m - k]] for k in (0, 1, 2)] + [np.r_[h[k:], [h[-1]] * k] for k in (1, 2)], 0
+    )
     w = np.maximum(h**2 / 4 * (before + h / 2) * (after + h / 2), 0.1 * h * largest**3)
     beside = np.minimum(before, after) >= LONE * h
     cubic = close * w[:, None] * np.where((SMOOTH * fine <= wide) & beside[:, None], 1.0, ROUGH)

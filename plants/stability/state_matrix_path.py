@@ -21,7 +21,7 @@ from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 from .interpolation import Interpolant
 
 CLOSES = 1e-5  # of an entry's range: how near it must come back after a period
-NOISE, WIDEST = 1e-12, 2.0**30  # of entries that scaling ignores; of scales from their median
+NOISE, WIDEST = 1e-12, 2.0**80  # of entries that scaling ignores; of scales from their median
 FELT = 1e-12  # of the largest entry in scaled coordinates: what is less is rounding
 CHUNK = 4096  # steps whose matrices are held at a time
 MOST_STEPS = 2**20
@@ -72,7 +72,9 @@ def kept(model: Any, states: Sequence[str] | None) -> list[int]:
         for i in found:
             if felt[i, j] and not _given(own, j, found):
                 by, of = signals[i].name, signals[j].name
-                raise ValueError(f"states = {tuple(states)}: {by} feels {of}, which is left out and whose motion is not given")
+                raise ValueError(
+                    f"states = {tuple(states)}: {by} feels {of}, which is left out and whose motion is not given"
+                )
     return found
 
 
@@ -83,7 +85,10 @@ def _given(felt: np.ndarray, j: int, found: list[int]) -> bool:
         reached |= new
         new = {int(k) for i in new for k in np.flatnonzero(felt[i])} - reached
     inner = sorted(reached)
-    loops = felt[np.ix_(inner, inner)].any() and np.linalg.matrix_power(felt[np.ix_(inner, inner)].astype(float), len(inner)).any()
+    loops = (
+        felt[np.ix_(inner, inner)].any()
+        and np.linalg.matrix_power(felt[np.ix_(inner, inner)].astype(float), len(inner)).any()
+    )
     return not reached & set(found) and not loops
 
 

@@ -19,7 +19,7 @@ from pliant.plants.linear import magnus
 from .state_matrix_path import MOST_STEPS, Path
 
 ACROSS = 2.0  # |eigenvalue| times step to begin with
-KEPT = 1 << 20  # numbers in the stacks of partial products
+KEPT = 1 << 22  # numbers in the stacks of partial products
 HELD = 1 << 21  # numbers in a stack of steps
 STRETCHES = 192  # between which higher orders are summed
 SEEN = 0.7  # |eigenvalue| times distance of two partial products between which they hide little
@@ -37,6 +37,8 @@ class Transition:
     rate: np.ndarray  # (n,) integral of A_ii, and ..
     rate_error: np.ndarray  # (n,) .. what it may be off; infinite where jumps add to it
     trace: np.ndarray = field(repr=False)  # (n, n): the sum over a closed part bounds what the part's trace may be off
+    times: np.ndarray = field(repr=False)  # (m + 1,) [s], and ..
+    Phi: np.ndarray = field(repr=False)  # (m, n, n) .. between them, a piece's jump in its first
 
 
 def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]:
@@ -75,11 +77,24 @@ def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), toleranc
             change = np.abs(M - before)
             size = float(np.linalg.norm(M))
             enough = max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
-            if np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size):
-                return Transition(M, D + HALVED * change, steps << halvings, *_rates(paths), S + np.diag(np.diagonal(HALVED * change)))
-        elif all(path.constant for path in paths):
-            return Transition(M, D, steps, *_rates(paths), S)
+            done = np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size)
+        else:
+            change, done = np.zeros((n, n)), all(path.constant for path in paths)
+        if done:
+            break
         before, halvings = M, halvings + 1
+    for J, P in zip(jumps, Phi[1:]):
+        P[0] = P[0] @ J
+    times = [grids[0][0][:1], *(grid[edges[1:]] for (grid, _), edges in zip(grids, chosen))]
+    return Transition(
+        M,
+        D + HALVED * change,
+        steps << halvings,
+        *_rates(paths),
+        S + np.diag(np.diagonal(HALVED * change)),
+        np.concatenate(times),
+        np.concatenate(Phi),
+    )
 
 
 def _joined(Phi: Sequence[np.ndarray], jumps: Sequence[np.ndarray]) -> np.ndarray:

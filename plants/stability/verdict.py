@@ -24,7 +24,9 @@ class Verdict:
     reasons: Mapping[str, str]  # of every method but the deciding one
     evidence: Mapping[str, Any] = field(repr=False)  # the results by method
     coordinates: str = ""  # in which the frozen-time roots were taken
-    margin_bound: float = np.nan  # [1/s] guaranteed: nothing that the data allow decays slower (grows faster); NaN: none
+    margin_bound: float = (
+        np.nan
+    )  # [1/s] guaranteed: nothing that the data allow decays slower (grows faster); NaN: none
     growth: str = "unknown"  # of GROWTH: how the deviation that lasts longest behaves
 
     @property

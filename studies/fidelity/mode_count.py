@@ -13,7 +13,6 @@ from pliant.plants import Plant, Trajectory
 from pliant.plants.core.parameters import require_count
 from pliant.plants.stability import assess, growth
 
-
 FACTOR = 2.0  # by which the margins of settled answers differ at most
 
 

@@ -108,7 +108,9 @@ def wave(rng: np.random.Generator) -> Wave:
     if kind == "saw":
         return Wave(kind, lambda t: 2 * phase(t) - 1, (first,))
     if kind == "triangle":
-        return Wave(kind, lambda t: 2 * np.where(phase(t) < d, phase(t) / d, (1 - phase(t)) / (1 - d)) - 1, (first, second))
+        return Wave(
+            kind, lambda t: 2 * np.where(phase(t) < d, phase(t) / d, (1 - phase(t)) / (1 - d)) - 1, (first, second)
+        )
     if kind == "rectified":
         return Wave(kind, lambda t: 2 * np.abs(np.sin(np.pi * (t + p))) - 1, (first,))
     s = rng.uniform(1.2, 4.0)
