@@ -3,40 +3,65 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 SCENE  ?= two-link-reach
+STEP   := $(PYTHON) .ci/step.py
+PIP    := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: report test bench check clean
+.PHONY: report test bench campaign check check-types check-house docs architecture clean
 
-$(VENV)/ready: pyproject.toml constraints.txt Makefile
-	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Pliant needs Python >= 3.11; set PYTHON=')"
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --upgrade pip setuptools
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
-	touch $@
+$(VENV)/ready: pyproject.toml setup.py constraints.txt
+	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Pliant needs Python >= 3.11; set PYTHON=')"
+	@echo "Setting up $(VENV): one to three minutes, once. What pip says is in build/set-up-*.log" >&2
+	@$(STEP) "1/3 Python environment" build/set-up-1.log $(PYTHON) -m venv $(VENV)
+	@$(STEP) "2/3 pip and setuptools" build/set-up-2.log $(BIN)/python -m pip install --upgrade pip "setuptools>=77"
+	@$(STEP) "3/3 Pliant, NumPy, CasADi and the tools" build/set-up-3.log $(PIP) ".[dev]"
+	@touch $@
 
 # The tests of learning need PyTorch; constraints.txt pins it, so that it comes without gigabytes of CUDA.
 $(VENV)/ready-to-learn: $(VENV)/ready
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev,rl]"
-	touch $@
+	@$(STEP) "PyTorch and Stable-Baselines3" build/set-up-rl.log $(PIP) ".[dev,rl]"
+	@touch $@
 
 report: $(VENV)/ready
-	$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
+	@$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
 
 test: $(VENV)/ready-to-learn
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 $(VENV)/bench: $(VENV)/ready
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[bench]" \
+	@$(STEP) "The peers of the benchmarks" build/set-up-bench.log $(PIP) ".[bench]" \
 	  || echo "the peers do not all install here: their rows will say so" >&2
-	touch $@
+	@touch $@
 
 bench: $(VENV)/bench
 	$(BIN)/python benchmarks/run.py $(BENCH)
 
+# Long hunts for faults that no test has time for, each a script that exits non-zero when it finds one.
+campaign: $(VENV)/ready-to-learn
+	@set -e; for script in $(wildcard tests/campaigns/*.py); do echo "$$script" >&2; $(BIN)/python $$script; done
+
 check: $(VENV)/ready-to-learn
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	rm -rf build/check && $(BIN)/python -m pip install --quiet --no-deps --target build/check .
+	@$(MAKE) --no-print-directory check-types check-house
+
+check-types: $(VENV)/ready-to-learn
+	@rm -rf build/check
+	@$(STEP) "A copy for the type checker" build/check.log $(BIN)/python -m pip install --no-deps --target build/check .
 	MYPYPATH=build/check $(BIN)/python -m mypy -p pliant.plants -p pliant.envs -p pliant.controllers -p pliant.studies
+
+check-house: $(VENV)/ready
+	$(BIN)/python docs/house/check.py
+
+architecture: $(VENV)/ready
+	$(BIN)/python docs/house/drawing.py
+
+$(VENV)/docs: $(VENV)/ready
+	@$(STEP) "MkDocs and its plugins" build/set-up-docs.log $(PIP) ".[dev,docs]"
+	@touch $@
+
+docs: $(VENV)/docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet --site-dir build/site
+	@echo "build/site/index.html" >&2
 
 clean:
 	rm -rf $(VENV) build dist reports

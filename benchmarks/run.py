@@ -18,32 +18,24 @@ from dataclasses import asdict
 from pathlib import Path
 from statistics import mean
 
-import acts
-import asked
-import cantilever
-import environments
-import learning
-import peers
-import physics
-import sampling
-import soak as soaking
-import spacecraft
-import stability
-import startup
-import table
+from cases import cold_start, controller_acts, environments, fma_peak, learning, physics, spacecraft, stability
+from cases import soak as soaking
+from harness import sampling, table, targets
+from peers import cantilever, peers
 
 from pliant.plants.native import compiler, kernel_loader
 from pliant.studies.common import console, machine
 
 HERE = Path(__file__).parent
 PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
+    "machine": lambda: list(fma_peak.cases()),
     "physics": lambda: [*physics.cases(), *peers.physics_cases()],
     "jacobians": lambda: list(physics.jacobian_cases()),
     "environments": lambda: [*environments.cases(), *peers.environment_cases()],
     "cantilever": lambda: list(cantilever.cases()),
     "stability": lambda: list(stability.cases()),
     "spacecraft": lambda: list(spacecraft.cases()),
-    "controllers": lambda: list(acts.cases()),
+    "controllers": lambda: list(controller_acts.cases()),
 }
 PACKAGES = (
     "pliant",
@@ -110,8 +102,8 @@ def notes(part: str | None, rows: Sequence[sampling.Row], soak: soaking.Soak | N
             f"actions: {spoilt} of {ended:,}."
         )
         times = sampling.ratio(
-            asked.find(rows, environments.GROUP, physics.DOUBLE, 1024, 2),
-            asked.find(rows, environments.GROUP, peers.SWIMMER),
+            targets.find(rows, environments.GROUP, physics.DOUBLE, 1024, 2),
+            targets.find(rows, environments.GROUP, peers.SWIMMER),
         )
         if times is not None:
             said.append(f"SIMD double with 1,024 environments on 2 threads makes {times:.0f} times Swimmer-v5's steps.")
@@ -128,14 +120,17 @@ def notes(part: str | None, rows: Sequence[sampling.Row], soak: soaking.Soak | N
             f"Soak: {soak.steps:,} environment steps with random actions in {soak.seconds:.0f} s, {soak.episodes:,} "
             f"episodes, {soak.diverged:,} diverged; {soak.memory[-1]:.0f} MB resident at the end."
         )
-    return said + cantilever.notes(rows) + acts.notes(rows)
+    return said + cantilever.notes(rows) + controller_acts.notes(rows)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="3 rounds of short samples, a soak of 2 million steps")
-    parser.add_argument("--only", choices=[*PARTS, "start", "soak", "learning"], help="one part")
+    parser.add_argument("--only", choices=[*list(PARTS)[1:], "start", "soak", "learning"], help="one part")
     parser.add_argument("--rounds", type=int, help="samples of each row (default 9)")
+    parser.add_argument(
+        "--against", metavar="PYTHON", help="interpreter of another checkout: its start, in turn with ours"
+    )
     parser.add_argument("--out", type=Path, help="folder for the results")
     given = parser.parse_args()
     rounds = given.rounds or (3 if given.quick else 9)
@@ -152,16 +147,18 @@ def main() -> int:
     if wanted("soak"):
         with console.bar("soak") as progress:
             soak = soaking.run(steps, progress)
-    cases = [case for name, part in PARTS.items() if wanted(name) for case in part()]
+    cases = [case for name, part in PARTS.items() if wanted(name) or name == "machine" for case in part()]
     if cases:
         with console.bar("measure") as progress:
             rows += sampling.measure(cases, rounds, 0.05 if given.quick else 0.2, progress)
     if wanted("start"):
         with console.bar("start") as progress:
-            rows += startup.measure(min(rounds, 5), progress)
+            rows += cold_start.measure(min(rounds, 5), progress)
+            if given.against:
+                rows += cold_start.against(rounds, given.against, progress)
 
     def report() -> str:
-        checks = asked.checks(rows, soak, steps)
+        checks = targets.checks(rows, soak, steps)
         if not whole:
             checks = [c for c in checks if c.measured is not None]
         said, described = notes(given.only, rows, soak), about(rows)

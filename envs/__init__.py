@@ -4,7 +4,7 @@ if __name__ != "pliant.envs":
     raise ImportError("this folder is installed as pliant.envs: write `import pliant.envs`")
 
 from pliant.envs import scenes
-from pliant.envs.environments.env import PlantEnv, environment_id, register
+from pliant.envs.environments import PlantEnv, environment_id, register
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core import moved
 

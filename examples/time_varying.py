@@ -11,7 +11,7 @@ t = np.linspace(0.0, 1.2, 241)
 slew = rigid.simulate([0.0, 0.0], scene.nominal_input, t)  # two states: angle and rate
 
 x = np.zeros((len(t), arm.nx))  # the elastic states stay at zero: not a motion of the elastic arm
-x[:, 0], x[:, arm.nx // 2] = slew["hub_angle"], slew["hub_angle_rate"]
+x[:, 0], x[:, arm.coordinates_slice.stop] = slew["hub_angle"], slew["hub_angle_rate"]
 ltv = arm.linearize_along(Trajectory.from_arrays(t, x, slew.u, plant=arm))
 _, dy = ltv.simulate(np.zeros(arm.nx))
 

@@ -85,9 +85,9 @@ moved.serve(
         "beam_elements=reference_finite_elements planar=elastic_link frame_elements=pinned_rod",
         "native": "cache=kernel_cache compiler codegen=scalar_codegen sums=expression_graph packing=slp_packing "
         "wide=slp_codegen kernels=kernel_templates threads=thread_pool batch=batch_kernels",
-        "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation",
-        "dynamics": "plant lagrange=lagrangian implicit=residual_jacobians equilibrium handover=python_control "
+        "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation "
         "sensitivities=step_sensitivities",
+        "dynamics": "plant lagrange=lagrangian implicit=residual_jacobians equilibrium handover=python_control",
         "arms": "single_link frames=link_frames two_link two_link_terms=two_link_paper_terms",
         "large_deflection": "large_beam strain=tangent_field spatial_strain=spatial_tangent_field "
         "substructure=sub_beam_chain spatial_chain=spatial_sub_beam_chain sections=cross_sections "
@@ -96,8 +96,8 @@ moved.serve(
         "growth=transition_growth certificate=lyapunov_certificate",
         "slider_crank": "slider_crank_rigid=rigid_kinematics cycles=steady_cycles",
         "modal_data": "structural=component_modes",
-        "spacecraft": "spacecraft_equations=layout spacecraft_linear=linearisation spacecraft_feedback=feedback_model "
-        "hub appendage environment_loads=environment",
+        "spacecraft": "spacecraft_equations=equations spacecraft_linear=linearisation "
+        "spacecraft_feedback=feedback_model hub appendage environment_loads=environment",
         "spacecraft_perturbation": "perturbation perturbation_fields=position_fields perturbation_printed="
         "printed_equations",
     },

@@ -17,8 +17,7 @@ __all__ = ["chart", "choose", "report", "scoreboard"]
 moved.serve(
     __name__,
     {
-        "common": "files=atomic_files machine motions=reference_motions points=operating_point markup=formatting "
-        "console",
+        "common": "files=atomic_files machine motions=reference_motions points=operating_point markup=formatting",
         "closed_loop": "rollout played=evaluation_scene scores contestants comparison bound=optimal_bound",
         "fidelity": "chart=speed_accuracy stiffening mode_count",
         "figures": "style shapes=arm_outline figures_models=linear_models figures_chart=speed_accuracy "
@@ -29,6 +28,6 @@ moved.serve(
         "stability": "stability_map=parameter_map judgement stability_command=verdicts",
         "report": "page sections sections_control=control_sections tables=json_tables",
         "scoreboard": "scoreboard_work=tasks scoreboard_table=tables",
-        "commands": "cli scoreboard_command=scoreboard doctor train",
+        "commands": "cli console scoreboard_command=scoreboard doctor train",
     },
 )

@@ -1,5 +1,6 @@
 """Every example script and every Python block of the README runs, and says what it says here."""
 
+import os
 import re
 import subprocess
 import sys
@@ -29,26 +30,80 @@ SAID = {  # a number that each example prints, and its range
 }
 
 
+CHECKS = """
+import pliant.plants
+from pathlib import Path
+assert Path(pliant.plants.__file__).is_relative_to({installed!r}), pliant.plants.__file__
+"""
+
+
+@pytest.fixture
+def alone(installed, tmp_path):
+    """Run a script with the installed wheel, in an empty folder."""
+
+    def run(path: Path) -> str:
+        environment = os.environ | {"PYTHONPATH": str(installed), "MPLBACKEND": "agg"}
+        done = subprocess.run(
+            [sys.executable, str(path)],
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+            cwd=tmp_path,
+            env=environment,
+        )
+        assert done.returncode == 0, done.stderr
+        assert not list(tmp_path.iterdir())
+        return done.stdout
+
+    return run
+
+
 @pytest.mark.parametrize("path", EXAMPLES, ids=[p.name for p in EXAMPLES])
-def test_example(path: Path) -> None:
-    done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, done.stderr
+def test_example(path: Path, alone) -> None:
+    said = alone(path)
     pattern, low, high = SAID[path.name]
-    found = re.search(pattern, done.stdout)
-    assert found, done.stdout
+    found = re.search(pattern, said)
+    assert found, said
     assert low <= float(found[1]) <= high
 
 
-def test_readme_blocks_run_in_order() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    assert len(blocks) >= 4
-    names: dict = {}
-    for block in blocks:
-        exec(compile(block, "README.md", "exec"), names)
-    assert names["rewards"].shape == (1024,)
-    assert names["x"].shape == (1024, 12)
-    assert abs(names["dy"]).max() > 1e-3
+def blocks(page: Path) -> list[str]:
+    return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+README_CHECKS = """
+assert rewards.shape == (1024,)
+assert x.shape == (1024, 12)
+assert abs(dy).max() > 1e-3
+"""
+METHODS_CHECKS = """
+assert abs(drop["tip_v"][-1] + 6.7742) < 1e-3  # m at 1.54 s, tests/reference/large_beam.json
+assert np.ptp(quiet["tip_deflection"][times > 1.5]) < 0.01 * np.ptp(slew["tip_deflection"][times > 1.5])
+assert abs(bend).max() < 0.006 + 1e-6
+"""
+
+
+@pytest.mark.parametrize(
+    ("page", "least", "checks"),
+    [("README.md", 4, README_CHECKS), ("docs/methods.md", 12, METHODS_CHECKS)],
+    ids=["README", "methods"],
+)
+def test_blocks_run_in_order(page, least, checks, installed, alone, tmp_path_factory) -> None:
+    found = blocks(ROOT / page)
+    assert len(found) >= least
+    script = tmp_path_factory.mktemp("blocks") / "script.py"
+    script.write_text("\n".join([*found, checks, CHECKS.format(installed=str(installed))]), encoding="utf-8")
+    alone(script)
+
+
+def test_methods_pictures_are_those_that_the_script_draws() -> None:
+    text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    shown = re.findall(r"!\[.*?\]\(figures/(.*?)\.png\)", text)
+    script = (ROOT / "docs" / "house" / "pictures.py").read_text(encoding="utf-8")
+    drawn = [name.replace("_", "-") for name in re.findall(r"^def ([a-z]\w*)\(n: Names\)", script, re.MULTILINE)]
+    assert sorted(shown) == sorted(drawn)
+    assert all((ROOT / "docs" / "figures" / f"{name}.png").is_file() for name in shown)
 
 
 def test_readme_pictures_exist() -> None:

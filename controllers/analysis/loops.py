@@ -19,7 +19,7 @@ import numpy as np
 from pliant.controllers.linear_quadratic.lqg import LQG
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_choice, require_finite
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import rows_by_name
 from pliant.plants.linear.lti import LinearModel
 
 Array = np.ndarray
@@ -123,10 +123,8 @@ def plant_of(model: LinearModel, law: LinearLaw) -> tuple[Array, Array, Array, A
         raise ValueError(f"model.dt = {model.dt} must be the controller's, {law.dt}, or None")
     if law.dt is not None and model.dt is None:
         model = model.discretize(law.dt)
-    known, nx = model.states + model.outputs, len(model.states)
-    at = [index(known, name, "state or output") for name in law.reads]
-    C = np.vstack([np.eye(nx), model.C])[at]
-    D = np.vstack([np.zeros((nx, model.B.shape[1])), model.D])[at]
+    nx = len(model.states)
+    _, C, D, _ = rows_by_name(model, law.reads)
     A, B, nu = model.A, model.B, model.B.shape[1]
     if law.dt is None:
         return A, B, C, D

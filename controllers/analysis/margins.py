@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq, minimize
 
 from pliant.controllers.solvers.hinf_norm import Array, Peak, peak
 from pliant.plants.core.errors import PliantError
@@ -116,8 +117,6 @@ def scaled_peak(system: Loop, grid: Array) -> float:
 
     The norm of W G W^-1 with one diagonal W: the least on a grid, then taken over all frequencies.
     """
-    from scipy.optimize import minimize
-
     n = len(system.channels)
     G = system.at(grid)
 
@@ -179,6 +178,4 @@ def _channel(sensitivity: Loop, disk: float, grid: Array) -> Channel:
 
 
 def _root(f: Callable[[float], float], a: float, b: float) -> float:
-    from scipy.optimize import brentq
-
     return float(brentq(f, a, b, xtol=1e-12 * b, rtol=1e-14))

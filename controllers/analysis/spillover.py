@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear.lti import LinearModel
@@ -181,8 +182,6 @@ def origin(model: LinearModel, controller: Any, value: complex) -> tuple[complex
     """The eigenvalue [1/s] without feedback that becomes `value` as the gain rises from 0 to 1, and whether it is the
     plant's rather than the controller's own.
     """
-    from scipy.optimize import linear_sum_assignment
-
     law = law_of(controller)
     plant = model.eigenvalues if model.dt is None else np.log(model.eigenvalues) / model.dt
     more = len(plant_of(model, law)[0]) - len(plant)  # inputs held and readings under way: poles at zero

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant.plants.core.errors import EquilibriumError
+from pliant.plants.linear.quadratic_cost import about_moving_goal, goal_drift
 
 if TYPE_CHECKING:
     from pliant.plants.linear.lti import LinearModel
 
-    from .scene_protocol import Charged
+    from .scene_protocol import CostedScene
 
 HELD = 1e-4  # largest rate of a goal that counts as an equilibrium, in the states' units per second
 
@@ -33,17 +34,16 @@ def require_held(model: LinearModel) -> None:
         )
 
 
-def goal_model(scene: Charged) -> tuple[LinearModel, np.ndarray]:
+def goal_model(scene: CostedScene) -> tuple[LinearModel, np.ndarray]:
     """The model (nx states) and d(goal)/dt (nx,). EquilibriumError where a state that is left in does not stay."""
-    model = scene.plant.feedback_model(*scene.target)
-    rates = dict(scene.goal_rates)
-    drift = np.array([rates.get(name, 0.0) for name in model.state_names])
+    model, rates = scene.plant.feedback_model(*scene.target), dict(scene.goal_rates)
+    drift, model = goal_drift(model, rates), about_moving_goal(model, rates)
     weighted = dict(scene.weights)
     seen = np.array([name in weighted for name in model.state_names])
     rows = [i for i, s in enumerate(model.outputs) if s.name in weighted and s.name not in model.state_names]
     seen |= (model.C[rows] != 0.0).any(axis=0)
     kept = np.flatnonzero(seen | (model.A != 0.0).any(axis=0))
-    moves = np.abs(model.f0 - drift)[kept]
+    moves = np.abs(model.f0)[kept]
     if len(kept) and moves.max() > HELD:
         worst = model.states[kept[int(np.argmax(moves))]]
         raise EquilibriumError(
@@ -59,6 +59,6 @@ def goal_model(scene: Charged) -> tuple[LinearModel, np.ndarray]:
         C=model.C[:, kept],
         states=tuple(model.states[i] for i in kept),
         x0=model.x0[kept],
-        f0=model.f0[kept] - drift[kept],
+        f0=model.f0[kept],
     )
     return made, drift[kept]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, final
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, final
 
 import numpy as np
 
@@ -15,10 +15,20 @@ from pliant.plants.core.signals import index, read_only
 from .controller import moment
 
 if TYPE_CHECKING:
-    from pliant.controllers.joint_control.input_shaping import Shaper
     from pliant.plants.dynamics.plant import Plant
 
-    from .scene_protocol import Charged
+    from .scene_protocol import CostedScene
+
+
+class Impulses(Protocol):
+    """What a motion is shaped by: pliant.controllers.Shaper is one."""
+
+    @property
+    def times(self) -> np.ndarray: ...  # (n,) [s]
+    @property
+    def amplitudes(self) -> np.ndarray: ...  # (n,), sum 1
+    @property
+    def duration(self) -> float: ...  # [s] what shaping adds to a motion
 
 
 @final
@@ -29,7 +39,7 @@ class RestToRest:
     begin: np.ndarray
     end: np.ndarray
     time: float
-    shaper: Shaper | None = None
+    shaper: Impulses | None = None
 
     def __post_init__(self) -> None:
         for name in ("begin", "end"):
@@ -98,41 +108,24 @@ class Joints(NamedTuple):
 
 
 def joints(plant: Plant) -> Joints:
-    """The coordinate that each input drives: the rigid plant's own, or a spacecraft's attitude and hinges.
+    """The coordinate that each input drives, as the plant states it.
 
     PliantError where there is not one for each input: forces at a tip in the plane, thrusters, wheels about skew axes.
     """
+    found = {joint.input: joint for joint in plant.joints}
     known = {s.name for s in plant.states + plant.outputs}
-    rigid = plant.ladder()[0]
-    turns = tuple(s.name.removesuffix("_rate") for s in rigid.states if s.name.endswith("_rate"))
-    found = Joints(turns, tuple(f"{name}_rate" for name in turns))
-    if "body_rate_x" in known:
-        pairs = [_driven(plant, s.name) for s in plant.inputs]
-        found = Joints(tuple(p for p, _ in pairs), tuple(r for _, r in pairs))
-    elif rigid.nx != 2 * plant.nu:
-        found = Joints((), ())
-    if len(set(found.positions)) != plant.nu or not {*found.positions, *found.rates} <= known:
+    driven = [found[s.name] for s in plant.inputs if s.name in found]
+    at = Joints(tuple(j.position for j in driven), tuple(j.rate for j in driven))
+    if len(set(at.positions)) != plant.nu or not {*at.positions, *at.rates} <= known:
         raise PliantError(
             f"{type(plant).__name__} has {plant.nu} inputs {tuple(s.name for s in plant.inputs)} and the rigid "
-            f"coordinates {turns}: no joint for each input, so name the positions and rates yourself"
+            f"coordinates {tuple(plant.ladder()[0].rates)}: no joint for each input, so name the positions and rates "
+            "yourself"
         )
-    return found
+    return at
 
 
-def _driven(plant: Any, name: str) -> tuple[str, str]:
-    """Position and rate of what an input of a spacecraft drives; empty names where it is not one coordinate."""
-    word, _, rest = name.partition("_")
-    if word.startswith("hinge"):
-        joint = name.rpartition("_")[0]
-        return joint, f"{joint}_rate"
-    axis = rest
-    if word.startswith("wheel"):
-        direction = plant.hub.wheels[int(word.removeprefix("wheel")) - 1].axis
-        axis = "xyz"[int(np.argmax(direction))] if max(direction) == 1.0 else ""
-    return (f"attitude_{axis}", f"body_rate_{axis}") if axis and word != "thrust" else ("", "")
-
-
-def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
+def motion_of(scene: CostedScene, at: Joints) -> RestToRest | Follow:
     """From rest to rest in the scene's move_time; where the goal moves, the rigid plant under the nominal inputs."""
     if scene.goal_at_rest:
         return RestToRest(*ends(scene, at.positions), scene.move_time)
@@ -150,7 +143,7 @@ def motion_of(scene: Charged, at: Joints) -> RestToRest | Follow:
     return Follow(scene.dt, positions, rates, moving)
 
 
-def ends(scene: Charged, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+def ends(scene: CostedScene, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Values of the named states or outputs at the scene's start and goal, each (n,)."""
     return values_of(scene.plant, *scene.initial, names), values_of(scene.plant, *scene.target, names)
 

@@ -18,13 +18,14 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import index
+from pliant.plants.linear.quadratic_cost import QuadraticCost, squares
 
 from .controller import ends, saturation
 
 if TYPE_CHECKING:
     from pliant.plants.dynamics.plant import Plant
 
-    from .scene_protocol import Charged
+    from .scene_protocol import CostedScene
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,7 +69,7 @@ class Objective:
         object.__setattr__(self, "limits", saturation(owner, self.limits, names))
 
     @classmethod
-    def of(cls, scene: Charged) -> Self:
+    def of(cls, scene: CostedScene) -> Self:
         """The cost, limits and bounds of a scene (pliant.envs.Scene) about its goal."""
         high = np.array(scene.limits, dtype=float)
         x, u = scene.target
@@ -135,14 +136,14 @@ class Objective:
         t = t0 + self.dt * np.arange(len(u))
         return float(self.dt * self.rate(np.asarray(x, dtype=float)[: len(u)], u, t).sum())
 
-    def quadratic(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def quadratic(self) -> QuadraticCost:
         """Q (nx, nx), R (nu, nu), N (nx, nu): the cost rate x'Qx + u'Ru + 2 x'Nu of deviations from the goal."""
-        _, x, u, _, _ = self.plant.symbols
-        r = self.residual_expression
-        slopes = function("slopes", list(self.plant.symbols), [ca.jacobian(r, x), ca.jacobian(r, u)], matrices=True)
-        values, _ = self.plant._arguments(self.x_goal, self.u_goal)
-        X, U = slopes(*values)
-        return X.T @ X, U.T @ U, X.T @ U
+        plant = self.plant
+        slopes = plant.jacobians(self.x_goal, self.u_goal)
+        C, D = np.vstack([np.eye(plant.nx), slopes[3]]), np.vstack([np.zeros((plant.nx, plant.nu)), slopes[4]])
+        at = [index(self.signals, name, "signal") for name in self.weights]
+        effort = np.array([float(self.effort.get(s.name, 0.0)) for s in plant.inputs])
+        return squares(C[at], D[at], self.weights.values(), effort)
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self)}  # expressions are made again

@@ -1,4 +1,4 @@
-"""What training asks of a scene. This folder knows no scenes: pliant.envs.Scene is one, handed over by the caller."""
+"""What a controller asks of a scene. This folder knows none: pliant.envs.Scene is one, handed over by the caller."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pliant.plants import Plant
 Pairs = tuple[tuple[str, float], ...]
 
 
-class Charged(Protocol):
+class CostedScene(Protocol):
     """What planning and predictive control ask of a scene: a goal, a cost, limits. See pliant.envs.Scene."""
 
     @property
@@ -49,8 +49,8 @@ class Charged(Protocol):
     def target(self) -> tuple[np.ndarray, np.ndarray]: ...
 
 
-class Playable(Protocol):
-    """See pliant.envs.Scene, a frozen dataclass, for each of these. `start_spread` can be replaced."""
+class TrainableScene(Protocol):
+    """What training asks of a scene: see pliant.envs.Scene, a frozen dataclass. `start_spread` can be replaced."""
 
     @property
     def name(self) -> str: ...

@@ -34,7 +34,7 @@ from .process_noise import process_noise
 from .sensors import Sensor, covariance, sensors_of
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
 
 MOST_DELAY = 16  # samples
 SETTLED = 1e-9  # of the standard deviations: difference of the covariance from the steady one that is let pass
@@ -127,7 +127,7 @@ class Kalman:
     @classmethod
     def for_scene(
         cls,
-        scene: Charged,
+        scene: CostedScene,
         *,
         sensors: Sequence[Sensor] | None = None,
         W: Mapping[str, float] | None = None,

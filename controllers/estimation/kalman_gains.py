@@ -17,9 +17,9 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from pliant.controllers.riccati.algebraic import solve_riccati
-from pliant.controllers.riccati.checks import require_reached, root
-from pliant.plants.core.signals import Signal, index, names
+from pliant.controllers.riccati.algebraic import filter_gain
+from pliant.plants.core.matrix_roots import semidefinite_root
+from pliant.plants.core.signals import Signal, index, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -84,16 +84,8 @@ def driven_by(model: Model, W: Mapping[str, float]) -> tuple[Model, Array]:
 
 def rows(model: LinearModel | LTVModel, wanted: Sequence[str]) -> tuple[Array, Array, Array]:
     """(C, D, F) (.., n, nx | nu | nw) of the named outputs or states."""
-    known = model.states + model.outputs
-    at = [index(known, name, "state or output") for name in wanted]
-    n = len(model.states)
-    shape = model.C.shape[:-2]
-    eye = np.broadcast_to(np.eye(n), (*shape, n, n))
-    found = [np.concatenate([eye, model.C], axis=-2)[..., at, :]]
-    for block in (model.D, model.F):
-        zero = np.zeros((*shape, n, block.shape[-1]))
-        found.append(np.concatenate([zero, block], axis=-2)[..., at, :])
-    return found[0], found[1], found[2]
+    _, C, D, F = rows_by_name(model, wanted)
+    return C, D, F
 
 
 def delayed(step: Sampled, samples: int) -> Sampled:
@@ -129,17 +121,15 @@ def steady(step: Sampled, known: Sequence[str], dt: float) -> Filtered:
     whiten = np.diag(1 / np.sqrt(np.diag(step.V)))
     C, H, V = whiten @ step.C, whiten @ step.H, whiten @ step.V @ whiten
     known = tuple(known) + tuple(f"delayed {i + 1}" for i in range(len(A) - len(known)))
-    require_reached(A.T, C.T, known, dt, "cannot be seen by the sensors", dual=True)
-    seen, noise = C @ A, C @ step.G + H
+    seen, noise, W = C @ A, C @ step.G + H, step.G @ step.W @ step.G.T
     R = noise @ step.W @ noise.T + V
     N = step.G @ step.W @ noise.T
-    lean = np.linalg.solve(R, N.T).T
-    left = step.G @ step.W @ step.G.T - lean @ N.T
-    require_reached(A - lean @ seen, root(left), known, dt, "is not driven by the noise W")
-    P, K = solve_riccati(A.T, seen.T, step.G @ step.W @ step.G.T, R, N, dt)
+    drive = semidefinite_root(W - N @ np.linalg.solve(R, N.T))
+    words = "cannot be seen by the sensors", "is not driven by the noise W"
+    L, P = filter_gain(A, seen, W, R, N, drive, known, dt, words)
     S = R + seen @ P @ seen.T
     back = np.linalg.inv(whiten)
-    return Filtered(K.T @ whiten, P, (back @ (S + S.T) @ back / 2).reshape(ns, ns))
+    return Filtered(L @ whiten, P, (back @ (S + S.T) @ back / 2).reshape(ns, ns))
 
 
 def after(step: Sampled, P: Array) -> Filtered:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
 
 ACTUATOR = 0.01  # of an input's limit: standard deviation of what its actuator is off by in a period
 
 
-def process_noise(scene: Charged) -> dict[str, float]:
+def process_noise(scene: CostedScene) -> dict[str, float]:
     """Densities [unit^2 s] of what is new in every control period, by name of input and disturbance.
 
     Each actuator is off by 1 % of its limit, and so is each disturbance in an actuator's unit: model error that pushes

@@ -25,14 +25,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pliant.plants.arms.single_link import SingleLinkArm
-from pliant.plants.arms.two_link import TwoLinkArm
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.signals import Sensed
 from pliant.plants.dynamics.plant import Plant
-from pliant.plants.large_deflection.large_beam import LargeDeflectionBeam
-from pliant.plants.slider_crank.plant import SliderCrank
-from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 KINDS = ("encoder", "strain gauge", "accelerometer", "gyro", "star tracker", "tachometer", "other")
 COUNT = 2 * np.pi / 2**17  # [rad]
@@ -42,6 +38,15 @@ TIP_RATE = np.deg2rad(0.005)  # [rad/s/sqrt(Hz)]
 DRIFT = np.sqrt(2) * np.deg2rad(0.005) / 60  # [rad/s/sqrt(Hz)]: angle random walk N [rad/sqrt(s)], density sqrt(2) N
 STARS = np.deg2rad(5 / 3600)  # [rad]
 SPEED = 2 * np.pi / 60  # [rad/s]
+DEVICES = {  # what a plant names: kind; noise, density, quantum in what the device reads
+    "encoder": ("encoder", COUNT / 2, 0.0, COUNT),
+    "strain gauge": ("strain gauge", STRAIN, 0.0, 0.0),
+    "accelerometer": ("accelerometer", 0.0, ACCELERATION, 0.0),
+    "gyro": ("gyro", 0.0, TIP_RATE, 0.0),
+    "fibre-optic gyro": ("gyro", 0.0, DRIFT, 0.0),
+    "star tracker": ("star tracker", STARS, 0.0, 0.0),
+    "tachometer": ("tachometer", SPEED, 0.0, 0.0),
+}
 
 
 @dataclass(frozen=True)
@@ -86,18 +91,21 @@ def covariance(sensors: Sequence[Sensor], dt: float) -> np.ndarray:
 
 
 def sensors_of(plant: Plant) -> tuple[Sensor, ...]:
-    """What a machine like this plant carries. ValueError for a plant of another kind.
+    """What a machine like this plant carries: the plant's own `sensors()` with the noise of the devices above.
 
-    SingleLinkArm        hub encoder, strain gauge at the root, accelerometer at the tip
-    TwoLinkArm           joint encoders, a strain gauge at each link's root, accelerometer at the tip
-    LargeDeflectionBeam  encoder of a root that turns, strain gauge at a root that does not hinge, gyro at the tip
-    FlexibleSpacecraft   star tracker, gyro, tachometers of its wheels, encoders of its hinges; not its place
-    SliderCrank          crank encoder, accelerometer across the rod at its middle
+    ValueError for a plant that names none.
     """
-    found = _arm(plant) or _beam(plant) or _craft(plant) or _crank(plant)
+    found = plant.sensors() if isinstance(plant, Plant) else ()
     if not found:
         raise ValueError(f"sensors_of: no selection for a {type(plant).__name__}; give Sensors by name of output")
-    return found
+    units = {s.name: s.unit for s in (*plant.states, *plant.outputs)}
+    return tuple(_sensor(place, place.unit or units[place.signal]) for place in found)
+
+
+def _sensor(place: Sensed, unit: str) -> Sensor:
+    require_choice("Sensed", "device", place.device, tuple(DEVICES))
+    kind, *sizes = DEVICES[place.device]
+    return Sensor(kind, place.signal, unit, *(size * place.scale for size in sizes))
 
 
 def encoder(output: str) -> Sensor:
@@ -118,42 +126,6 @@ def accelerometer(output: str) -> Sensor:
 def gyro(output: str, density: float = TIP_RATE) -> Sensor:
     """Of a rate [rad/s]."""
     return Sensor("gyro", output, "rad/s", density=density)
-
-
-def _arm(plant: Plant) -> tuple[Sensor, ...]:
-    if isinstance(plant, SingleLinkArm):
-        return encoder("hub_angle"), gauge("root_curvature", plant.link), accelerometer("tip_acceleration")
-    if isinstance(plant, TwoLinkArm):
-        gauges = gauge("root1_curvature", plant.link1), gauge("root2_curvature", plant.link2)
-        return (encoder("theta1"), encoder("theta2"), *gauges, accelerometer("tip_acceleration"))
-    return ()
-
-
-def _beam(plant: Plant) -> tuple[Sensor, ...]:
-    if not isinstance(plant, LargeDeflectionBeam):
-        return ()
-    turning = {"clamped": (), "hinged": (encoder("root_angle"),), "driven": (encoder("hub_angle"),)}[plant.root]
-    held = () if plant.root == "hinged" else (gauge("root_curvature", plant.beam),)
-    return (*turning, *held, gyro("tip_angle_rate"))
-
-
-def _craft(plant: Plant) -> tuple[Sensor, ...]:
-    if not isinstance(plant, FlexibleSpacecraft):
-        return ()
-    stars = [Sensor("star tracker", f"attitude_{c}", "rad", noise=STARS) for c in "xyz"]
-    rates = [gyro(f"body_rate_{c}", DRIFT) for c in "xyz"]
-    wheels = [
-        Sensor("tachometer", f"wheel{k}_momentum", "N m s", noise=float(wheel.inertia) * SPEED)
-        for k, wheel in enumerate(plant.hub.wheels, start=1)
-    ]
-    hinges = [encoder(s.name) for s in plant.coordinates if s.name.startswith("hinge")]
-    return (*stars, *rates, *wheels, *hinges)
-
-
-def _crank(plant: Plant) -> tuple[Sensor, ...]:
-    if not isinstance(plant, SliderCrank):
-        return ()
-    return encoder("crank_angle"), accelerometer("mid_acceleration")
 
 
 def _step(dt: float) -> float:

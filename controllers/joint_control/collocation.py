@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import rows_by_name
 
 if TYPE_CHECKING:
     from pliant.plants.dynamics.plant import Plant
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
 def rows(model: LinearModel, names: tuple[str, ...]) -> np.ndarray:
     """(n, nx): the named states or outputs of a linear model from its state."""
-    known = np.vstack([np.eye(len(model.states)), model.C])
-    return known[[index(model.states + model.outputs, name, "state or output") for name in names]]
+    return rows_by_name(model, names).C
 
 
 def rigid_inertia(plant: Plant, x0: Any, u0: Any, rates: tuple[str, ...]) -> np.ndarray:

@@ -24,7 +24,7 @@ from .collocation import accelerations
 PATIENCE = 5.0  # bandwidth times the time of the motion, as a rigid arm would be tuned
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
 
 
@@ -89,7 +89,7 @@ class ComputedTorque:
         )
 
     @classmethod
-    def for_scene(cls, scene: Charged, *, bandwidth: float | None = None, damping: float = 1.0) -> ComputedTorque:
+    def for_scene(cls, scene: CostedScene, *, bandwidth: float | None = None, damping: float = 1.0) -> ComputedTorque:
         """Along the rigid motion of the scene. bandwidth [rad/s], None: 5 / move_time."""
         at, high = joints(scene.plant), np.array(scene.limits)
         return cls.design(

@@ -28,7 +28,7 @@ from .computed_torque import inverse_dynamics
 from .input_shaping import light, shaper_for
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.core.casadi_functions import NumericFunction
     from pliant.plants.dynamics.plant import Plant
     from pliant.plants.linear.lti import LinearModel
@@ -103,7 +103,7 @@ class PD:
         return cls._made(plant, x0, u0, *gains, at, reference, limits, dt)
 
     @classmethod
-    def for_scene(cls, scene: Charged, *, shape: str | None = None) -> PD:
+    def for_scene(cls, scene: CostedScene, *, shape: str | None = None) -> PD:
         """Along the rigid motion of the scene, rest to rest in its move_time; `shape` ("zv", "zvd", ..) shapes that.
 
         A gain Kp and Kd for each joint, such that the sampled loop about the goal decays fastest. PliantError where

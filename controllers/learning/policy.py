@@ -20,7 +20,7 @@ import numpy as np
 from pliant.plants.core.parameters import require_choice, require_finite
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 FORMAT = 1
 ACTIVATIONS = ("tanh", "relu")
@@ -164,7 +164,7 @@ class Policy:
     def from_sb3_zip(
         cls,
         path: str | Path,
-        scene: Playable,
+        scene: TrainableScene,
         *,
         algorithm: str = "ppo",
         statistics: str | Path | None = None,
@@ -179,7 +179,7 @@ class Policy:
                 f"{str(path)!r} holds a pickle, which can run any code when it is read: give trust=True if you "
                 "made it yourself, or ask its author for arrays and JSON (Policy.save)"
             )
-        from .sb3_export import read_zip
+        from .sb3_export import read_zip  # the other door to torch
 
         return cls(**read_zip(Path(path), scene, algorithm, None if statistics is None else Path(statistics)))
 

@@ -14,13 +14,13 @@ from stable_baselines3.common.vec_env import VecNormalize
 from pliant.plants.core.parameters import require_choice
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
 KINDS = {torch.nn.Tanh: "tanh", torch.nn.ReLU: "relu"}
 
 
-def describe(model: BaseAlgorithm, scene: Playable, statistics: VecNormalize | None) -> dict[str, Any]:
+def describe(model: BaseAlgorithm, scene: TrainableScene, statistics: VecNormalize | None) -> dict[str, Any]:
     """Policy's keywords for the deterministic actions of `model`, whose observations `statistics` normalised."""
     actor: Any = model.policy
     if isinstance(model, SAC):
@@ -61,7 +61,7 @@ def describe(model: BaseAlgorithm, scene: Playable, statistics: VecNormalize | N
     }
 
 
-def read_zip(path: Path, scene: Playable, algorithm: str, statistics: Path | None) -> dict[str, Any]:
+def read_zip(path: Path, scene: TrainableScene, algorithm: str, statistics: Path | None) -> dict[str, Any]:
     """`describe` for a zip, and a pickled VecNormalize; the caller has said that both may be trusted."""
     require_choice("Policy.from_sb3_zip", "algorithm", algorithm, tuple(ALGORITHMS))
     model = ALGORITHMS[algorithm].load(path, device="cpu")

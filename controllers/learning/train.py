@@ -1,89 +1,26 @@
 """Train a policy on a scene by reinforcement learning; Stable-Baselines3 learns, what comes out needs only NumPy.
 
-`train` imports Stable-Baselines3 and torch when it is called, not before; `pip install "pliant[rl]"` brings them.
+`train` loads Stable-Baselines3 and torch when it is called, not before; `pip install "pliant[rl]"` brings them.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
-from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pliant.plants.core.parameters import require_choice, require_count
 
-from .policy import Policy
+from .evaluation import Training
+from .settings import SECONDS, SETTINGS, PPOSettings, Progress, SACSettings
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
-
-Progress = Callable[[float, str], None]
-SECONDS = 300.0  # what a run may take where nothing is said
-CURVE, POLICY = "curve.json", "policy"
-
-
-@dataclass(frozen=True, kw_only=True)
-class PPOSettings:
-    """Proximal policy optimisation on many short rollouts. Found by trial on this package's scenes."""
-
-    num_envs: int = 1024
-    n_steps: int = 20  # control periods of a rollout
-    batch_size: int = 4096
-    n_epochs: int = 4
-    learning_rate: float = 1e-3  # at first; it falls linearly to FLOOR of it
-    gamma: float = 0.98  # a control period's discount
-    gae_lambda: float = 0.95
-    clip_range: float = 0.2
-    noise: float = 0.135  # first standard deviation of the actions, of the limits
-    width: int = 64  # units of each of two tanh layers
-    spread: float = 1.5  # of training's starts: times the largest distance from start to goal
-
-
-@dataclass(frozen=True, kw_only=True)
-class SACSettings:
-    """Soft actor-critic: fewer steps, each dearer."""
-
-    num_envs: int = 64
-    buffer_size: int = 500_000
-    batch_size: int = 512
-    gradient_steps: int = 8  # after each control period of all lanes
-    learning_starts: int = 20_000  # steps before the first
-    learning_rate: float = 1e-3
-    gamma: float = 0.99
-    tau: float = 0.01  # of the target networks' moving average
-    width: int = 64  # units of each of two ReLU layers
-    spread: float = 1.5
-
-
-FLOOR = 0.02  # share of the learning rate that is left at the end
-SETTINGS: dict[str, type[PPOSettings] | type[SACSettings]] = {"ppo": PPOSettings, "sac": SACSettings}
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """The deterministic policy on the scene as it is: nothing drawn at random."""
-
-    steps: int  # of training so far
-    seconds: float  # of training so far
-    cost: float  # the scene's, with the charge for an early end
-
-
-@dataclass(frozen=True)
-class Training:
-    """What a run made: `policy` is the one that did best of those evaluated."""
-
-    policy: Policy
-    cost: float  # of `policy`
-    curve: tuple[Evaluation, ...]
-    steps: int
-    seconds: float  # since `train` was called, and what former runs took where this one went on
-    rate: float  # environment steps a second of this run, learning and evaluations included
-    threads: str  # how many torch used, and why
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 
 def train(
-    scene: Playable,
+    scene: TrainableScene,
     algorithm: str = "ppo",
     *,
     seed: int = 0,
@@ -137,7 +74,7 @@ def train(
         raise ValueError(f"scene {scene.name!r}: its plant has no inputs, so there is nothing to learn")
     if not _installed():
         raise ImportError('training needs Stable-Baselines3 and torch: pip install "pliant[rl]"')
-    from .training import learn
+    from .training import learn  # the door to torch, which takes seconds to load: nothing before it needs that
 
     return learn(
         scene,
@@ -154,28 +91,7 @@ def train(
     )
 
 
-def evaluate(policy: Policy, scene: Playable, env: Any = None) -> float:
-    """The scene's cost under the policy, by its environment: RK4 and the charge for an early end.
-
-    env: one lane of the scene that may be used again, made where not given.
-    """
-    env = scene.vector_env(1, threads=1) if env is None else env
-    goal = scene.goal_values(scene.observe)
-    obs, _ = env.reset()
-    cost = 0.0
-    policy.reset()
-    for k in range(scene.steps):
-        u = policy.act(k * scene.dt, obs[0] + goal)
-        obs, reward, terminated, truncated, _ = env.step((u / policy.limits)[None])
-        cost -= float(reward[0])
-        if terminated[0] or truncated[0]:
-            break
-    return cost
-
-
 def _installed() -> bool:
-    from importlib.util import find_spec
-
     return find_spec("stable_baselines3") is not None and find_spec("torch") is not None
 
 

@@ -19,19 +19,20 @@ from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecNormalize
 
 from . import checkpoint
+from .evaluation import Training
+from .settings import FLOOR, PPOSettings, Progress, SACSettings
 from .torch_threads import choose
-from .train import FLOOR, PPOSettings, Progress, SACSettings, Training
 from .training_callback import Run
 from .training_env import TrainingLanes, normalised
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 PACKAGES = ("pliant", "stable-baselines3", "torch", "numpy")
 
 
 def learn(
-    scene: Playable,
+    scene: TrainableScene,
     algorithm: str,
     settings: PPOSettings | SACSettings,
     *,

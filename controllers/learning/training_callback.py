@@ -14,11 +14,12 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecNormalize
 
 from . import checkpoint, sb3_export
+from .evaluation import Evaluation, evaluate
 from .policy import Policy
-from .train import CURVE, POLICY, Evaluation, Progress, evaluate
+from .settings import CURVE, POLICY, Progress
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 EVALUATIONS = 60  # of a run
 
@@ -28,7 +29,7 @@ class Run(BaseCallback):
 
     def __init__(
         self,
-        scene: Playable,
+        scene: TrainableScene,
         env: VecNormalize,
         folder: Path | None,
         budget: tuple[float | None, int | None],

@@ -21,7 +21,7 @@ from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnvWrapper, VecNormalize
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Playable
+    from pliant.controllers.base.scene_protocol import TrainableScene
 
 KNEE, EARLY_END, EXCESS = 1.5, 10.0, 0.05
 BEYOND = 5.0  # largest |action| that is told apart
@@ -33,7 +33,7 @@ class TrainingLanes(VecEnvWrapper):
     """Pliant's lanes with shaped rewards. After `reset` they are anywhere in their episodes, moving a little."""
 
     def __init__(
-        self, scene: Playable, num_envs: int, *, spread: float, bounded: bool, seed: int, threads: int
+        self, scene: TrainableScene, num_envs: int, *, spread: float, bounded: bool, seed: int, threads: int
     ) -> None:
         near, far = dict(scene.start), dict(scene.goal)
         distance = max((abs(far[name] - near[name]) for name in near if name in far), default=0.0)

@@ -20,9 +20,11 @@ from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import Signal, index
 
+from .lqr import LQR
+
 if TYPE_CHECKING:
     from pliant.controllers.base.controller import Controller
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
     from pliant.plants.linear.lti import LinearModel
 
@@ -122,12 +124,9 @@ class Predictive:
         self.reset()
 
     @classmethod
-    def for_scene(cls, scene: Charged, delay: int = 1, law: Controller | None = None) -> Self:
+    def for_scene(cls, scene: CostedScene, delay: int = 1, law: Controller | None = None) -> Self:
         """The scene's LQR, or another `law`, on the scene's plant; the input of the scene's start acts first."""
-        if law is None:
-            from .lqr import LQR
-
-            law = LQR.for_scene(scene)
+        law = LQR.for_scene(scene) if law is None else law
         high = np.array(scene.limits, dtype=float)
         start = np.clip(scene.initial[1], -high, high)
         return cls(law, scene.plant, delay, dt=scene.dt, substeps=scene.substeps, limits=(-high, high), start=start)

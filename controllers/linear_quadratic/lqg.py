@@ -19,14 +19,14 @@ import numpy as np
 from pliant.controllers.base.controller import Controller, reading
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import Sensor
-from pliant.plants.core.signals import names
+from pliant.plants.core.signals import names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
 from .lqr import LQR
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
 
 
 @final
@@ -64,7 +64,7 @@ class LQG:
     @classmethod
     def for_scene(
         cls,
-        scene: Charged,
+        scene: CostedScene,
         *,
         sensors: Sequence[Sensor] | None = None,
         W: Mapping[str, float] | None = None,
@@ -110,8 +110,7 @@ class LQG:
             raise ValueError(f"LQG.law.reads = {reads} must be the states {model.state_names} along a nominal")
         if missing:
             raise ValueError(f"LQG.law.reads = {missing[0]!r} must be one of {', '.join(known)}")
-        at = [known.index(name) for name in reads]
-        C = np.vstack([np.eye(len(model.states)), model.C])[at]
+        at, C, _, _ = rows_by_name(model, reads)
         return C, np.concatenate([model.x0, model.y0])[at] - C @ model.x0
 
     def _seen(self, x: np.ndarray) -> np.ndarray:

@@ -16,11 +16,13 @@ import numpy as np
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, require_held
-from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.controllers.base.quadratic_weights import weight_matrices
+from pliant.controllers.riccati.algebraic import with_integrals
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.quadratic_cost import signal_rows
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
     from pliant.plants.linear.lti import LinearModel
 
@@ -79,13 +81,12 @@ class LQR:
                 raise ValueError(f"LQR.integral[{name!r}] = {value!r} must be > 0")
         known = model.state_names + tuple(f"integral of {name}" for name in wanted)
         ni, nx = len(wanted), len(model.states)
-        if dt is None:
-            A, B, stay = model.A, model.B, np.zeros((ni, ni))
-        else:
-            A, B, Q, R, N = riccati.sampled(model.A, model.B, Q, R, N, dt=dt)
-            Ci, Di, weight, stay = dt * Ci, dt * Di, dt * weight, np.eye(ni)
-        A = np.block([[A, np.zeros((nx, ni))], [Ci, stay]])
-        B, N = np.vstack([B, Di]), np.vstack([N, np.zeros((ni, B.shape[1]))])
+        A, B = model.A, model.B
+        if dt is not None:
+            A, B, Q, R, N = riccati.sampled(A, B, Q, R, N, dt=dt)
+            weight = dt * weight
+        A, B = with_integrals(A, B, Ci, Di, dt)
+        N = np.vstack([N, np.zeros((ni, B.shape[1]))])
         Q = np.block([[Q, np.zeros((nx, ni))], [np.zeros((ni, nx)), weight]])
         if dt is None:
             found = riccati.lqr(A, B, Q, R, N, names=known)
@@ -127,7 +128,7 @@ class LQR:
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 
     @classmethod
-    def for_scene(cls, scene: Charged, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
+    def for_scene(cls, scene: CostedScene, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
         """`design` about a scene's goal, moving or not, with its cost, limits and control period.
 
         effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.

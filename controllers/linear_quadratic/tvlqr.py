@@ -14,7 +14,7 @@ period: a plant that lags is not pulled after a clock. After the end: the regula
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
@@ -31,16 +31,15 @@ from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
 from pliant.plants.core.parameters import require_choice, require_finite
 
 from .funnel import Funnel
+from .nominal_loop import PathProgress, own_nominal
 from .period_cost import period_cost, steady_law
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.controllers.optimal_control.optimal import Motion
     from pliant.plants.core.trajectory import Trajectory
     from pliant.plants.dynamics.plant import Plant
     from pliant.plants.linear.ltv import LTVModel
-
-AHEAD = 8  # nodes that the phase looks at
 
 
 @final
@@ -64,18 +63,13 @@ class TVLQR:
     fastest: float = 2.0  # at most
     start: float = 0.0  # [s] time of the first node
     drift: np.ndarray | None = None  # (nx,) d/dt of a goal that goes on moving after the end
-    phase: float = field(init=False, default=0.0)  # nodes since `reset`
 
     def __post_init__(self) -> None:
         require_choice("TVLQR", "index", self.index, ("time", "phase"))
-        if not 0 < self.slowest <= 1 <= self.fastest < AHEAD:
-            raise ValueError(
-                f"TVLQR.slowest, fastest = {self.slowest}, {self.fastest} must be 0 < slowest <= 1 <= fastest < {AHEAD}"
-            )
         self._gains = [np.ascontiguousarray(K) for K in self.K]
         self._offsets = list(self.u + np.einsum("kij,kj->ki", self.K, self.x))
-        self._scale = np.sqrt(np.einsum("kii->i", self.regulator.P) / len(self.regulator.P))
-        self._path = np.vstack([self.x, np.repeat(self.x[-1:], AHEAD, axis=0)]) * self._scale
+        scale = np.sqrt(np.einsum("kii->i", self.regulator.P) / len(self.regulator.P))
+        self._progress = PathProgress(self.x, scale, self.slowest, self.fastest)
         self.reset()
 
     @classmethod
@@ -143,7 +137,7 @@ class TVLQR:
     @classmethod
     def for_scene(
         cls,
-        scene: Charged,
+        scene: CostedScene,
         *,
         nominal: Motion | Trajectory | str | None = None,
         reserve: float = 0.1,
@@ -207,13 +201,8 @@ class TVLQR:
         index: str,
         start: float,
     ) -> TVLQR:
-        """The law's own nominal x*, u*: the linear loop from the nominal's start."""
-        e, moved, fed = np.zeros_like(x), x.copy(), np.vstack([u, u[-1:]])
-        for k in range(len(u)):
-            du = -regulator.K[k] @ e[k] - regulator.k[k]
-            fed[k] += du
-            e[k + 1] = A[k] @ e[k] + B[k] @ du + c[k]
-        moved += e
+        """The law about its own nominal."""
+        moved, fed = own_nominal(regulator, A, B, c, x, u)
         last, handover, fed[-1] = regulator.K[-1], None, fed[-2]
         if hold is not None:
             shapes = last.shape, x.shape[1:], u.shape[1:]
@@ -233,9 +222,14 @@ class TVLQR:
         """J from node k on, of the linear model without limits, from x (nx,)."""
         return self.regulator.cost_to_go(k, require_finite("TVLQR.x", x, self.x.shape[1:]) - self.nominal[k])
 
+    @property
+    def phase(self) -> float:
+        """Nodes since `reset`, of the law by phase."""
+        return self._progress.phase
+
     def reset(self) -> None:
         """Back to the start of the nominal."""
-        self.phase = 0.0
+        self._progress.reset()
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from the states y (nx,) at time t [s]."""
@@ -244,19 +238,8 @@ class TVLQR:
         if self.index == "time":
             k = min(max(int((t - self.start) / self.dt + 1e-6), 0), last)
         else:
-            k = min(self._nearest(y), last)
+            k = self._progress.node(y)
         if k == last and self.drift is not None:
             y = y - self.drift * (t - self.start - last * self.dt)
         u = self._offsets[k] - self._gains[k].dot(y)
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
-
-    def _nearest(self, y: np.ndarray) -> int:
-        """The node for this period; the phase moves on for the next one."""
-        first = int(self.phase)
-        if first >= len(self._gains) - 1:
-            return first
-        away = self._path[first : first + AHEAD] - y * self._scale
-        nearest = first + int(np.einsum("ij,ij->i", away, away).argmin())
-        k = min(nearest, int(self.phase + self.fastest))
-        self.phase = max(float(k), self.phase + self.slowest)
-        return k

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pliant.controllers.solvers.least_distance_qp import INFINITE, LeastDistance
+from pliant.controllers.solvers.daqp_model import INFINITE
+from pliant.controllers.solvers.least_distance_qp import LeastDistance
 
 from .condensed_prediction import Prediction
 

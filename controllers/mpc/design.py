@@ -9,9 +9,10 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import each, ends, saturation
-from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.riccati.checks import weight_matrix
 from pliant.plants.core.parameters import require_choice, require_count, require_finite
+from pliant.plants.linear.quadratic_cost import signal_rows
 
 from .condensed_prediction import laws, predict
 from .constraints import Limits, Step, Window, build, soft_names

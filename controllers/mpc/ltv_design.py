@@ -10,14 +10,15 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.goal_model import goal_model
-from pliant.controllers.base.quadratic_weights import signal_rows, weight_matrices
+from pliant.controllers.base.quadratic_weights import weight_matrices
+from pliant.plants.linear.quadratic_cost import signal_rows
 
 from .condensed_prediction import Laws, laws, predict
 from .constraints import Step, Window, build, soft_names
 from .design import Limited, check_horizon, check_penalty, check_weights, limits_of, penalty_at
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.linear.lti import LinearModel
     from pliant.plants.linear.ltv import LTVModel
 
@@ -87,7 +88,7 @@ def follower(
 
 
 def about_goal(
-    scene: Charged, bounds: Mapping[str, tuple[float, float]]
+    scene: CostedScene, bounds: Mapping[str, tuple[float, float]]
 ) -> tuple[LinearModel, np.ndarray | None, dict[str, tuple[float, float]]]:
     """The model about a scene's goal, its drift (nx,) [1/s] where it moves, and the bounds that the model knows."""
     model, drift = goal_model(scene)

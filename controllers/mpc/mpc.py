@@ -7,7 +7,7 @@ xi, mu count from a goal, a nominal motion or an estimated steady target. P is t
 without active limits the first input is that of LQR or of its time-varying kin, to rounding. Inputs obey their limits
 exactly; the limits of signals are soft, so that there always is a plan, and what the plan exceeds them by is recorded.
 Should the solver fail, that is recorded, and the last plan goes on; past its end, the unlimited law within the limits.
-`mpc_design` and `mpc_along` build everything; an act is one product, and a solve where the unlimited plan breaks one.
+`design` and `ltv_design` build everything; an act is one product, and a solve where the unlimited plan breaks one.
 """
 
 from __future__ import annotations
@@ -23,15 +23,17 @@ from pliant.controllers.base.solver_record import Record
 from pliant.plants.core.parameters import require_choice
 
 from .constraints import Limits, Step, excess
+from .design import regulator
 from .fallback_plan import LastPlan
+from .knowledge import Knowledge
+from .ltv_design import about_goal, follower
+from .offset_free import Estimator, Target
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.core.trajectory import Trajectory
     from pliant.plants.linear.lti import LinearModel
     from pliant.plants.linear.ltv import LTVModel
-
-    from .offset_free import Estimator, Target
 
 NEVER = -2  # a time index whose neighbour does not exist
 
@@ -59,25 +61,17 @@ class MPC:
         self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked
         self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
         self.horizon = len(steps[0].plan[0])
-        self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
         self.tracked = dict(tracked or {})
-        self._reference = np.zeros(len(self.tracked))
+        self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
         self._steps, self._start, self._latest = tuple(steps), start, len(steps) - 1
-        self._x0, self._u0, self._y0 = origin
-        self._origin = np.concatenate([self._x0, self._u0])
-        self._estimator, self._target = estimator, target
         self._drift: np.ndarray | None = None  # (len(reads),) [1/s] of a goal that moves, from t = 0 on
-        self._ny, self._nx, nu = len(reads), len(self._x0), len(self._u0)
-        m, size = len(steps[0].low), steps[0].G.shape[1]
-        self._d = np.empty(m + nu)
+        self._ny, m, size = len(reads), len(steps[0].low), steps[0].G.shape[1]
+        self._d = np.empty(m + len(limits.low))
         self._rows, self._free = self._d[:m], self._d[m:]
         self._lower, self._upper = np.empty(m), np.empty(m)
-        self._known = np.zeros(size) if estimator is not None or limits.remembers else None
-        self._last = None if self._known is None or not limits.remembers else self._known[size - nu :]
-        if estimator is not None:
-            assert self._known is not None
-            at = self._nx + len(self._origin)
-            self._seen = self._known[at : size - (nu if limits.remembers else 0)]
+        self._knowledge: Knowledge | None = None  # None: the reading is all there is to know
+        if estimator is not None or limits.remembers:
+            self._knowledge = Knowledge(size, origin, limits, estimator, target, self.tracked)
         self._low, self._high, self._limits = limits.low, limits.high, m > 0
         self._clips = bool(np.isfinite(limits.low).any() or np.isfinite(limits.high).any())
         self.plan, self._shift = LastPlan(self.horizon, size), np.zeros(m)
@@ -116,15 +110,13 @@ class MPC:
         past the horizon on which the limits are looked at, softly, under the unlimited law: enough of them are its
         output admissible set ("Linear Systems with State and Control Constraints", Gilbert and Tan 1991). penalty:
         cost of exceeding a bound by half its range (by itself where it has one side) at one step, None: more than
-        enough (penalty.py).
+        enough (exact_penalty.py).
 
         track: states or outputs brought without steady error to their values at the model's point, or to what `aim`
-        says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (disturbance.py);
+        says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (offset_free.py);
         `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: standard
         deviation of the readings where that of the inputs, and of the disturbance's drift over `time`, is one unit.
         """
-        from .design import regulator
-
         weights, limited = (Q, R, N, P), (limits, rates, bounds, terminal, penalty)
         return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (track, disturbance, time, noise)))
 
@@ -150,18 +142,16 @@ class MPC:
         The cost is the sum over steps of dt times the rate x'Qx + u'Ru of deviations from the nominal; P (nx, nx)
         weighs the state at the end of the last step's horizon, None: the cost to go there. Others as in `design`.
         """
-        from .ltv_design import follower
-
         return cls(**follower(ltv, (Q, R, P), horizon, (limits, rates, bounds, terminal, penalty), blocks, reads))
 
     @classmethod
-    def for_scene(cls, scene: Charged, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any) -> Self:
+    def for_scene(
+        cls, scene: CostedScene, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any
+    ) -> Self:
         """With a scene's cost, limits and bounds about its goal, moving or not, or along a nominal of its plant.
 
         options: as in `design`, or `along`; they go before the scene's.
         """
-        from .ltv_design import about_goal
-
         Q, R, high = dict(scene.weights), dict(scene.effort), np.array(scene.limits, dtype=float)
         bounds = {name: (-value, value) for name, value in scene.bounds}
         given: dict[str, Any] = {"horizon": horizon, "limits": (-high, high), "bounds": bounds} | options
@@ -179,20 +169,17 @@ class MPC:
         self.record.clear()
         for step in self._steps:
             step.solver.forget()
-        if self._estimator is not None:
-            self._estimator.reset()
-        if self._last is not None:
-            self._last[:] = np.minimum(np.maximum(self._u0, self._low), self._high)
+        if self._knowledge is not None:
+            self._knowledge.reset()
         self.plan.forget()
         self._at, self._multipliers = NEVER, self._shift
 
     def aim(self, values: Mapping[str, float]) -> None:
         """Bring tracked signals to other values, by name; they start at those of the model's point."""
-        for name, value in values.items():
+        for name in values:
             require_choice("MPC", "aim", name, self.tracked)
-            if not np.isfinite(value):
-                raise ValueError(f"MPC.aim[{name!r}] = {value!r} must be finite")
-            self._reference[list(self.tracked).index(name)] = value - self.tracked[name]
+        if self._knowledge is not None:
+            self._knowledge.aim(values)
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]."""
@@ -203,7 +190,10 @@ class MPC:
         if self._latest:
             at = min(max(int((moment("MPC", t) - self._start) / self.dt + 0.5), 0), self._latest)
         step = self._steps[at]
-        known = y if self._known is None else self._knowledge(y)
+        known = y
+        if self._knowledge is not None:
+            known = self._knowledge(y)
+            self.record.unreached += self._knowledge.limited
         rows, lower, upper = self._rows, self._lower, self._upper
         self.record.calls += 1
         np.dot(step.G, known, out=self._d)
@@ -222,23 +212,7 @@ class MPC:
         if self._clips:
             np.maximum(u, self._low, out=u)
             np.minimum(u, self._high, out=u)
-        return u if self._known is None else self._remember(u)
-
-    def _knowledge(self, y: np.ndarray) -> np.ndarray:
-        """p from the reading: the state, or what is estimated, its target, and the last input."""
-        known, nx = self._known, self._nx
-        assert known is not None
-        if self._estimator is None or self._target is None:
-            known[:nx] = y
-            return known
-        estimator = self._estimator
-        estimator.correct(y - self._y0)
-        np.add(self._x0, estimator.x, out=known[:nx])
-        steady = known[nx : nx + len(self._origin)]
-        np.add(self._origin, self._target(estimator.d, self._reference), out=steady)
-        self.record.unreached += self._target.limited
-        self._seen[:] = estimator.d[: len(self._seen)]
-        return known
+        return u if self._knowledge is None else self._knowledge.remember(u)
 
     def _solve(self, step: Step, at: int) -> np.ndarray | None:
         """z, from the last active set: that of the solver itself, or of its neighbour in time moved on by one step."""
@@ -257,20 +231,19 @@ class MPC:
             self.record.violate(excess(step, z, self._lower, self._upper, len(self.record.names)))
         return z
 
-    def _remember(self, u: np.ndarray) -> np.ndarray:
-        """u with its change limited; it is the last input from now on."""
-        if self._last is not None:
-            change = self.limits.change
-            np.minimum(u, self._last + change, out=u)
-            np.maximum(u, self._last - change, out=u)
-            self._last[:] = u
-        if self._estimator is not None:
-            self._estimator.go_on(u - self._u0)
-        return u
-
     def __copy__(self) -> Self:
         return deepcopy(self)  # solver and estimate are not to be shared
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy aims at the same values, and is otherwise as after `reset`."""
-        return MPC, self._made, {"_reference": self._reference, "_drift": self._drift}
+        aims = None if self._knowledge is None else self._knowledge.reference
+        return _again, (self._made, aims, self._drift)
+
+
+def _again(made: tuple[Any, ...], aims: np.ndarray | None, drift: np.ndarray | None) -> MPC:
+    """As after `reset`, with the same goal."""
+    controller = MPC(*made)
+    controller._drift = drift
+    if controller._knowledge is not None:
+        controller._knowledge.reference[:] = aims
+    return controller

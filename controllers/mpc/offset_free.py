@@ -20,6 +20,7 @@ import scipy.linalg as sla
 from pliant.controllers import riccati
 from pliant.controllers.solvers.least_distance_qp import LeastDistance
 from pliant.plants.core.errors import InfeasibleError
+from pliant.plants.core.matrix_roots import semidefinite_root
 
 KINDS = ("states", "inputs", "outputs")
 INFLUENCE = 1e-9  # least singular value of the observability or target equations, against the largest
@@ -142,7 +143,7 @@ class Target:
         # within limits: s = pinv(rest) (-Bd d) + Z y, least |L s|^2 + TRACKING |wanted s + Hd d - r|^2
         Z = sla.null_space(rest)
         scale = max(float(np.abs(weight).max()), 1e-12)
-        L = np.vstack([_root(weight), np.sqrt(TRACKING * scale) * wanted])
+        L = np.vstack([semidefinite_root(weight).T, np.sqrt(TRACKING * scale) * wanted])
         Y, T = np.linalg.qr(L @ Z)
         start = np.hstack([-np.linalg.pinv(rest) @ Bd, np.zeros((nx + nu, len(H)))])
         missed = np.hstack([Hd, -np.eye(len(H))])
@@ -166,9 +167,3 @@ class Target:
             if z is not None:  # else the least-cost target stays, and the inputs saturate
                 s[:] = start + self._reach @ z
         return s
-
-
-def _root(weight: Any) -> np.ndarray:
-    """L with L'L = weight (n, n) >= 0."""
-    values, vectors = np.linalg.eigh((weight + weight.T) / 2)
-    return np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, final
 import casadi as ca
 import numpy as np
 
-from pliant.plants.dynamics.step_sensitivities import StepSensitivities
+from pliant.plants.core.matrix_roots import semidefinite_root
+from pliant.plants.integration.step_sensitivities import StepSensitivities
 from pliant.plants.native.batch_kernels import BatchKernel, map_kernel, random_points
 
 from .condensing import Condensed
@@ -137,6 +138,5 @@ def _fill(stages: Array, nx: int, value: Array, slopes: Array) -> None:
 
 def _root(P: Array) -> Array:
     """L (rank, nx) with L'L = P, semidefinite."""
-    value, vector = np.linalg.eigh((P + P.T) / 2)
-    keep = value > 1e-14 * value.max(initial=0.0)
-    return (vector[:, keep] * np.sqrt(value[keep])).T.copy()
+    S = semidefinite_root(P)
+    return S[:, S.any(axis=0)].T.copy()

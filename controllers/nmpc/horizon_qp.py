@@ -6,7 +6,8 @@ from typing import final
 
 import numpy as np
 
-from pliant.controllers.solvers.soft_qp import CURVATURE, WORDS, SoftProgram
+from pliant.controllers.solvers.daqp_model import CURVATURE, WORDS
+from pliant.controllers.solvers.soft_qp import SoftProgram
 
 from .horizon import Horizon
 

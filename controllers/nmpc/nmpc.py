@@ -32,7 +32,7 @@ from .horizon_qp import HorizonProgram
 from .terminal_cost import end_of, fewest_substeps
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
 
 Array = np.ndarray
 ROUGH = 1e-6  # share of gaps in a plan's cost
@@ -109,7 +109,7 @@ class NMPC:
         self.reset()
 
     @classmethod
-    def for_scene(cls, scene: Charged, horizon: int = 30, **options: Any) -> Self:
+    def for_scene(cls, scene: CostedScene, horizon: int = 30, **options: Any) -> Self:
         """On the scene's plant, cost, limits and bounds; its start decides on the substeps. Options as above."""
         return cls(Objective.of(scene), horizon, **{"starts": (scene.initial[0],), **options})
 
@@ -189,6 +189,8 @@ class NMPC:
         self._taken = None
         if self._program.sound:
             plan.move(e, d)
+            # u + (limit - u) may round past the limit
+            np.clip(plan.u, self._program.lowest, self._program.highest, out=plan.u)
         else:
             plan.x[:] = y  # the plan was no motion: begin again from what was measured, with its inputs
         tail = plan.u[-1] if self.law is None else goal.u_goal - self.law.K @ (plan.x[-1] - plan.goal)

@@ -17,8 +17,8 @@ from pliant.controllers import riccati
 from pliant.controllers.base.goal_model import HELD
 from pliant.plants.core.errors import EquilibriumError, UncontrollableError
 from pliant.plants.core.parameters import require_choice, require_finite
-from pliant.plants.dynamics.step_sensitivities import StepSensitivities
 from pliant.plants.integration.step_maps import step_limit
+from pliant.plants.integration.step_sensitivities import StepSensitivities
 
 if TYPE_CHECKING:
     from pliant.controllers.base.objective import Objective

@@ -15,18 +15,18 @@ from .optimal import Motion, driven, optimal
 from .plan import plan
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
 
 NOMINALS = ("plan", "optimal", "rigid")
 STILL = 1e-6  # largest rate of a state that rests
 
 
-def rests(scene: Charged) -> bool:
+def rests(scene: CostedScene) -> bool:
     """Whether the scene starts and ends at rest."""
     return scene.goal_at_rest and bool(np.abs(scene.plant.dynamics(*scene.initial)).max(initial=0.0) < STILL)
 
 
-def nominal_for(scene: Charged, kind: str, reserve: float) -> Motion | Trajectory:
+def nominal_for(scene: CostedScene, kind: str, reserve: float) -> Motion | Trajectory:
     """ "plan": least effort to rest at the goal; "optimal": of least cost; both with a share of the limits in reserve.
 
     "rigid": the rigid plant's states under the scene's own nominal input.
@@ -42,7 +42,7 @@ def nominal_for(scene: Charged, kind: str, reserve: float) -> Motion | Trajector
     return optimal(kept, scene.initial[0], scene.steps, substeps=scene.substeps, guess=driven(scene))
 
 
-def rigid_nominal(scene: Charged) -> Trajectory:
+def rigid_nominal(scene: CostedScene) -> Trajectory:
     """The rigid plant's motion under the scene's nominal input, over its move_time, in the states of the scene's plant.
 
     What the rigid plant lacks, elastic coordinates and their rates, goes straight from start to goal.

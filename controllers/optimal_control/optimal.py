@@ -28,7 +28,7 @@ from pliant.plants.core.trajectory import Trajectory
 from .multiple_shooting import Transcription
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
 
 HESSIANS = ("exact", "gauss-newton")
@@ -105,7 +105,7 @@ def optimal(
     return _solve(problem, _start(problem, guess), solver, tolerance, iterations)
 
 
-def bound(scene: Charged, *, guess: Any = None, **options: Any) -> Motion:
+def bound(scene: CostedScene, *, guess: Any = None, **options: Any) -> Motion:
     """The least a scene can cost: `optimal` from its start over its duration; options as there.
 
     Starts, where no guess is given, from the motion under the scene's nominal input.
@@ -115,7 +115,7 @@ def bound(scene: Charged, *, guess: Any = None, **options: Any) -> Motion:
     return optimal(Objective.of(scene), scene.initial[0], scene.steps, **given)
 
 
-def driven(scene: Charged) -> tuple[np.ndarray, np.ndarray] | None:
+def driven(scene: CostedScene) -> tuple[np.ndarray, np.ndarray] | None:
     """x (steps+1, nx) and u (steps, nu) of the plant under its nominal input within limits; None where it diverges."""
     step, high = scene.plant.stepper(scene.dt, substeps=scene.substeps), np.array(scene.limits)
     middles = scene.dt * (np.arange(scene.steps) + 0.5)

@@ -21,7 +21,7 @@ from pliant.plants.core.parameters import require_finite
 from .optimal import Motion, optimal
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import Charged
+    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
 
 
@@ -29,7 +29,7 @@ NEARNESS = 10.0  # weight of a coordinate's deviation from its way, as a share o
 
 
 def plan(
-    scene: Charged,
+    scene: CostedScene,
     *,
     x0: Any = None,
     time: float | None = None,
@@ -104,7 +104,7 @@ def plan(
     )
 
 
-def _rest(scene: Charged, time: float) -> dict[str, float]:
+def _rest(scene: CostedScene, time: float) -> dict[str, float]:
     """What the end must be: every state or output that a law about the goal has to hold, where it is at `time` [s]."""
     model, drift = goal_model(scene)
     return dict(zip(model.state_names, (model.x0 + time * drift).tolist()))
@@ -126,7 +126,7 @@ def rigid_motion(
     if not n or rigid.nu != n or plant.nu != n:
         return x, np.tile(u_goal, (steps, 1))
     own = [s.name for s in plant.states]
-    v = [own.index(s.name) for s in rigid.states[n:]]
+    v = [own.index(name) for name in rigid.rates.values()]
     span = x_goal[q] - x0[q]
     x[:, v] = ds / time * span
     middle = (t[:-1] + t[1:]) / 2
@@ -145,8 +145,8 @@ def rigid_motion(
 def _coordinates(plant: Plant) -> list[int]:
     """Where the rigid plant's coordinates stand in the plant's state; none where it does not know them."""
     rigid, own = plant.ladder()[0], [s.name for s in plant.states]
-    shared = rigid.nx % 2 == 0 and all(s.name in own for s in rigid.states)
-    return [own.index(s.name) for s in rigid.states[: rigid.nx // 2]] if shared else []
+    shared = rigid.nx == 2 * len(rigid.rates) and all(s.name in own for s in rigid.states)
+    return [own.index(name) for name in rigid.rates] if shared else []
 
 
 def _travelled(plant: Plant, x0: np.ndarray, x_goal: np.ndarray) -> list[int]:

@@ -21,11 +21,12 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.plants.core.errors import PliantError
+from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.magnus import with_cost
 
 from .checks import known_names as _names
 from .checks import require_reached as _require_reached
-from .checks import root as _root
 from .checks import system as _system
 from .checks import weight_matrix as _weight
 from .ltv_discretisation import SampledLTV, sampled_along
@@ -90,11 +91,18 @@ def lqi(A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequenc
     """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny)."""
     A, B = _system(A, B)
     C = require_finite("C", C, (-1, len(A)))
-    nx, ny, nu = len(A), len(C), B.shape[1]
-    D = np.zeros((ny, nu)) if D is None else require_finite("D", D, (ny, nu))
-    known = _names(names, nx) + tuple(f"integral {i + 1}" for i in range(ny))
-    wide = np.block([[A, np.zeros((nx, ny))], [C, np.zeros((ny, ny))]])
-    return lqr(wide, np.vstack([B, D]), Q, R, names=known)
+    D = np.zeros((len(C), B.shape[1])) if D is None else require_finite("D", D, (len(C), B.shape[1]))
+    known = _names(names, len(A)) + tuple(f"integral {i + 1}" for i in range(len(C)))
+    return lqr(*with_integrals(A, B, C, D), Q, R, names=known)
+
+
+def with_integrals(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, dt: float | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """A (nx + ny, nx + ny), B (nx + ny, nu) of [x; int y], y = C x + D u; of x+ = A x + B u, [x; sum dt y]."""
+    nx, ny = len(A), len(C)
+    stay, rate = (np.zeros((ny, ny)), 1.0) if dt is None else (np.eye(ny), dt)
+    return np.block([[A, np.zeros((nx, ny))], [rate * C, stay]]), np.vstack([B, rate * D])
 
 
 def kalman(
@@ -104,15 +112,7 @@ def kalman(
 
     E (nx, nw), C (ny, nx); spectral densities W (nw, nw) >= 0 of w, V (ny, ny) > 0 of v, in unit^2 s.
     """
-    A, E = _system(A, E, "E")
-    C = require_finite("C", C, (-1, len(A)))
-    W = _weight("W", W, E.shape[1], definite=False)
-    V = _weight("V", V, len(C), definite=True)
-    known = _names(names, len(A))
-    _require_reached(A.T, C.T, known, None, "cannot be seen by the output", dual=True)
-    _require_reached(A, E @ _root(W), known, None, "is not driven by the noise w")
-    P, K = solve_riccati(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), None)
-    return K.T, P
+    return _filter(A, E, C, W, V, names, None)
 
 
 def dkalman(
@@ -124,14 +124,41 @@ def dkalman(
     E (nx, nw), C (ny, nx); covariances W (nw, nw) >= 0 and V (ny, ny) > 0 of a sample of w and v. The gain of the
     measurement update is M = P C' (C P C' + V)^-1, so that L = A M. `dt` [s] only names modes in Hz in errors.
     """
+    return _filter(A, E, C, W, V, names, dt)
+
+
+def _filter(
+    A: Any, E: Any, C: Any, W: Any, V: Any, names: Sequence[str] | None, dt: float | None
+) -> tuple[np.ndarray, np.ndarray]:
     A, E = _system(A, E, "E")
     C = require_finite("C", C, (-1, len(A)))
     W = _weight("W", W, E.shape[1], definite=False)
     V = _weight("V", V, len(C), definite=True)
-    known = _names(names, len(A))
-    _require_reached(A.T, C.T, known, dt, "cannot be seen by the output", dual=True)
-    _require_reached(A, E @ _root(W), known, dt, "is not driven by the noise w")
-    P, K = solve_riccati(A.T, C.T, E @ W @ E.T, V, np.zeros((len(A), len(C))), dt)
+    words = "cannot be seen by the output", "is not driven by the noise w"
+    known, drive = _names(names, len(A)), E @ semidefinite_root(W)
+    return filter_gain(A, C, E @ W @ E.T, V, np.zeros((len(A), len(C))), drive, known, dt, words)
+
+
+def filter_gain(
+    A: np.ndarray,
+    C: np.ndarray,
+    W: np.ndarray,
+    V: np.ndarray,
+    N: np.ndarray,
+    drive: np.ndarray,
+    names: tuple[str, ...],
+    dt: float | None,
+    words: tuple[str, str],
+) -> tuple[np.ndarray, np.ndarray]:
+    """L (nx, ny) and P (nx, nx) of every steady filter: noise W (nx, nx) on the state, V (ny, ny) on the reading
+    C x, N (nx, ny) common to both.
+
+    drive (nx, .): a root of W - N V^-1 N', what the reading does not tell of the noise. words: what
+    UncontrollableError says of modes that do not decay and that C does not see, or that nothing drives.
+    """
+    _require_reached(A.T, C.T, names, dt, words[0], dual=True)
+    _require_reached(A - np.linalg.solve(V, N.T).T @ C, drive, names, dt, words[1])
+    P, K = solve_riccati(A.T, C.T, W, V, N, dt)
     return K.T, P
 
 
@@ -151,12 +178,7 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
     M = np.block([[Q, N], [N.T, R]])
     j = max(0, int(np.ceil(np.log2(max(float(np.linalg.norm(A, 1)) * dt, 1e-300)))))
-    h = dt / 2**j
-    big = sla.expm(h * np.block([[-F.T, M], [np.zeros_like(F), F]]))
-    step = big[nx + nu :, nx + nu :]
-    cost = step.T @ big[: nx + nu, nx + nu :]
-    for _ in range(j):
-        cost, step = cost + step.T @ cost @ step, step @ step
+    step, cost = with_cost(F * dt, M * dt, -F.T * dt, j)
     cost = (cost + cost.T) / 2
     return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
 
@@ -171,7 +193,7 @@ def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None,
         _weight("[[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), nx + nu, definite=False)
     _require_reached(A, B, known, dt, "cannot be reached by the input")
     lean = sla.solve(R, N.T, assume_a="pos")
-    seen = _root(Q - N @ lean)
+    seen = semidefinite_root(Q - N @ lean)
     _require_reached((A - B @ lean).T, seen, known, dt, "cannot be seen by the cost Q", dual=True)
     P, K = solve_riccati(A, B, Q, R, N, dt)
     return Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))

@@ -54,12 +54,6 @@ def _state_of(z: np.ndarray, position: np.ndarray, right: np.ndarray) -> int:
     return dominant(z, spread)
 
 
-def root(weight: np.ndarray) -> np.ndarray:
-    """S with S S' = weight, semidefinite."""
-    value, vector = np.linalg.eigh((weight + weight.T) / 2)
-    return vector * np.sqrt(np.where(value > 1e-13 * value.max(initial=0.0), value, 0.0))
-
-
 def system(A: Any, B: Any, name: str = "B") -> tuple[np.ndarray, np.ndarray]:
     A = require_finite("A", A, (-1, -1))
     A = require_finite("A", A, (len(A), len(A)))

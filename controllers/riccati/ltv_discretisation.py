@@ -9,18 +9,17 @@ and doubled (the second as in Anderson 1978), so that no growing exponential app
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.linear.magnus import exponent, halvings, with_cost
 
 from .checks import weight_matrix
-
-if TYPE_CHECKING:
-    from pliant.plants.linear.ltv import LTVModel
 
 Array = np.ndarray
 LARGEST_DEFECT = 1e-6  # negative part of what must be >= 0, against its size: above, the nodes are too far apart
@@ -57,13 +56,9 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     M[:nx, :nx], M[:nx, nx:-1], M[nx:-1, :nx], M[nx:-1, nx:-1] = Q, N, N.T, R
     big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
     big[:, :, :n, :n], big[:, :, :n, n:], big[:, :, n:, n:] = -F.transpose(0, 1, 3, 2), M, F
-    Omega = _exponent(big, np.diff(model.t))
-    j = _halvings(Omega[:, n:, n:])
-    parts = sla.expm(Omega / 2**j)
-    step = parts[:, n:, n:]
-    cost = step.transpose(0, 2, 1) @ parts[:, :n, n:]
-    for _ in range(j):
-        cost, step = cost + step.transpose(0, 2, 1) @ cost @ step, step @ step
+    Omega = exponent(big, np.diff(model.t))
+    own, j = Omega[:, n:, n:], halvings(Omega[:, n:, n:])
+    step, cost = with_cost(own, Omega[:, :n, n:], Omega[:, :n, :n], j)
     cost = _semidefinite(cost, model.t)
     x, u = slice(0, nx), slice(nx, nx + nu)
     dynamics = step[:, x, x], step[:, x, u], step[:, x, -1]
@@ -86,8 +81,8 @@ def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[
     unit = np.sqrt(sizes[1] / sizes[0]) if min(sizes) > 0 else 1.0  # of the costate, so that G and H are alike
     big[:, :, :n, n:] *= unit
     big[:, :, n:, :n] /= unit
-    Omega = _exponent(big, np.diff(model.t))
-    j = _halvings(Omega)
+    Omega = exponent(big, np.diff(model.t))
+    j = halvings(Omega)
     flow = sla.expm(Omega / 2**j)
     back = np.linalg.inv(flow[:, n:, n:])
     F, G, H = back.transpose(0, 2, 1), -flow[:, :n, n:] @ back, -back @ flow[:, n:, :n]
@@ -110,16 +105,3 @@ def _semidefinite(cost: Array, t: Array) -> Array:
             f"{lost[i]:.2g} of its size, at most {LARGEST_DEFECT:g}: put the nodes of the nominal closer there"
         )
     return (vector * np.maximum(value, 0.0)[:, None, :]) @ vector.transpose(0, 2, 1)
-
-
-def _exponent(N: Array, h: Array) -> Array:
-    """The fourth-order Magnus exponent of each step h (m,) from N (m, 2, n, n) at two Gauss points."""
-    h = h[:, None, None]
-    commutator = N[:, 0] @ N[:, 1] - N[:, 1] @ N[:, 0]
-    return h / 2 * (N[:, 0] + N[:, 1]) - np.sqrt(3.0) / 12 * h**2 * commutator
-
-
-def _halvings(Omega: Array) -> int:
-    """j with |Omega / 2^j| <= 1 for every step."""
-    size = float(np.abs(Omega).sum(axis=-1).max(initial=0.0))
-    return max(0, int(np.ceil(np.log2(max(size, 1e-300)))))

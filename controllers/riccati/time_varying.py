@@ -16,6 +16,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.plants.core.errors import PliantError
+from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_finite
 
 from .checks import weight_matrix
@@ -148,9 +149,9 @@ def _require_solved(A: Array, B: Array, Q: Array, R: Array, N: Array, made: Time
 
 def _roots(weight: Array) -> tuple[Array, Array]:
     """S (T, n, n) with S S' = weight (T, n, n) less its negative part, and that part against its size (T,)."""
-    value, vector = np.linalg.eigh((weight + weight.transpose(0, 2, 1)) / 2)
+    value = np.linalg.eigvalsh((weight + weight.transpose(0, 2, 1)) / 2)
     size = np.maximum(np.abs(value).max(axis=1, initial=0.0), 1e-300)
-    return vector * np.sqrt(np.maximum(value, 0.0))[:, None, :], np.maximum(-value.min(axis=1, initial=0.0), 0.0) / size
+    return semidefinite_root(weight), np.maximum(-value.min(axis=1, initial=0.0), 0.0) / size
 
 
 def _end_root(end: Any, nx: int) -> Array:

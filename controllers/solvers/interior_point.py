@@ -6,19 +6,47 @@ Both take the program's own derivatives as CasADi callbacks; nothing is differen
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
-if TYPE_CHECKING:
-    from pliant.controllers.optimal_control.multiple_shooting import Transcription
-
 POINT, DUAL = ("x", "p"), ("x", "p", "lam_f", "lam_g")  # CasADi's names
 
 
+class Pattern(Protocol):
+    """Where a sparse matrix may have numbers."""
+
+    @property
+    def sparsity(self) -> ca.Sparsity: ...
+
+
+class NonlinearProgram(Protocol):
+    """min cost(z), bounds on z (size,) and on constraints(z) (rows,): see optimal_control.multiple_shooting."""
+
+    @property
+    def size(self) -> int: ...
+    @property
+    def rows(self) -> int: ...
+    @property
+    def N(self) -> int: ...  # stages
+    @property
+    def stages(self) -> dict[str, Any]: ...  # nx, nu, ng of each, as FATROP asks for them
+    @property
+    def jacobian_pattern(self) -> Pattern: ...
+    @property
+    def hessian_pattern(self) -> Pattern: ...
+    def cost(self, z: np.ndarray) -> float: ...
+    def gradient(self, z: np.ndarray) -> np.ndarray: ...
+    def constraints(self, z: np.ndarray) -> np.ndarray: ...
+    def jacobian(self, z: np.ndarray) -> Any: ...
+    def hessian(self, z: np.ndarray, scale: float, multipliers: np.ndarray) -> Any: ...  # upper triangle
+    def variable_bounds(self) -> tuple[np.ndarray, np.ndarray]: ...
+    def row_bounds(self) -> tuple[np.ndarray, np.ndarray]: ...
+
+
 def solve(
-    problem: Transcription, z: np.ndarray, solver: str, tolerance: float, iterations: int
+    problem: NonlinearProgram, z: np.ndarray, solver: str, tolerance: float, iterations: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
     """z, the multipliers of its bounds and of the constraints, and the solver's statistics, from the start z."""
     calls = _calls(problem, solver)  # kept alive here until the solver is done
@@ -48,7 +76,7 @@ def solve(
     return z, lam_z, lam, stats
 
 
-def _calls(problem: Transcription, solver: str) -> dict[str, Call]:
+def _calls(problem: NonlinearProgram, solver: str) -> dict[str, Call]:
     """What each solver asks for, under CasADi's names."""
     n, m = ca.Sparsity.dense(problem.size), ca.Sparsity.dense(problem.rows)
     none, one = ca.Sparsity.dense(0, 1), ca.Sparsity.dense(1)

@@ -1,8 +1,7 @@
 """min |z|^2 + penalty sum_i s_i over z, s >= 0 with lower - s <= M z <= upper + s, s_i = 0 where row i is hard.
 
-A least-distance problem, which is what a dual active-set method solves inside: "A Dual Active-Set Solver for Embedded
-Quadratic Programming Using Recursive LDL' Updates" (Arnstrom, Bemporad, Axehill 2022), the solver DAQP. M is handed
-over and factorised once; a solve takes new bounds only, and starts from the active set, and its factors, of the last.
+A least-distance problem, which is what a dual active-set method solves inside (see daqp_model.py). M is handed over and
+factorised once; a solve takes new bounds only, and starts from the active set, and its factors, of the last.
 """
 
 from __future__ import annotations
@@ -11,11 +10,9 @@ from typing import Any, final
 
 import numpy as np
 
-INFINITE = 1e30  # a bound that DAQP takes for none
+from .daqp_model import ACTIVE, AT_LOWER, INFINITE, SOFT, DaqpModel
+
 TOLERANCE = 1e-9  # largest violation of a row that passes for none, in the row's unit
-SOFT, ACTIVE, AT_LOWER = 8, 1, 2  # DAQP's marks of a row
-VIOLATED = 2  # DAQP's exit flag: optimal, a soft row is violated
-CURVATURE = 1e-3  # quadratic part of the penalty at a violation of one, relative to the linear part
 
 
 @final
@@ -29,23 +26,17 @@ class LeastDistance:
         self._build()
 
     def _build(self) -> None:
-        import daqp
-
         m, nz = self.M.shape
-        self._sense = np.where(self.soft, SOFT, 0).astype(np.intc)
-        self._warm = self._sense.copy()
-        self._solver = daqp.Model()
-        self._solver.settings = {"primal_tol": TOLERANCE, "iter_limit": 20 * (m + nz) + 100}
-        far = np.full(m, INFINITE)
-        flag, _ = self._solver.setup(np.eye(nz), np.zeros(nz), self.M, far, -far, self._sense.copy())
-        if flag < 0:
-            raise ValueError(f"LeastDistance: DAQP refuses M {self.M.shape} with flag {flag}")
+        sense = np.where(self.soft, SOFT, 0).astype(np.intc)
+        self._warm = sense.copy()
+        limit = 20 * (m + nz) + 100
+        self._model = DaqpModel(
+            np.eye(nz), np.zeros(nz), self.M, sense, far=INFINITE, tolerance=TOLERANCE, iteration_limit=limit
+        )
+        if self._model.flag < 0:
+            raise ValueError(f"LeastDistance: DAQP refuses M {self.M.shape} with flag {self._model.flag}")
         if self.soft.any():
-            w = np.full(m, max(self.penalty, 1e-12) / 2)  # DAQP halves |z|^2
-            rho = 1 / (CURVATURE * w)
-            self._solver.soft_weights(rho, rho, w, w)
-        self.flag = 0
-        self.multipliers = np.zeros(m)  # of the last solve, positive at upper bounds, for the cost |z|^2 / 2
+            self._model.price(max(self.penalty, 1e-12) / 2)  # DAQP halves |z|^2
 
     def solve(self, lower: np.ndarray, upper: np.ndarray, multipliers: np.ndarray | None = None) -> np.ndarray | None:
         """z (nz,), None where there is none or it is not found; `flag` and `violated` say more.
@@ -53,38 +44,41 @@ class LeastDistance:
         lower, upper (m,), C-ordered, at most 1e30; they are read during the call only. `multipliers` (m,) of a
         neighbouring problem give the active set to start from instead of the last one.
         """
-        solver = self._solver
+        model = self._model
         if multipliers is None:
-            self.flag = solver.update(bupper=upper, blower=lower)
+            taken = model.update(bupper=upper, blower=lower)
         else:
             self._mark(multipliers)
-            self.flag = solver.update(bupper=upper, blower=lower, sense=self._warm)
-        if self.flag >= 0:
-            z, _, self.flag, info = solver.solve()
-            if self.flag > 0:
-                self.multipliers = info["lam"]
+            taken = model.update(bupper=upper, blower=lower, sense=self._warm)
+        if taken or model.update(bupper=upper, blower=lower, sense=model.sense):
+            z = model.solve()
+            if z is not None:
                 return z
-        if solver.update(bupper=upper, blower=lower, sense=self._sense) >= 0:  # once more, from no active set
-            z, _, self.flag, info = solver.solve()
-            if self.flag > 0:
-                self.multipliers = info["lam"]
-                return z
-        self.forget()
+        model.forget()
         return None
+
+    @property
+    def flag(self) -> int:
+        """DAQP's, of the last solve."""
+        return self._model.flag
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """(m,) of the last solution, positive at upper bounds, for the cost |z|^2 / 2."""
+        return self._model.multipliers
 
     @property
     def violated(self) -> bool:
         """Whether the last solve violates a soft row."""
-        return self.flag == VIOLATED
+        return self._model.violated
 
     def forget(self) -> None:
         """Start the next solve from no active set."""
-        if len(self._sense):
-            self._solver.update(sense=self._sense)
+        self._model.forget()
 
     def _mark(self, multipliers: np.ndarray) -> None:
         warm = self._warm
-        np.copyto(warm, self._sense)
+        np.copyto(warm, self._model.sense)
         warm[multipliers > 0] |= ACTIVE
         warm[multipliers < 0] |= ACTIVE | AT_LOWER
 

@@ -1,6 +1,4 @@
-"""A quadratic program with limits on its variables and soft rows, solved again and again, by DAQP's active-set method
-(Arnstrom, Bemporad, Axehill, "A dual active-set solver for embedded quadratic programming using recursive LDL'
-updates", 2022).
+"""A quadratic program with limits on its variables and soft rows, solved again and again (see daqp_model.py).
 
 min 1/2 d'H d + f'd + w sum of s,  lowest <= d <= highest,  low - s <= Z d <= high + s,  s >= 0
 
@@ -11,26 +9,14 @@ That solution is the same. Rows that nearly bound the last time are taken from t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
-if TYPE_CHECKING:
-    import daqp
+from .daqp_model import SOFT, DaqpModel
 
 Array = np.ndarray
-SOFT = 8  # DAQP's mark of a row that may be violated
-SOLVED = (1, 2)  # DAQP: optimal, optimal with soft rows violated
 NEAR = 0.2  # of a bound, in the rows' unit: they are best scaled to bounds about 1
-CURVATURE = 1e-3  # weight of half the square of a violation, which DAQP needs, over that of the violation
-WORDS = {
-    -1: "infeasible",
-    -2: "the active set cycles",
-    -3: "unbounded",
-    -4: "iteration limit",
-    -5: "not convex",
-    -6: "too many equalities",
-}
 
 
 @final
@@ -39,8 +25,8 @@ class SoftProgram:
 
     def __init__(self, n: int, m: int, *, penalty: float, iteration_limit: int = 1000, tolerance: float = 1e-9) -> None:
         self.n, self.m, self.penalty = n, m, penalty
-        self._settings = {"iter_limit": iteration_limit, "primal_tol": tolerance}
-        self._models: dict[int, daqp.Model] = {}
+        self._settings = iteration_limit, tolerance
+        self._models: dict[int, DaqpModel] = {}
         self._current: set[int] = set()  # programs that have the last H and Z
         self._high, self._low = np.zeros(n + m), np.zeros(n + m)
         self._z = np.zeros(m)
@@ -101,18 +87,13 @@ class SoftProgram:
         if rows not in self._current and not self._update(rows):
             return None
         size, model = self.n + rows, self._models[rows]
-        self.status = model.update(f=f, bupper=self._high[:size], blower=self._low[:size])
-        if self.status < 0:
+        d = model.solve() if model.update(f=f, bupper=self._high[:size], blower=self._low[:size]) else None
+        self.status = model.flag
+        self.iterations += model.iterations
+        if d is None:
             return None
-        d, _, self.status, info = model.solve()
-        self.iterations += info["iterations"]
-        if self.status not in SOLVED and model.update(sense=self._sense[:size]) >= 0:  # again, from no active set
-            d, _, self.status, info = model.solve()
-            self.iterations += info["iterations"]
-        if self.status not in SOLVED:
-            return None
-        self.limited = bool(info["lam"].any())
-        self.multipliers[:] = info["lam"][self.n :] if rows else 0.0
+        self.limited = bool(model.multipliers.any())
+        self.multipliers[:] = model.multipliers[self.n :] if rows else 0.0
         return d
 
     def _update(self, rows: int) -> bool:
@@ -120,20 +101,17 @@ class SoftProgram:
         model = self._models.get(rows)
         if model is None:
             model = self._models[rows] = self._new(rows)
-        self.status = model.update(H=self.H, A=Z) if rows else model.update(H=self.H)
-        if self.status >= 0:
+        taken = model.update(H=self.H, A=Z) if rows else model.update(H=self.H)
+        self.status = model.flag
+        if taken:
             self._current.add(rows)
-        return self.status >= 0
+        return taken
 
-    def _new(self, rows: int) -> daqp.Model:
-        import daqp
-
-        n = self.n
-        model = daqp.Model()
-        ones = np.ones(n + rows)
-        model.settings = self._settings
-        model.setup(np.eye(n), np.zeros(n), np.eye(rows, n), ones, -ones, self._sense[: n + rows].copy())
-        w = np.full(n + rows, self.penalty)
-        rho = 1 / (CURVATURE * w)
-        model.soft_weights(rho, rho, w, w)
+    def _new(self, rows: int) -> DaqpModel:
+        n, (limit, tolerance) = self.n, self._settings
+        sense = self._sense[: n + rows].copy()
+        model = DaqpModel(
+            np.eye(n), np.zeros(n), np.eye(rows, n), sense, far=1.0, tolerance=tolerance, iteration_limit=limit
+        )
+        model.price(self.penalty)
         return model

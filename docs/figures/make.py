@@ -6,12 +6,10 @@ from pathlib import Path
 import matplotlib.image
 import matplotlib.pyplot as plt
 
+from pliant.controllers import LQR
 from pliant.envs import scenes
-from pliant.studies.chart import chart
-from pliant.studies.closed_loop import regulator
-from pliant.studies.figures import stroboscopic
-from pliant.studies.figures_chart import speed_accuracy
-from pliant.studies.style import save
+from pliant.studies import chart
+from pliant.studies.figures import save, speed_accuracy, stroboscopic
 
 
 def picture(figure) -> "matplotlib.image.AxesImage":
@@ -23,7 +21,7 @@ def picture(figure) -> "matplotlib.image.AxesImage":
 
 
 scene = scenes.get("two-link-reach")
-motion = scene.plant.simulate(scene.initial[0], regulator(scene), scene.times)
+motion = scene.plant.simulate(scene.initial[0], LQR.for_scene(scene), scene.times)
 images = [picture(stroboscopic([("LQR", scene.plant, motion)], until=1.2)), picture(speed_accuracy(chart(scene)))]
 widths = [image.shape[1] / image.shape[0] for image in images]
 figure, axes = plt.subplots(1, 2, figsize=(4.2 * sum(widths), 4.2), width_ratios=widths, layout="constrained")

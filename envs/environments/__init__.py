@@ -1,1 +1,19 @@
-"""A scene as a Gymnasium environment, as a vector environment, and for Stable-Baselines3."""
+"""PlantEnv, PlantVectorEnv, PlantVecEnv (SB3), registration; `Scene.vector_env` and `.sb3_env` make theirs here."""
+
+import importlib
+from typing import Any
+
+from pliant.envs.scenes.scene import ENVIRONMENTS, Scene
+
+from .env import PlantEnv, environment_id, register
+from .vector_env import PlantVectorEnv
+
+__all__ = ["PlantEnv", "PlantVectorEnv", "environment_id", "register"]
+
+
+def _sb3(scene: Scene, num_envs: int, **options: Any) -> Any:
+    """A PlantVecEnv; its module is a subclass of stable_baselines3's, which is optional and loads torch."""
+    return importlib.import_module(f"{__name__}.sb3_env").PlantVecEnv(scene, num_envs, **options)
+
+
+ENVIRONMENTS.update(vector=PlantVectorEnv, sb3=_sb3)

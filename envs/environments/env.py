@@ -12,6 +12,7 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs import scenes
+from pliant.envs.rendering import Renderer, renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import LARGEST
@@ -74,7 +75,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._idle = np.zeros(scene.plant.nu)
         self._steps = scene.steps
         self._over = True
-        self._renderer: Any = None
+        self._renderer: Renderer | None = None
 
     def _check_step(self) -> None:
         """Raise StabilityLimitError where RK4's step is too long at the goal, for any extreme parameters."""
@@ -184,8 +185,6 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
             return None
         if self._renderer is None:
-            from pliant.envs.rendering.planar import renderer
-
             self._renderer = renderer(self.scene, window=self.render_mode == "human")
         return self._renderer.draw(self._x, self._u, self.time, self._total)
 

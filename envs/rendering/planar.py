@@ -1,43 +1,33 @@
 """Pictures of a scene: the bent arm, its goal where that is a place, the path of its tip, the inputs.
 
-Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a spacecraft is in `render_space`.
+Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a spacecraft is in `spatial`.
 """
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import FlexibleSpacecraft
+from pliant.plants.core.parameters import require_choice
 
 PIXELS = 600
 LINKS = ("#1f4e79", "#3182bd", "#6baed6", "#9ecae1")
 GOAL, TIP, INK, PALE = "#2e9e5b", "#d9622b", "#303030", "#e4e7ea"
 
 
-class Drawable(Protocol):
-    def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray: ...
-
-
 def renderer(scene: Scene, *, window: bool = False) -> Renderer:
-    """What draws the scene: an arm in its plane, a spacecraft in space."""
-    if isinstance(scene.plant, FlexibleSpacecraft):
-        from .spatial import SpaceRenderer
-
-        return SpaceRenderer(scene, window=window)
-    return Renderer(scene, window=window)
+    """What draws the scene, as its plant's `drawn_as` says: an arm in its plane, a spacecraft in space."""
+    require_choice(type(scene.plant).__name__, "drawn_as", scene.plant.drawn_as, tuple(RENDERERS))
+    return RENDERERS[scene.plant.drawn_as](scene, window=window)
 
 
 class Renderer:
     """Draws one scene again and again; keeps the tip's path since the last `clear`."""
 
     def __init__(self, scene: Scene, *, window: bool = False) -> None:
-        plant: Any = scene.plant
-        if not hasattr(plant, "outline"):
-            raise ValueError(f"scene {scene.name!r}: its plant {type(plant).__name__} has no outline to draw")
-        self._arm: Drawable = plant
         self.scene, self.window = scene, window
         if window:
             import matplotlib.pyplot as plt
@@ -57,7 +47,9 @@ class Renderer:
         from matplotlib.collections import LineCollection
 
         scene = self.scene
-        goal = self._arm.outline(scene.target[0])
+        goal = scene.plant.outline(scene.target[0])
+        if not len(goal):
+            raise ValueError(f"scene {scene.name!r}: its plant {type(scene.plant).__name__} has no outline to draw")
         reach = sum(np.linalg.norm(np.diff(link, axis=0), axis=1).sum() for link in goal)
         axes = self.axes = self.figure.add_axes((0, 0, 1, 1))
         axes.set(xlim=(-1.25 * reach, 1.25 * reach), ylim=(-1.33 * reach, 1.17 * reach), aspect="equal")
@@ -117,7 +109,7 @@ class Renderer:
         """The state x (nx,) under an action (nu,) in [-1, 1]: (height, width, 3) uint8, None in a window."""
         from matplotlib.colors import to_rgb
 
-        links = self._arm.outline(x)
+        links = np.asarray(self.scene.plant.outline(x))
         for artist, tangent, link in zip(self._links, self._tangents, links):
             artist.set_data(*link.T)
             length = np.linalg.norm(np.diff(link, axis=0), axis=1)
@@ -151,3 +143,6 @@ class Renderer:
             import matplotlib.pyplot as plt
 
             plt.close(self.figure)
+
+
+RENDERERS: dict[str, Callable[..., Renderer]] = {"links": Renderer}  # by `Plant.drawn_as`; other modules add theirs

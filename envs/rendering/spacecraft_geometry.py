@@ -7,6 +7,7 @@ outlines to the opposite one, parallel to it: twisting is not shown. Deflections
 from __future__ import annotations
 
 import dataclasses
+from typing import cast
 
 import casadi as ca
 import numpy as np
@@ -59,7 +60,6 @@ def _numbers(expression: ca.SX) -> Array:
 def box_of(craft: FlexibleSpacecraft) -> Array:
     """Edges (3,) [m] of the homogeneous box of the hub's mass and principal moments."""
     own = craft.nominal
-    assert isinstance(own, FlexibleSpacecraft)
     I = np.diag(np.array(own.hub.inertia, dtype=float))
     return np.sqrt(np.maximum(6 * (I.sum() - 2 * I) / float(own.hub.mass), 0.01))
 
@@ -73,13 +73,11 @@ def reach_of(craft: FlexibleSpacecraft) -> float:
 @once_per_scene
 def exaggeration(scene: Scene) -> int:
     """What the largest deflection of the scene's open-loop motion is drawn as many times as, so that it can be seen."""
-    craft = scene.plant
-    assert isinstance(craft, FlexibleSpacecraft)
+    craft = cast(FlexibleSpacecraft, scene.plant)  # as it is drawn as one
     try:
         motion = scene.open_loop(rtol=ROUGH, atol=ROUGH / 1e4)
     except PliantError:
         return 1
-    tips = [s.name for s in craft.outputs if s.name.startswith("tip")]
-    largest = max((float(np.abs(motion[name]).max()) for name in tips), default=0.0)
+    largest = max((float(np.abs(motion[name]).max()) for name in craft.tips), default=0.0)
     wanted = SEEN * reach_of(craft) / max(largest, 1e-12)
     return max((f for f in FACTORS if f <= wanted), default=1)

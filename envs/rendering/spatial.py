@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants import FlexibleSpacecraft
 
-from .planar import GOAL, INK, TIP, Renderer
+from .planar import GOAL, INK, RENDERERS, TIP, Renderer
 from .spacecraft_geometry import Scenery, exaggeration, reach_of, scenery
 
 SUN, HUB, PANEL = "#e0a100", "#b9c2cc", "#3b6fb6"
@@ -72,8 +72,7 @@ class SpaceRenderer(Renderer):
     """Draws one scene of a spacecraft again and again; keeps the first tip's path since the last `clear`."""
 
     def _prepare(self) -> None:
-        scene, craft = self.scene, self.scene.plant
-        assert isinstance(craft, FlexibleSpacecraft)
+        scene, craft = self.scene, cast(FlexibleSpacecraft, self.scene.plant)  # as it is drawn as one
         self._craft, self._factor = craft, exaggeration(scene)
         self._behind: Any
         reach = self._reach = reach_of(craft)
@@ -110,3 +109,6 @@ class SpaceRenderer(Renderer):
         path = np.array(self._path[-TRAIL:])
         self._behind.set_data_3d(*path.T)
         return self._show(action, time, cost)
+
+
+RENDERERS["spacecraft"] = SpaceRenderer

@@ -18,7 +18,7 @@ import numpy as np
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import require_choice
 
-from . import arms, beams, mechanisms, spacecraft
+from . import arms, beams, mechanisms, spacecraft, spacecraft_orbit
 from .scene import Scene
 
 __all__ = ["SCENES", "Scene", "get", "minimum_jerk", "names"]
@@ -31,7 +31,7 @@ SCENES: Mapping[str, Callable[..., Scene]] = {
     "slider-crank-run": mechanisms.slider_crank_run,
     "spacecraft-slew": spacecraft.spacecraft_slew,
     "spacecraft-spin": spacecraft.spacecraft_spin,
-    "spacecraft-orbit": spacecraft.spacecraft_orbit,
+    "spacecraft-orbit": spacecraft_orbit.spacecraft_orbit,
 }
 
 

@@ -7,11 +7,10 @@ names signals, never indices, so that every fidelity of its plant can play it.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial, wraps
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,17 +18,18 @@ from pliant.plants import LinearModel, Plant, Signal, Trajectory
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import quantity, validate
 from pliant.plants.core.signals import index
+from pliant.plants.linear.quadratic_cost import QuadraticCost, about_moving_goal, quadratic_cost
 
+from . import cost
 from .checks import check
-from .nominal_inputs import minimum_jerk_input
-
-if TYPE_CHECKING:
-    from pliant.envs.environments.sb3_env import PlantVecEnv
-    from pliant.envs.environments.vector_env import PlantVectorEnv
+from .nominal_inputs import minimum_jerk_input, steady_motion
 
 Pairs = tuple[tuple[str, float], ...]
 Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
+
+ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector" and "sb3": (scene, num_envs, ...) -> environment, filled
+# by pliant.envs.environments, which stands above this folder
 
 __all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 
@@ -49,17 +49,8 @@ def once_per_scene(build: Callable[[Scene], R]) -> Callable[[Scene], R]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene:
-    """Drive `plant` from `start` to `goal`, at least cost, within limits.
-
-    Start and goal name coordinates of rest points, the rest of the state in equilibrium; or, not `at rest`, they name
-    states, the others zero: a beam that is let go, a hub that spins, a crank at its speed. Quaternions are made unit.
-    A goal may move steadily: `goal_rates` of its states, from their values at t = 0.
-
-    Cost [-]  sum over control periods of
-              dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
-              z any states or outputs by name; reward is minus that.
-    """
+class Manoeuvre:
+    """The fields of a scene, and what their names and numbers stand for."""
 
     name: str
     about: str
@@ -86,11 +77,6 @@ class Scene:
     spreads: Pairs = ()  # .. but on these [its unit]
     compare: tuple[str, ...] = ("tip_x", "tip_y")  # outputs whose error the chart measures
     tolerance: float = quantity("the unit of compare", "positive", 1e-3)  # largest error of those that it can bear
-    tags: tuple[str, ...] = field(default=())
-
-    def __post_init__(self) -> None:
-        validate(self)
-        check(self)
 
     @property
     def signals(self) -> tuple[Signal, ...]:
@@ -126,10 +112,6 @@ class Scene:
         """Control times (steps + 1,) [s]."""
         return self.dt * np.arange(self.steps + 1)
 
-    def with_plant(self, plant: Plant) -> Scene:
-        """The same scene played by another fidelity."""
-        return dataclasses.replace(self, plant=plant)
-
     @cached_property
     def varied_plant(self) -> Plant:
         """The plant with the randomised parameters as inputs p, in the order of `randomise`."""
@@ -151,18 +133,19 @@ class Scene:
         return self.plant.equilibrium(dict(self.goal)) if self.goal_at_rest else self._given(self.goal)
 
     def _given(self, values: Pairs) -> tuple[np.ndarray, np.ndarray]:
-        x = np.zeros(self.plant.nx)
+        return self.plant.consistent(self._by_state(values)), np.zeros(self.plant.nu)
+
+    def _by_state(self, values: Pairs) -> np.ndarray:
+        """(nx,): the named states as given, the others zero."""
+        found = np.zeros(self.plant.nx)
         for name, value in values:
-            x[index(self.plant.states, name, f"scene {self.name!r}: state")] = value
-        return self.plant.consistent(x), np.zeros(self.plant.nu)
+            found[index(self.plant.states, name, f"scene {self.name!r}: state")] = value
+        return found
 
     @cached_property
     def drift(self) -> np.ndarray:
         """d(goal)/dt (nx,): zero but for `goal_rates`."""
-        found = np.zeros(self.plant.nx)
-        for name, value in self.goal_rates:
-            found[index(self.plant.states, name, f"scene {self.name!r}: state")] = value
-        return found
+        return self._by_state(self.goal_rates)
 
     def positions(self, names: Iterable[str]) -> list[int]:
         """Where the named signals stand in the vector [x; y]."""
@@ -181,6 +164,28 @@ class Scene:
         """d/dt of `goal_values`: of states as in `goal_rates`; outputs are those that do not follow them."""
         return self.signal_values(self.drift, np.zeros(self.plant.ny), names)
 
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(Manoeuvre):
+    """Drive `plant` from `start` to `goal`, at least cost, within limits.
+
+    Start and goal name coordinates of rest points, the rest of the state in equilibrium; or, not `at rest`, they name
+    states, the others zero: a beam that is let go, a hub that spins, a crank at its speed. Quaternions are made unit.
+    A goal may move steadily: `goal_rates` of its states, from their values at t = 0.
+
+    Cost [-]  sum over control periods of
+              dt (sum_i weights_i (z_i - z_i,goal)^2 + sum_j effort_j (u_j - u_j,goal)^2),
+              z any states or outputs by name; reward is minus that.
+    """
+
+    def __post_init__(self) -> None:
+        validate(self)
+        check(self)
+
+    def with_plant(self, plant: Plant) -> Scene:
+        """The same scene played by another fidelity."""
+        return dataclasses.replace(self, plant=plant)
+
     @property
     def weighted(self) -> tuple[str, ...]:
         """The signals that the cost weighs."""
@@ -193,51 +198,30 @@ class Scene:
 
     def cost_rate(self, errors: Iterable[Any], excess: Iterable[Any]) -> Any:
         """Cost rate [1/s] from deviations of the weighted signals and inputs: numbers, arrays or SX."""
-        terms = [weight * e**2 for (_, weight), e in zip(self.weights, errors)]
-        return sum(terms + [weight * e**2 for (_, weight), e in zip(self.effort, excess)])
+        return cost.weighed((*self.weights, *self.effort), (*errors, *excess))
 
     @cached_property
-    def _cost_origin(self) -> tuple[np.ndarray, np.ndarray]:
+    def cost_origin(self) -> tuple[np.ndarray, np.ndarray]:
+        """Values at the goal, at t = 0, of the weighted signals and of the priced inputs."""
         return self.goal_values(self.weighted), self.target[1][self.priced_inputs]
 
     def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray, t: Any = 0.0) -> Any:
         """Cost rate [1/s] at x (..., nx), u (..., nu), y (..., ny) and t (...), which matters where the goal moves."""
-        z0, u0 = self._cost_origin
-        z0 = z0 + np.multiply.outer(np.asarray(t, dtype=float), self.goal_drift(self.weighted))
-        errors = self.signal_values(x, y, self.weighted) - z0
-        excess = np.asarray(u)[..., self.priced_inputs] - u0
-        rate = self.cost_rate(np.moveaxis(errors, -1, 0), np.moveaxis(excess, -1, 0))
-        return rate + np.zeros(errors.shape[:-1])
+        return cost.stage_cost(self, x, u, y, t)
 
     @cached_property
     def early_end_rate(self) -> float:
-        """Cost rate [1/s] added for the time left when an episode ends early, so that ending does not pay.
-
-        The stage cost with every input at its limit and every weighted signal as far from the goal as its
-        bound lets it be, or, without a bound, as it is at the start: no motion that stays that near costs
-        more. From states that have run away much farther, coming back could still cost more than ending.
-        """
-        (x, u), (z0, u0) = self.initial, self._cost_origin
-        begin = self.signal_values(x, self.plant.measure(x, u), self.weighted)
-        bounds, spread = dict(self.bounds), dict(zip([name for name, _ in self.start], self.spread))
-        errors = [
-            bounds[name] + abs(goal) if name in bounds else abs(first - goal) + spread.get(name, 0.0)
-            for name, first, goal in zip(self.weighted, begin, z0)
-        ]
-        return float(self.cost_rate(errors, np.array(self.limits)[self.priced_inputs] + np.abs(u0)))
+        """Cost rate [1/s] added for the time left when an episode ends early, so that ending does not pay."""
+        return cost.early_end_rate(self)
 
     def cost(self, motion: Trajectory) -> float:
         """The scene's cost of a motion sampled at the control times."""
-        if len(motion.t) != self.steps + 1 or not np.allclose(motion.t, self.times, atol=1e-9):
-            raise ValueError(
-                f"motion has {len(motion.t)} times, must have the scene's {self.steps + 1} every {self.dt} s"
-            )
-        return float(self.dt * self.stage_cost(motion.x, motion.u, motion.y, motion.t - motion.t[0])[:-1].sum())
+        return cost.of_motion(self, motion)
 
     @cached_property
     def goal_model(self) -> LinearModel:
         """The plant's linear model at the goal, f0 less what the goal itself moves at."""
-        return self._less_drift(self.plant.linearize(*self.target))
+        return about_moving_goal(self.plant.linearize(*self.target), dict(self.goal_rates))
 
     @cached_property
     def feedback_model(self) -> LinearModel:
@@ -245,26 +229,13 @@ class Scene:
 
         Those of the plant; of a spacecraft its attitude outputs in place of the quaternion, and none where it spins.
         """
-        return self._less_drift(self.plant.feedback_model(*self.target))
+        return about_moving_goal(self.plant.feedback_model(*self.target), dict(self.goal_rates))
 
-    def _less_drift(self, model: LinearModel) -> LinearModel:
-        drift = dict(self.goal_rates)
-        moved = np.array([drift.get(s.name, 0.0) for s in model.states])
-        return dataclasses.replace(model, f0=model.f0 - moved) if drift else model
-
-    def quadratic(self) -> tuple[np.ndarray, np.ndarray]:
-        """(Q (n, n), R (nu, nu)): the cost to second order about the goal, in the states of `feedback_model`."""
-        model = self.feedback_model
-        n = len(model.states)
-        rows, signals, Q = np.vstack([np.eye(n), model.C]), model.states + model.outputs, np.zeros((n, n))
-        for name, weight in self.weights:
-            row = rows[index(signals, name, f"scene {self.name!r}: weighted signal")]
-            Q += weight * np.outer(row, row)
-        R = np.zeros((self.plant.nu, self.plant.nu))
-        for name, weight in self.effort:
-            i = index(self.plant.inputs, name, "input")
-            R[i, i] = weight
-        return Q, R
+    def quadratic(self) -> QuadraticCost:
+        """Q (n, n), R (nu, nu), N (n, nu): `stage_cost` to second order about the goal, x'Qx + u'Ru + 2 x'Nu, in the
+        states of `feedback_model`.
+        """
+        return quadratic_cost(self.feedback_model, dict(self.weights), dict(self.effort))
 
     @cached_property
     def nominal_input(self) -> Callable[[float], np.ndarray]:
@@ -286,32 +257,19 @@ class Scene:
 
     def goal_motion(self) -> Trajectory:
         """The goal as a motion: over one turn where it turns steadily, else at the control times."""
-        rates = {abs(rate) for _, rate in self.goal_rates}
-        units = {self.plant.states[i].unit for i in np.flatnonzero(self.drift)}
-        t = self.times
-        if len(rates) == 1 and units == {"rad"}:
-            turn = 2 * np.pi / rates.pop()
-            t = np.linspace(0.0, turn, math.ceil(turn / self.dt) + 1)
-        x, u = self.target
-        moved = x + np.multiply.outer(t, self.drift)
-        rows = np.ones((len(t), 1))
-        return Trajectory.from_arrays(t, moved, rows * u, plant=self.plant, dx=rows * self.drift)
+        return steady_motion(self)
 
     def vector_env(
         self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float64, threads: int | None = None
-    ) -> PlantVectorEnv:
-        """`num_envs` lanes of this scene as a Gymnasium vector environment; keywords as there."""
-        from pliant.envs.environments.vector_env import PlantVectorEnv
-
-        return PlantVectorEnv(self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
+    ) -> Any:
+        """`num_envs` lanes of this scene as a Gymnasium vector environment, PlantVectorEnv; keywords as there."""
+        return ENVIRONMENTS["vector"](self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
 
     def sb3_env(
         self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float32, threads: int | None = None
-    ) -> PlantVecEnv:
-        """`num_envs` lanes of this scene for Stable-Baselines3; keywords as there. ImportError without it."""
-        from pliant.envs.environments.sb3_env import PlantVecEnv
-
-        return PlantVecEnv(self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
+    ) -> Any:
+        """`num_envs` lanes of this scene for Stable-Baselines3, a PlantVecEnv. ImportError without it."""
+        return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}

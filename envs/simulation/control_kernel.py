@@ -2,63 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.integration.batch_stepper import rate_function
 from pliant.plants.native import kernel_templates
-from pliant.plants.native.batch_kernels import FEW, BatchKernel, Workspace, map_kernel, random_points
-from pliant.plants.native.thread_pool import available
+from pliant.plants.native.batch_kernels import BatchKernel, random_points
 
-from .control_period import LARGEST, observe_function, reference, reference_drift, substep_function
+from .control_period import LARGEST, on_virtual_machine, parts, reference, reference_drift
 
 Array = np.ndarray
 T, X, ACTION, REF, W, P = range(6)  # inputs of the kernel
 X_NEXT, OBS, COST, MARGIN, SOUND = range(5)  # its outputs
 
 
-def _parts(scene: Scene) -> tuple[ca.Function, ca.Function, ca.Function]:
-    """drive (action) -> u, score (x, u, ref, w, p) -> cost, sense (x, u, ref, w, p) -> (obs, margin)."""
-    action = ca.SX.sym("action", scene.plant.nu)
-    drive = ca.Function("drive", [action], [ca.fmax(-1.0, ca.fmin(1.0, action)) * ca.DM(scene.limits)])
-    observe = observe_function(scene)
-    symbols = observe.sx_in()
-    obs, cost, margin = observe(*symbols)
-    score = ca.Function("score", symbols, ca.cse([cost]))
-    return drive, score, ca.Function("sense", symbols, ca.cse([obs, margin]))
-
-
-def _reference(scene: Scene) -> Any:
-    """The kernel's computation on the virtual machine."""
-    drive, score, sense = (NumericFunction(f) for f in _parts(scene))
-    substep = NumericFunction(substep_function(scene))
-
-    def compute(
-        t: Array, x: Array, action: Array, ref: Array, w: Array, p: Array, scalars: Any, count: int
-    ) -> Sequence[Array]:
-        n = len(x)
-        u = drive(action, batch=n)[0]
-        cost = score(x, u, ref, w, p, batch=n)[0]
-        for k in range(count):
-            x = substep(t + k * scalars[0], x, u, w, p, batch=n)[0]
-        obs, margin = sense(x, u, ref, w, p, batch=n)
-        whole = (np.abs(np.concatenate([x, obs, cost, margin], axis=1)) < LARGEST).all(axis=1, keepdims=True)
-        return [x, obs, cost, margin, whole.astype(float)]
-
-    return compute
-
-
 @lru_cache(maxsize=32)
 def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
     """(t, x, action, ref, w, p) -> (x_next, obs, cost, margin, sound), called with scalars (h,) and the substeps."""
     rate = rate_function(scene.varied_plant)
-    drive, score, sense = _parts(scene)
+    drive, score, sense = parts(scene)
     ref = reference(scene)
     t, x, _, w, p = random_points(scene.varied_plant, rng := np.random.default_rng(0))
     lanes = t.shape[1]
@@ -66,7 +31,7 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
     rows_in = [1, rate.nnz_in(1), scene.plant.nu, len(ref), rate.nnz_in(3), rate.nnz_in(4)]
     return BatchKernel(
         lambda: kernel_templates.control_step_source(rate, drive, score, sense, dtype, LARGEST),
-        _reference(scene),
+        on_virtual_machine(scene),
         (rows_in, [rate.nnz_in(1), sense.nnz_out(0), 1, 1, 1]),
         [t, x, action, np.tile(ref[:, None], lanes), w, p],
         dtype,
@@ -139,54 +104,3 @@ class ControlStep:
         self.work.run(self._scalars, self._count, self.threads)
         self.x[:] = self._after
         return self._sound == 0, self._margin < 0
-
-
-class Rows:
-    """An SX function of rows: arrays (n, columns) in and out; a row's result depends on no other row."""
-
-    CHUNK = 64  # rows of a call where there are few; many are one call on all processors
-
-    def __init__(self, function: ca.Function, points: Sequence[Array]) -> None:
-        self._made = self._kernel(function, points)
-        self._few = self._made.workspace(self.CHUNK)
-        self._many: Workspace | None = None
-
-    def _kernel(self, function: ca.Function, points: Sequence[Array]) -> BatchKernel:
-        return map_kernel(function, points)
-
-    def __call__(self, *arrays: Array, count: int = 1) -> list[Array]:
-        """Outputs (n, columns); `count` is the number of steps of an iteration."""
-        n, work, chunk, threads = len(arrays[0]), self._few, self.CHUNK, 1
-        if n >= FEW:
-            if self._many is None or self._many.batch != n:
-                self._many = self._made.workspace(n)
-            work, chunk, threads = self._many, n, available()
-        found: list[list[Array]] = []
-        for start in range(0, n, chunk):
-            size = min(chunk, n - start)
-            for array, have in zip(work.inputs, arrays):
-                array[:, :size] = have[start : start + size].T
-                array[:, size:] = array[:, :1]
-            work.run((), count, threads)
-            found.append([out[:, :size].T.copy() for out in work.outputs])
-        return found[0] if len(found) == 1 else [np.concatenate(parts) for parts in zip(*found)]
-
-
-class Iteration(Rows):
-    """z <- z + change(z, ...), `count` times: (z, ...) -> (z, last change)."""
-
-    def _kernel(self, function: ca.Function, points: Sequence[Array]) -> BatchKernel:
-        numeric = NumericFunction(function)
-
-        def compute(z: Array, *others: Any) -> Sequence[Array]:
-            *fixed, _, count = others
-            change = np.zeros_like(z)
-            for _ in range(count):
-                change = numeric(z, *fixed, batch=len(z))[0]
-                z = z + change
-            return [z, change]
-
-        dtype, (inputs, (nz,)) = np.dtype(float), kernel_templates._sizes(function)
-        return BatchKernel(
-            lambda: kernel_templates.iteration_source(function, dtype), compute, (inputs, [nz, nz]), points, dtype
-        )

@@ -10,12 +10,17 @@ outside of it.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene, once_per_scene
+from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.integration.step_maps import step_map
 
+Array = np.ndarray
 LARGEST = 1e12  # a state or observation beyond it has diverged: its weighted square still fits a single
 
 
@@ -79,20 +84,46 @@ def observe_function(scene: Scene) -> ca.Function:
     return ca.Function("observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"])
 
 
-@once_per_scene
-def step_function(scene: Scene) -> ca.Function:
-    """(t, x, action, ref, w, p) -> (x_next, obs, cost, margin): a control period from t on with the action held.
+def parts(scene: Scene) -> tuple[ca.Function, ca.Function, ca.Function]:
+    """What a period is composed of around its substeps, here and in compiled code.
 
-    The input is the action, clipped to [-1, 1], times the scene's limits. obs and margin are those of x_next;
-    cost is what Scene.cost sums for this period: dt times the stage cost at x and the input.
+    drive (action) -> u, score (x, u, ref, w, p) -> cost, sense (x, u, ref, w, p) -> (obs, margin).
     """
-    substep, observe = substep_function(scene), observe_function(scene)
-    x, action, ref, w, p = _symbols(scene)
-    u = ca.fmax(-1.0, ca.fmin(1.0, action)) * ca.DM(scene.limits)
-    cost = observe(x, u, ref, w, p)[1]
-    t, after = ca.SX.sym("t"), x
-    for k in range(scene.substeps):
-        after = substep(t + k * scene.dt / scene.substeps, after, u, w, p)
-    obs, _, margin = observe(after, u, ref, w, p)
-    names = ["t", "x", "action", "ref", "w", "p"], ["x_next", "obs", "cost", "margin"]
-    return ca.Function("step", [t, x, action, ref, w, p], [after, obs, cost, margin], *names)
+    action = ca.SX.sym("action", scene.plant.nu)
+    drive = ca.Function("drive", [action], [ca.fmax(-1.0, ca.fmin(1.0, action)) * ca.DM(scene.limits)])
+    observe = observe_function(scene)
+    symbols = observe.sx_in()
+    obs, cost, margin = observe(*symbols)
+    score = ca.Function("score", symbols, ca.cse([cost]))
+    return drive, score, ca.Function("sense", symbols, ca.cse([obs, margin]))
+
+
+def on_virtual_machine(scene: Scene) -> Callable[..., Sequence[Array]]:
+    """The whole period without compiled code, rows of lanes in and out: what the kernel is compared with.
+
+    The input is the action, clipped to [-1, 1], times the limits, held over the substeps. cost is what Scene.cost sums
+    for this period, at its start; obs and margin are those of x_next; sound is 0 where anything is not finite.
+    """
+    drive, score, sense = (NumericFunction(f) for f in parts(scene))
+    substep = NumericFunction(substep_function(scene))
+
+    def compute(
+        t: np.ndarray,
+        x: np.ndarray,
+        action: np.ndarray,
+        ref: np.ndarray,
+        w: np.ndarray,
+        p: np.ndarray,
+        scalars: Any,
+        count: int,
+    ) -> Sequence[Array]:
+        n = len(x)
+        u = drive(action, batch=n)[0]
+        cost = score(x, u, ref, w, p, batch=n)[0]
+        for k in range(count):
+            x = substep(t + k * scalars[0], x, u, w, p, batch=n)[0]
+        obs, margin = sense(x, u, ref, w, p, batch=n)
+        whole = (np.abs(np.concatenate([x, obs, cost, margin], axis=1)) < LARGEST).all(axis=1, keepdims=True)
+        return [x, obs, cost, margin, whole.astype(float)]
+
+    return compute

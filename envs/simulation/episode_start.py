@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import casadi as ca
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene, once_per_scene
-from pliant.plants import EquilibriumError, LagrangianPlant
+from pliant.plants import EquilibriumError
 from pliant.plants.native.batch_kernels import CHECKED, random_points
 
-from .control_kernel import Iteration, Rows
 from .control_period import observe_function, reference
+from .row_kernels import Iteration, Rows
 
 TOLERANCE = 1e-9  # relative change of a Newton step whose successor would only move rounding errors
 STEPS, MOST_ROUNDS = 6, 5  # Newton steps between looks at their size, and how often is looked
@@ -67,7 +67,7 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
         x = np.tile(scene.initial[0], (len(starts), 1))
         x[:, scene.positions(name for name, _ in scene.start)] = starts
         return plant.consistent(x)
-    if not (isinstance(plant, LagrangianPlant) and not plant.driven and len(scene.start) == plant.nu):
+    if plant.statics() is None or plant.prescribed or len(scene.start) != plant.nu:
         given = ({name: v for (name, _), v in zip(scene.start, row)} for row in starts)
         return np.array([plant.equilibrium(row, p=q)[0] for row, q in zip(given, p)]).reshape(-1, plant.nx)
 
@@ -98,7 +98,8 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
 def _split(scene: Scene) -> tuple[list[int], list[int]]:
     """Indices of the coordinates that scene.start holds, and of the others."""
     held = scene.positions(name for name, _ in scene.start)
-    return held, [i for i in range(scene.plant.nx // 2) if i not in held]
+    coordinates = scene.positions(scene.plant.rates)
+    return held, [i for i in coordinates if i not in held]
 
 
 @once_per_scene
@@ -121,14 +122,14 @@ def _observing(scene: Scene) -> Rows:
 def _newton(scene: Scene) -> Iteration:
     """(z, start, p) -> Newton's change of z = [free coordinates; inputs] towards no net force at rest."""
     plant = scene.varied_plant
-    assert isinstance(plant, LagrangianPlant)
     t, x, u, w, p = plant.symbols
     columns, free = _split(scene)
     z, start = ca.SX.sym("z", len(free) + plant.nu), ca.SX.sym("start", len(columns))
     rest = ca.SX.zeros(plant.nx)
     rest[columns], rest[free] = start, z[: len(free)]
-    force = plant.symbolic.equations(t, x, u, w)[1]
-    force = ca.substitute(force, ca.vertcat(t, x, u, w), ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw)))
+    force = cast(ca.SX, plant.statics())
+    at_rest = ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw))
+    force = ca.substitute(force, ca.vertcat(t, x, u, w), at_rest)
     newton = ca.Function("newton", [z, start, p], ca.cse([-ca.solve(ca.jacobian(force, z), force)]))
     rng = np.random.default_rng(0)
     own = np.concatenate([scene.initial[0][free], scene.initial[1]])[:, None]

@@ -15,26 +15,41 @@ Valid    an exact change of coordinates; a payload's transverse offset shifts no
 
 from __future__ import annotations
 
-import dataclasses
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
 import scipy.linalg
 
-if TYPE_CHECKING:
-    from .single_link import SingleLinkArm
+from pliant.plants.beams.elastic_link import ElasticLink
+from pliant.plants.beams.payload import Payload
+from pliant.plants.beams.section import Beam
 
 FRAMES = ("clamped", "pinned", "pinned-pinned")
 
 
-def to_clamped(arm: SingleLinkArm) -> np.ndarray:
+class ClampedArm(Protocol):
+    """What a frame is made from: an arm in the clamped frame, free to turn, in numbers."""
+
+    @property
+    def link(self) -> Beam: ...
+    @property
+    def hub_radius(self) -> float: ...
+    @property
+    def payload(self) -> Payload: ...
+    @property
+    def elastic(self) -> ElasticLink: ...
+    @property
+    def nx(self) -> int: ...
+    def mass_matrix(self, x: np.ndarray) -> np.ndarray: ...
+
+
+def to_clamped(held: ClampedArm, frame: str) -> np.ndarray:
     """S (1 + n, 1 + n): [hub_angle; q_c] = S [frame_angle; q_f], constant; numbers only."""
-    n = arm.mode_count
-    if arm.frame == "clamped" or n == 0:
+    n = held.nx // 2 - 1
+    if frame == "clamped" or n == 0:
         return np.eye(1 + n)
-    held = dataclasses.replace(arm, frame="clamped", drive="torque", varied=())
-    a = turn(held, arm.frame)
+    a = turn(held, frame)
     shift = np.eye(1 + n)
     shift[0, 1:] = -a
     M = (shift.T @ held.mass_matrix(np.zeros(held.nx)) @ shift)[1:, 1:]
@@ -50,7 +65,7 @@ def to_clamped(arm: SingleLinkArm) -> np.ndarray:
     return shift @ scipy.linalg.block_diag(1.0, modes)
 
 
-def turn(arm: SingleLinkArm, frame: str) -> np.ndarray:
+def turn(arm: ClampedArm, frame: str) -> np.ndarray:
     """a (n,) [rad/m]: how far the frame's line is turned from the hub's tangent by each clamped shape."""
     L, R, basis, load = arm.link.length, arm.hub_radius, arm.elastic.basis, arm.payload
     if frame == "pinned-pinned":

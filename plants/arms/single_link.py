@@ -26,7 +26,7 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.rotating_beam import THEORIES
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 from .link_frames import FRAMES, to_clamped
@@ -114,6 +114,37 @@ class SingleLinkArm(LagrangianPlant):
         )
 
     @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The first coordinate, in any frame."""
+        return (Joint(self.inputs[0].name, *next(iter(self.rates.items()))),)
+
+    def sensors(self) -> tuple[Sensed, ...]:
+        return (
+            Sensed("encoder", "hub_angle"),
+            Sensed("strain gauge", "root_curvature", scale=1 / self.link.half_depth),
+            Sensed("accelerometer", "tip_acceleration"),
+        )
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return ("tip_deflection",)
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        return {"tip_deflection": "tip_deflection_rate"}
+
+    @property
+    def seen_from(self) -> str | None:
+        return "hub_angle" if self.frame == "clamped" else None
+
+    @property
+    def stiffening(self) -> tuple[Self, Self]:
+        return self._of("linear"), self._of("stiffened")
+
+    def _of(self, kinematics: str) -> Self:
+        return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
+
+    @property
     def label(self) -> str:
         if self.mode_count == 0:
             return "rigid"
@@ -139,7 +170,6 @@ class SingleLinkArm(LagrangianPlant):
     def elastic(self) -> ElasticLink:
         """The link with its shape functions, which come from the nominal parameters."""
         own = self.nominal
-        assert isinstance(own, SingleLinkArm)
         ratios = {}
         if self.basis == "payload":
             ratios = {
@@ -157,8 +187,7 @@ class SingleLinkArm(LagrangianPlant):
     def clamped_map(self) -> np.ndarray:
         """(1 + n, 1 + n): [hub_angle; clamped modal coordinates] from this arm's coordinates; the nominal's numbers."""
         own = self.nominal
-        assert isinstance(own, SingleLinkArm)
-        return to_clamped(own)
+        return to_clamped(dataclasses.replace(own, frame="clamped", drive="torque", varied=()), self.frame)
 
     def frame_map(self, frame: str) -> np.ndarray:
         """T (1 + n, 1 + n), Eq (1): coordinates in `frame` from this arm's; rates likewise. [:, 0] = (1, 0, ..)."""
@@ -167,7 +196,7 @@ class SingleLinkArm(LagrangianPlant):
 
     def in_frame(self, frame: str, x: np.ndarray) -> tuple[Self, np.ndarray]:
         """This arm described in `frame`, and its states (..., nx) from this arm's states x (..., nx)."""
-        T, n = self.frame_map(frame), self.nx // 2
+        T, n = self.frame_map(frame), self.coordinates_slice.stop
         x = np.asarray(x, dtype=float)
         if x.shape[-1:] != (self.nx,):
             raise ValueError(f"SingleLinkArm.in_frame: x has shape {x.shape}, must be (..., {self.nx})")
@@ -221,7 +250,7 @@ class SingleLinkArm(LagrangianPlant):
         return force
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         tip, link = self._tip(x[:n]), self.elastic
         q, v = self._clamped(x[:n]), self._clamped(x[n:])
         bent = [q[0], link.deflection(q[1:]), link.deflection(v[1:])]
@@ -230,14 +259,14 @@ class SingleLinkArm(LagrangianPlant):
 
     def _felt(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, angle: ca.SX) -> ca.SX:
         """The tip's acceleration less gravity, across a section that stands at `angle` to the x axis."""
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         M, r, _, _ = self.equations(t, x, u, w)
         a = second_derivative(self._tip(x[:n]), x[:n], x[n:], self.acceleration(M, r, u)[0])
         return ca.cos(angle) * (a[1] + self.gravity) - ca.sin(angle) * a[0]
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""
-        q = self.clamped_map @ x[: self.nx // 2]
+        q = self.clamped_map @ x[self.coordinates_slice]
         line = self.elastic.centreline(q[1:], points) + np.array([self.hub_radius, 0.0])
         c, s = np.cos(q[0]), np.sin(q[0])
         return (line @ np.array([[c, s], [-s, c]]))[None]

@@ -24,7 +24,7 @@ from pliant.plants.beams.elastic_link import ElasticLink, payload_energy, payloa
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
@@ -112,6 +112,30 @@ class TwoLinkArm(LagrangianPlant):
             Signal("tip_acceleration", "m/s^2"),
         )
 
+    def sensors(self) -> tuple[Sensed, ...]:
+        return (
+            Sensed("encoder", "theta1"),
+            Sensed("encoder", "theta2"),
+            Sensed("strain gauge", "root1_curvature", scale=1 / self.link1.half_depth),
+            Sensed("strain gauge", "root2_curvature", scale=1 / self.link2.half_depth),
+            Sensed("accelerometer", "tip_acceleration"),
+        )
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return "tip1_deflection", "tip2_deflection"
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        return {name: f"{name}_rate" for name in self.deflections}
+
+    @property
+    def stiffening(self) -> tuple[Self, Self]:
+        return self._of("linear"), self._of("stiffened")
+
+    def _of(self, kinematics: str) -> Self:
+        return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
+
     @property
     def label(self) -> str:
         if self.reduction == "rigid" or self.modes == (0, 0):
@@ -146,7 +170,6 @@ class TwoLinkArm(LagrangianPlant):
     def links(self) -> tuple[ElasticLink, ElasticLink]:
         """Both links with their shape functions, which come from the nominal parameters."""
         own = self.nominal
-        assert isinstance(own, TwoLinkArm)
         n1, n2 = own.mode_counts
         stiffened = self.kinematics == "stiffened"
         a, b, load = own.link1, own.link2, own.payload
@@ -242,7 +265,7 @@ class TwoLinkArm(LagrangianPlant):
         return torque + ca.jtimes(self._tip(q), q, w, True)
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
         (theta1, theta2, q1, q2), (_, _, v1, v2) = self._split(q), self._split(v)
         link1, link2 = self.links
@@ -257,7 +280,7 @@ class TwoLinkArm(LagrangianPlant):
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""
-        n, n1 = self.nx // 2, self.mode_counts[0]
+        n, n1 = self.coordinates_slice.stop, self.mode_counts[0]
         link1, link2 = self.links
         q1 = x[2 : 2 + n1]
         turn = x[0] + x[1] + (link1.basis.tip_slope @ q1 / link1.beam.length if self.tip_slope else 0.0)

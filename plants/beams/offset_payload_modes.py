@@ -1,4 +1,4 @@
-"""Mode shapes of a clamped beam in bending and torsion with an offset payload; its roots are in `offset_payload`.
+"""Mode shapes of a clamped beam in bending and torsion with an offset payload; its roots are in `offset_payload_roots`.
 
 The printed cosh and sinh shapes, Eqs (9)-(11) corrected, lose all digits by mode 15 and are 0/0 where bending and
 torsion do not couple. Here the coefficients are null vectors of the end conditions on functions that stay bounded.
@@ -9,16 +9,29 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from .euler_bernoulli_modes import _columns, checked_position, quadrature
 
-if TYPE_CHECKING:
-    from .offset_payload_roots import OffsetPayload
-
 SAME = 1e-9  # relative distance of roots that share one space of shapes
+
+
+class CoupledBeam(Protocol):
+    """What couples bending and torsion, in numbers without dimension: an `OffsetPayload`."""
+
+    @property
+    def chi(self) -> float:
+        """chi^2 = EI/(GJ)."""
+
+    @property
+    def mu(self) -> float:
+        """mu^2 = polar moment/(A L^2)."""
+
+    @property
+    def tip_mass(self) -> np.ndarray:
+        """The payload's mass matrix (3, 3) on (V, V', Gamma) at the tip."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +44,7 @@ class PayloadModes:
     twists only.
     """
 
-    system: OffsetPayload
+    system: CoupledBeam
     roots: np.ndarray
     coefficients: np.ndarray = field(repr=False)
 
@@ -72,7 +85,7 @@ class PayloadModes:
         return quadrature(math.ceil(largest / math.pi) + 1)
 
 
-def payload_modes(system: OffsetPayload, lam: np.ndarray) -> PayloadModes:
+def payload_modes(system: CoupledBeam, lam: np.ndarray) -> PayloadModes:
     """The orthonormal modes that belong to the system's ascending roots lambda (n,), equal ones repeated."""
     n = len(lam)
     coefficients = np.zeros((n, 5))
@@ -88,7 +101,7 @@ def payload_modes(system: OffsetPayload, lam: np.ndarray) -> PayloadModes:
     return PayloadModes(system, lam, coefficients)
 
 
-def _twist(system: OffsetPayload, lam: np.ndarray, xi: np.ndarray, derivative: int) -> np.ndarray:
+def _twist(system: CoupledBeam, lam: np.ndarray, xi: np.ndarray, derivative: int) -> np.ndarray:
     """Derivatives of sin(kappa xi)/min(kappa, 1) (..., n)."""
     kappa = lam**2 * system.chi * system.mu
     phase = kappa * xi[..., None]
@@ -96,7 +109,7 @@ def _twist(system: OffsetPayload, lam: np.ndarray, xi: np.ndarray, derivative: i
     return kappa**derivative * wave / np.minimum(kappa, 1.0)
 
 
-def _orthonormal(system: OffsetPayload, lam: np.ndarray) -> np.ndarray:
+def _orthonormal(system: CoupledBeam, lam: np.ndarray) -> np.ndarray:
     """Coefficients (m, 5) of the modes with the m nearly equal roots lam.
 
     The null space of the end conditions V = V' = 0 at 0 and V''' = -lambda^4 (M tip)_1, V'' = lambda^4 (M tip)_2,

@@ -5,8 +5,8 @@ lambda^4 = rho A L^4 omega^2/(E I). The payload couples them at the tip through 
 All roots are found by counting, so that none is missed, whether roots are close, double or crossing.
 
 Source   "On the dynamic modelling of flexible manipulators", section 3: Eq (7) as printed, times e^-lambda; (9)-(12)
-         corrected: see `payload_modes`. For a section that is not circular mu^2 = (I_y + I_z)/(A L^2), chi^2 = EI/(GJ)
-         with J the torsion constant
+         corrected: see `offset_payload_modes`. For a section that is not circular mu^2 = (I_y + I_z)/(A L^2),
+         chi^2 = EI/(GJ) with J the torsion constant
 Valid    bending about z only; small deflection, no gravity
 """
 
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -22,10 +22,8 @@ from pliant.plants.core.parameters import require_count
 
 from .euler_bernoulli_modes import LARGEST_RATIO, MOST_MODES, _products, count_loaded, roots
 from .offset_payload_modes import PayloadModes, payload_modes
-
-if TYPE_CHECKING:
-    from .payload import Payload
-    from .section import Beam
+from .payload import Payload
+from .section import Beam
 
 SECTIONS = 16  # of an interval in each step of the search
 

@@ -18,7 +18,7 @@ class Payload:
     centre in the axes of the beam's tip. `offset` points from the tip to the mass centre.
     """
 
-    mass: Any = quantity("kg", "nonnegative", 0.0)
+    mass: Any = quantity("kg", "nonnegative", 0.0, uncertain=True)
     inertia: Any = quantity("kg m^2", "finite", 0.0)
     offset: Any = quantity("m", "finite", (0.0, 0.0, 0.0))
 

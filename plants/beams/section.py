@@ -35,9 +35,9 @@ class Material:
     """An isotropic elastic material with Kelvin-Voigt damping."""
 
     density: Any = quantity("kg/m^3", "positive")
-    E: Any = quantity("Pa", "positive")
+    E: Any = quantity("Pa", "positive", uncertain=True)
     G: Any = quantity("Pa", "positive")
-    damping: Any = quantity("s", "nonnegative", 0.0)
+    damping: Any = quantity("s", "nonnegative", 0.0, uncertain=True)
 
     def __post_init__(self) -> None:
         validate(self)
@@ -63,13 +63,18 @@ class Beam:
     I_z: Any = quantity("m^4", "positive")
     J: Any = quantity("m^4", "positive")
     density: Any = quantity("kg/m^3", "positive")
-    E: Any = quantity("Pa", "positive")
+    E: Any = quantity("Pa", "positive", uncertain=True)
     G: Any = quantity("Pa", "positive")
-    damping: Any = quantity("s", "nonnegative", 0.0)
+    damping: Any = quantity("s", "nonnegative", 0.0, uncertain=True)
     shear_coefficient: Any = quantity("1", "positive", 5 / 6)
 
     def __post_init__(self) -> None:
         validate(self)
+
+    @property
+    def half_depth(self) -> float:
+        """Distance [m] of the outer fibre from the neutral axis z, taken as in a rectangle: sqrt(3 I_z/A)."""
+        return math.sqrt(3 * self.I_z / self.area)
 
     @classmethod
     def rectangular(cls, length: Any, width: Any, depth: Any, material: MaterialLike) -> Beam:

@@ -7,8 +7,8 @@ import threading
 import casadi as ca
 import numpy as np
 
-ARGUMENTS = ("t", "x", "u", "w", "p")
 MAPS_KEPT = 8  # batch sizes whose mapped function is kept
+LONG = 20_000  # operations past which common subexpressions stay; no compiler is asked for as many either
 
 
 class NumericFunction:
@@ -62,6 +62,13 @@ def _rebuilt(function: ca.Function, matrices: bool) -> NumericFunction:
 
 
 def function(name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices: bool = False) -> NumericFunction:
-    """A NumericFunction from expressions, common subexpressions removed and outputs dense."""
-    shared = ca.cse([ca.densify(r) for r in results])
-    return NumericFunction(ca.Function(name, symbols, shared), matrices=matrices)
+    """A NumericFunction from expressions, outputs dense and common subexpressions removed.
+
+    Not removed from more than LONG operations: looking for them takes 12 us each, and the derivatives of expressions
+    that have none repeat but a twentieth.
+    """
+    whole = [ca.densify(r) for r in results]
+    built = ca.Function(name, symbols, whole)
+    if built.n_instructions() <= LONG:
+        built = ca.Function(name, symbols, ca.cse(whole))
+    return NumericFunction(built, matrices=matrices)

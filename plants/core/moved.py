@@ -1,5 +1,5 @@
 """Modules under the names that they had before the rooms: `pliant.plants.sensitivities` is
-`pliant.plants.dynamics.step_sensitivities`.
+`pliant.plants.integration.step_sensitivities`.
 
 The old name imports the same module object, with a DeprecationWarning that says the new one. A name that is now a room
 (`pliant.plants.linear`) is not served here: the room exports what the module did.

@@ -24,9 +24,12 @@ RANGES = {
 }
 
 
-def quantity(unit: str, allowed: str = "finite", default: Any = dataclasses.MISSING) -> Any:
-    """A dataclass field for a float, or a tuple of floats, in `unit` and within RANGES[allowed]."""
-    return dataclasses.field(default=default, metadata={"unit": unit, "allowed": allowed})
+def quantity(unit: str, allowed: str = "finite", default: Any = dataclasses.MISSING, *, uncertain: bool = False) -> Any:
+    """A dataclass field for a float, or a tuple of floats, in `unit` and within RANGES[allowed].
+
+    `uncertain`: a robustness study may vary it, as payloads, stiffnesses and damping.
+    """
+    return dataclasses.field(default=default, metadata={"unit": unit, "allowed": allowed, "uncertain": uncertain})
 
 
 def is_symbolic(value: object) -> bool:
@@ -119,16 +122,18 @@ def unit_of(obj: Any, path: str) -> str:
     return str(field.metadata["unit"])
 
 
-def quantities(obj: Any, prefix: str = "") -> tuple[str, ...]:
-    """Dotted names of every physical quantity of a dataclass, nested ones included."""
+def quantities(obj: Any, prefix: str = "", *, uncertain: bool = False) -> tuple[str, ...]:
+    """Dotted names of every physical quantity of a dataclass, nested ones included; `uncertain`: those marked so."""
     names: list[str] = []
     for field in dataclasses.fields(obj):
         value = getattr(obj, field.name)
         if "unit" in field.metadata:
+            if uncertain and not field.metadata.get("uncertain", False):
+                continue
             if isinstance(value, tuple):
                 names += [f"{prefix}{field.name}.{i}" for i in range(len(value))]
             else:
                 names.append(prefix + field.name)
         elif dataclasses.is_dataclass(value):
-            names += quantities(value, f"{prefix}{field.name}.")
+            names += quantities(value, f"{prefix}{field.name}.", uncertain=uncertain)
     return tuple(names)

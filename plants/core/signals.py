@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -23,6 +23,40 @@ class Signal:
     unit: str
 
 
+@dataclass(frozen=True)
+class Sensed:
+    """A place for a data sheet's sensor: the device reads `scale` times the signal's unit for each of its own."""
+
+    device: str  # "encoder", "strain gauge", "accelerometer", "gyro", "fibre-optic gyro", "star tracker", "tachometer"
+    signal: str  # the output or state that it reads
+    unit: str = ""  # of the reading; "" is the signal's own
+    scale: float = 1.0  # [unit of the signal / unit of the device]: 1/(distance from the neutral axis) of a gauge
+
+
+@dataclass(frozen=True)
+class Joint:
+    """An input and the one coordinate that it drives, by names of inputs and of states or outputs."""
+
+    input: str
+    position: str
+    rate: str
+
+
+@dataclass(frozen=True)
+class Unfelt:
+    """States, of a plant or of its linear models, that may have no part in its stability."""
+
+    groups: tuple[tuple[str, ...], ...] = ()  # left out together where the rest does not feel them
+    given: tuple[str, ...] = ()  # their motion is prescribed
+    stored: tuple[str, ...] = ()  # left out where nothing changes them
+
+
+def per_second(unit: str) -> str:
+    """The unit of a rate of something in `unit`: "rad" gives "rad/s", "rad/s" gives "rad/s^2"."""
+    numerator, _, denominator = unit.rpartition("/")
+    return f"{numerator}/s^2" if numerator and denominator == "s" else f"{unit}/s"
+
+
 def names(signals: Sequence[Signal]) -> tuple[str, ...]:
     """The names alone."""
     return tuple(s.name for s in signals)
@@ -34,6 +68,48 @@ def index(signals: Sequence[Signal], name: str, kind: str) -> int:
     if name not in known:
         raise ValueError(f"{kind} {name!r} must be one of {', '.join(known) or '(there are none)'}")
     return known.index(name)
+
+
+class HasRows(Protocol):
+    """A linear model y = C x + D u + F w, of one point or along a motion."""
+
+    @property
+    def states(self) -> tuple[Signal, ...]: ...
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]: ...
+
+    @property
+    def C(self) -> np.ndarray: ...
+
+    @property
+    def D(self) -> np.ndarray: ...
+
+    @property
+    def F(self) -> np.ndarray: ...
+
+
+class Rows(NamedTuple):
+    """Some of [x; y] = C x + D u + F w."""
+
+    at: list[int]  # (n,) where they stand in [x; y]
+    C: np.ndarray  # (.., n, nx)
+    D: np.ndarray  # (.., n, nu)
+    F: np.ndarray  # (.., n, nw)
+
+
+def rows_by_name(model: HasRows, wanted: Iterable[str], kind: str = "state or output") -> Rows:
+    """The named states and outputs of a linear model; a state goes before an output of the same name.
+
+    ValueError that lists the known names of this `kind`.
+    """
+    at = [index(model.states + model.outputs, name, kind) for name in wanted]
+    n, found = len(model.states), []
+    for own, block in ((np.eye(n), model.C), (None, model.D), (None, model.F)):
+        own = np.zeros((n, block.shape[-1])) if own is None else own
+        whole = np.concatenate([np.broadcast_to(own, (*block.shape[:-2], *own.shape)), block], axis=-2)
+        found.append(whole[..., at, :])
+    return Rows(at, *found)
 
 
 def as_signals(owner: str, given: Sequence[str | Signal] | None, n: int, prefix: str) -> tuple[Signal, ...]:

@@ -1,1 +1,1 @@
-"""What a plant is: declared signals and equations, Jacobians, equilibria, step sensitivities, python-control."""
+"""What a plant is: declared signals and equations, Jacobians, equilibria, linear models, python-control."""

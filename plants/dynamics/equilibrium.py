@@ -10,8 +10,6 @@ import numpy as np
 from pliant.plants.core.errors import EquilibriumError
 from pliant.plants.core.signals import index
 
-from .lagrangian import LagrangianPlant
-
 if TYPE_CHECKING:
     from .plant import Plant
 
@@ -42,8 +40,9 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
     residual = plant.dynamics(z[:nx], z[nx:], p=p)
     for _ in range(100):
         A, B = plant.jacobians(z[:nx], z[nx:], p=p)[:2]
-        weigh = _forces(plant, z[:nx], p)
-        J, residual = weigh @ np.hstack([A, B])[:, free], weigh @ residual
+        at = z[:nx]
+        J = plant.rest_residual(at, np.hstack([A, B])[:, free], p)
+        residual = plant.rest_residual(at, residual, p)
         size = np.maximum(np.abs(z[free]), SMALL)
         scale = np.maximum(np.abs(J) @ size, 1e-3)
         change = np.linalg.lstsq(J / scale[:, None], -residual / scale, rcond=1e-12)[0]
@@ -55,7 +54,7 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
             trial = z.copy()
             trial[free] += length * change
             moved = plant.dynamics(trial[:nx], trial[nx:], p=p)
-            if np.linalg.norm(weigh @ moved / scale) < best:
+            if np.linalg.norm(plant.rest_residual(at, moved, p) / scale) < best:
                 break
             length /= 2
         else:
@@ -71,12 +70,3 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
             float(np.max(np.abs(rate))),
         )
     return z[:nx], z[nx:]
-
-
-def _forces(plant: Plant, x: np.ndarray, p: Any) -> np.ndarray:
-    """(nx, nx) that makes forces of a mechanical plant's accelerations: a stiff mode's are then in its own row only."""
-    weigh = np.eye(plant.nx)
-    if isinstance(plant, LagrangianPlant):
-        n = len(plant.coordinates)
-        weigh[n:, n:] = plant.mass_matrix(x, p=p)
-    return weigh

@@ -9,66 +9,25 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
+import scipy.linalg
 
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.errors import MassMatrixError
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Joint, Signal, index
+from pliant.plants.core.trajectory import Trajectory
 
-from .plant import Array, Plant
-
-if TYPE_CHECKING:
-    from pliant.plants.core.trajectory import Trajectory
-
-NEARLY_SINGULAR = 1e-3  # of the smallest eigenvalue of the scaled mass matrix at the start of a motion
-HUGE = 1e6  # root of an inertia that only a diverged state has
-
-
-def ldl(M: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
-    """M = L diag(d) L^T without pivoting, which a positive definite M does not need; returns (L, d)."""
-    n = M.shape[0]
-    L, d = ca.SX.eye(n), [ca.SX(0)] * n
-    for j in range(n):
-        scaled = [L[j, k] * d[k] for k in range(j)]
-        d[j] = M[j, j] - sum((L[j, k] * scaled[k] for k in range(j)), ca.SX(0))
-        for i in range(j + 1, n):
-            L[i, j] = (M[i, j] - sum((L[i, k] * scaled[k] for k in range(j)), ca.SX(0))) / d[j]
-    return L, d
-
-
-def ldl_solve(L: ca.SX, d: list[ca.SX], r: ca.SX) -> ca.SX:
-    """Solve L diag(d) L^T a = r for every column of r (n, m)."""
-    n = len(d)
-    a = [r[i, :] for i in range(n)]
-    for i in range(n):
-        for k in range(i):
-            a[i] = a[i] - L[i, k] * a[k]
-    for i in reversed(range(n)):
-        a[i] = a[i] / d[i]
-        for k in range(i + 1, n):
-            a[i] = a[i] - L[k, i] * a[k]
-    return ca.vertcat(*a)
+from .declaration import Array
+from .mechanical import MechanicalPlant
+from .residual_jacobians import Differentiated
+from .symbolic_ldl import ldl, ldl_solve
 
 
 @dataclass(frozen=True, kw_only=True)
-class LagrangianPlant(Plant):
-    """M(q) dv/dt = Q + dT/dq - (d^2T/dv dq) v - dV/dq - dD/dv.
-
-    Along a nominal the equations M a = r are linearised as they stand, at the nominal's own accelerations a = dv/dt:
-
-        d(dv)/dt = M^-1 [(dr/dx - d(M a)/dx) dx + (dr/du) du + (dr/dw) dw] + M^-1 (r - M a)
-
-    A rigid nominal lacks strain: the accelerations M^-1 r that an elastic plant would have on it are large however
-    stiff it is, and the Jacobian of M^-1 r multiplies the change of M by those. Where the nominal is a motion of the
-    plant the two agree.
-    """
-
-    @property
-    @abstractmethod
-    def coordinates(self) -> tuple[Signal, ...]: ...
+class LagrangianPlant(MechanicalPlant):
+    """M(q) dv/dt = Q + dT/dq - (d^2T/dv dq) v - dV/dq - dD/dv."""
 
     @abstractmethod
     def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
@@ -95,6 +54,32 @@ class LagrangianPlant(Plant):
     def states(self) -> tuple[Signal, ...]:
         rates = tuple(Signal(f"{s.name}_rate", f"{s.unit}/s") for s in self.coordinates)
         return self.coordinates + rates
+
+    @cached_property
+    def rates(self) -> dict[str, str]:
+        known = tuple(s.name for s in self.states)
+        n = len(known) // 2
+        return dict(zip(known[:n], known[n:], strict=True))
+
+    @property
+    def prescribed(self) -> tuple[str, ...]:
+        return tuple(self.coordinates[i].name for i in self.driven)
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """An input that is a generalised force on one coordinate alone, by a constant factor, or its acceleration."""
+        at, n = {k: i for i, k in self.driven.items()}, len(self.coordinates)
+        t, x, u, w, _ = self.symbols
+        forces = ca.jacobian(self.symbolic.generalized_force(t, x[:n], x[n:], u, w), u)
+        for k in range(self.nu):
+            on = [i for i in range(n) if not forces[i, k].is_zero()]
+            if k not in at and len(on) == 1 and forces[on[0], k].is_constant():
+                at[k] = on[0]
+        pairs = list(self.rates.items())
+        return tuple(Joint(s.name, *pairs[at[k]]) for k, s in enumerate(self.inputs) if k in at)
+
+    def statics(self) -> ca.SX:
+        return self._terms[1]
 
     @cached_property
     def _terms(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -135,11 +120,6 @@ class LagrangianPlant(Plant):
         return ca.vertcat(x[n:], self.acceleration(M, r, u)[0])
 
     @cached_property
-    def expressions(self) -> tuple[ca.SX, ca.SX]:
-        t, x, u, w, _ = self.symbols
-        return self._motion[0], self.symbolic.output(t, x, u, w)
-
-    @cached_property
     def _motion(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
         M, r, _, _ = self._terms
@@ -147,20 +127,34 @@ class LagrangianPlant(Plant):
         rate = ca.vertcat(self.symbols[1][len(self.coordinates) :], a)
         return rate, ca.mmin(ca.vertcat(*pivots)) if pivots else ca.SX(1)
 
-    @cached_property
-    def _dynamics(self) -> NumericFunction:
-        return function("dynamics", list(self.symbols), list(self._motion))
+    def _differentiated(self) -> Differentiated:
+        """Driven accelerations are the inputs."""
+        _, x, u, w, _ = self.symbols
+        M, r, _, _ = self._terms
+        n, nx = len(self.coordinates), self.nx
+        a, z = ca.SX.sym("a", n), ca.vertcat(x, u, w)
+        moving, change = ca.SX(a), ca.SX(n, z.shape[0])
+        for i, k in self.driven.items():
+            moving[i], change[i, nx + k] = u[k], 1
+        free = [i for i in range(n) if i not in self.driven]
+        if free:
+            lacking = (r - M @ moving)[free]
+            change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))
+        return Differentiated(a, ca.vertcat(x[n:], a), change, self._motion[0][n:])
 
-    @cached_property
-    def _along(self) -> NumericFunction:
-        from .residual_jacobians import along
+    def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
+        return nominal.derivative()[:, len(self.coordinates) :]
 
-        return along(self)
+    def rest_residual(self, x: Array, rate: Array, p: Any = None) -> Array:
+        """Forces for accelerations: a stiff mode's are then in its own row only."""
+        n = len(self.coordinates)
+        return np.concatenate([rate[:n], self.mass_matrix(x, p=p) @ rate[n:]])
 
-    def _jacobians_along(self, nominal: Trajectory, w: Array, p: Any) -> list[Array]:
-        """At the nominal's own accelerations."""
-        values, batch = self._arguments(nominal.x, nominal.u, w, p, nominal.t)
-        return self._along(*values, nominal.derivative()[:, len(self.coordinates) :], batch=batch)
+    def _lost_at(self, x: Array) -> str:
+        outputs = dict(zip((s.name for s in self.outputs), self.measure(x)))
+        bent = {name: outputs[name] for name in self.deflections}
+        where = ", ".join(f"{name} = {value:.4g} m" for name, value in bent.items()) or f"x = {x}"
+        return f" at {where}; use a fidelity whose mass matrix stays definite, or smaller deflections"
 
     @cached_property
     def _mass(self) -> NumericFunction:
@@ -180,15 +174,10 @@ class LagrangianPlant(Plant):
             put_in += sum(reaction[i] * v[i] for i in self.driven)
         return put_in, lost
 
-    def net_power(self) -> ca.SX:
-        """dE/dt [W] as an expression: power put in less power lost."""
-        put_in, lost = self._powers
-        return put_in - lost
-
     @cached_property
     def _energies(self) -> NumericFunction:
         _, _, T, V = self._terms
-        return function("energies", list(self.symbols), [T, V, *self._powers])
+        return function("energies", list(self.symbols), [T, V])
 
     def mass_matrix(self, x: Any, *, p: Any = None) -> Array:
         """M (n, n), or (B, n, n) for a batch of states."""
@@ -208,52 +197,8 @@ class LagrangianPlant(Plant):
     def energy(self, x: Any, *, p: Any = None) -> Any:
         """T + V [J], a scalar or (B,)."""
         values, batch = self._arguments(x, p=p)
-        T, V, _, _ = self._energies(*values, batch=batch)
+        T, V = self._energies(*values, batch=batch)
         return (T + V)[..., 0]
-
-    def power(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> tuple[Any, Any]:
-        """(power put in by inputs and disturbances, power lost) [W]: dE/dt is their difference."""
-        values, batch = self._arguments(x, u, w, p, t)
-        _, _, put_in, lost = self._energies(*values, batch=batch)
-        return put_in[..., 0], lost[..., 0]
-
-    def dynamics(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
-        """dx/dt: (nx,) or (B, nx). Raises MassMatrixError where the mass matrix is not positive definite."""
-        values, batch = self._arguments(x, u, w, p, t)
-        rate, pivot = self._dynamics(*values, batch=batch)
-        self.check_definite(values[1], pivot)
-        return rate
-
-    def check_definite(self, x: Array, pivot: Array) -> None:
-        """Raise MassMatrixError at the first state of x whose smallest pivot is not positive."""
-        if pivot.min() > 0:
-            return
-        pivots = pivot.reshape(-1)
-        k = int(np.argmin(pivots > 0))
-        raise self._lost_definiteness(np.atleast_2d(x)[k if x.ndim == 2 else 0], float(pivots[k]))
-
-    def check_near_singular(self, x: Array, start: Array, p: Any) -> None:
-        """Raise MassMatrixError where M at x (nx,) is nearly singular and was not at `start` (nx,)."""
-        smallest = []
-        for M in (self.mass_matrix(x, p=p), self.mass_matrix(start, p=p)):
-            scale = np.sqrt(np.abs(np.diag(M)))
-            if not 0 < scale.min() <= scale.max() < HUGE:
-                return
-            smallest.append(float(np.linalg.eigvalsh(M / scale / scale[:, None])[0]))
-        if smallest[0] < NEARLY_SINGULAR * smallest[1]:
-            values, _ = self._arguments(x, p=p)
-            raise self._lost_definiteness(x, float(self._dynamics(*values)[1][0]))
-
-    def _lost_definiteness(self, x: Array, pivot: float) -> MassMatrixError:
-        outputs = dict(zip((s.name for s in self.outputs), self.measure(x)))
-        bent = {name: value for name, value in outputs.items() if name.endswith("deflection")}
-        where = ", ".join(f"{name} = {value:.4g} m" for name, value in bent.items()) or f"x = {x}"
-        return MassMatrixError(
-            f"the mass matrix of {self.label} is not positive definite (pivot {pivot:.3g}) at {where}; "
-            "use a fidelity whose mass matrix stays definite, or smaller deflections",
-            x.copy(),
-            pivot,
-        )
 
     def natural_frequencies(
         self, x0: Any = None, *, locked: tuple[str, ...] = (), rigid: bool = False, p: Any = None
@@ -263,10 +208,6 @@ class LagrangianPlant(Plant):
         From M and the stiffness d(-r)/dq; negative stiffness gives a negative "frequency" -sqrt(|w^2|).
         Frequencies below 1e-6 of the largest are rigid-body modes and are left out unless `rigid`.
         """
-        import scipy.linalg
-
-        from pliant.plants.core.signals import index
-
         n = len(self.coordinates)
         x = np.zeros(self.nx) if x0 is None else np.asarray(x0, dtype=float)
         held = [index(self.coordinates, name, "coordinate") for name in locked] + list(self.driven)

@@ -1,45 +1,64 @@
-"""Jacobians of equations of motion M a = r as they stand, at any accelerations a, not only those that solve them."""
+"""Jacobians of equations of motion M a = r as they stand, at any accelerations a, not only those that solve them.
+
+With a held, dM a + M da = dr gives da = M^-1 (dr - dM a); the plant gives da, its rate dx/dt as a function of a, and
+the accelerations that solve the equations. At those the Jacobians are the plant's own, with fewer operations than the
+derivative of M^-1 r takes.
+"""
 
 from __future__ import annotations
 
+from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.native.batch_kernels import NativeFunction, random_points
 
-if TYPE_CHECKING:
-    from .lagrangian import LagrangianPlant
+
+class Differentiated(NamedTuple):
+    """The equations M a = r of a plant with m accelerations, differentiated at accelerations `a` held."""
+
+    a: ca.SX  # (m,) symbols
+    rate: ca.SX  # (nx,) dx/dt at a
+    change: ca.SX  # (m, nx + nu + nw) da by (x, u, w)
+    solved: ca.SX  # (m,) the accelerations that solve the equations
 
 
-def along(plant: LagrangianPlant) -> NumericFunction:
-    """[A, B, E, C, D, F] as a function of (t, x, u, w, p, a), a (n,) the accelerations; driven ones are the inputs.
+class ResidualJacobians:
+    """[A, B, E, C, D, F] at the accelerations that solve the equations and at others."""
 
-    Rows of the rates: M^-1 (dr - d(M a)). Native where the plant's own Jacobians are.
-    """
-    from .lagrangian import ldl, ldl_solve
+    def __init__(self, plant: PlantLike, output: ca.SX, equations: Differentiated) -> None:
+        _, x, u, w, _ = plant.symbols
+        z = ca.vertcat(x, u, w)
+        self.plant, self.accelerations = plant, equations.solved
+        rate = ca.jacobian(equations.rate, z) + ca.jacobian(equations.rate, equations.a) @ equations.change
+        ends = [0, plant.nx, plant.nx + plant.nu, plant.nx + plant.nu + plant.nw]
+        blocks = [J[:, s:e] for J in (rate, ca.jacobian(output, z)) for s, e in pairwise(ends)]
+        self.blocks = ca.Function("blocks", [*plant.symbols, equations.a], blocks)
 
-    t, x, u, w, p = plant.symbols
-    M, r, _, _ = plant._terms
-    n, nx = len(plant.coordinates), plant.nx
-    a, z = ca.SX.sym("a", n), ca.vertcat(x, u, w)
-    moving, change = ca.SX(a), ca.SX(n, z.shape[0])
-    for i, k in plant.driven.items():
-        moving[i], change[i, nx + k] = u[k], 1
-    free = [i for i in range(n) if i not in plant.driven]
-    if free:
-        lacking = (r - M @ moving)[free]
-        change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))
-    rate = ca.vertcat(ca.jacobian(x[n:], z), change)
-    y = ca.jacobian(plant.expressions[1], z)
-    ends = [0, nx, nx + plant.nu, nx + plant.nu + plant.nw]
-    blocks = [J[:, s:e] for J in (rate, y) for s, e in pairwise(ends)]
-    found = function("along", [t, x, u, w, p, a], blocks, matrices=True)
-    if not isinstance(plant.__dict__.get("_jacobians"), NativeFunction):
-        return found
-    rng = np.random.default_rng(0)
-    points = random_points(plant, rng)
-    return NativeFunction(found.function, [*points, rng.uniform(-1.0, 1.0, (n, points[0].shape[1]))], matrices=True)
+    def slopes(self) -> ca.SX:
+        """[A, B] (nx, nx + nu) at the plant's own accelerations, sparse."""
+        return ca.horzcat(*self.blocks(*self.plant.symbols, self.accelerations)[:2])
+
+    @cached_property
+    def solved(self) -> NumericFunction:
+        """(t, x, u, w, p) at the plant's own accelerations."""
+        symbols = list(self.plant.symbols)
+        return function("jacobians", symbols, list(self.blocks(*symbols, self.accelerations)), matrices=True)
+
+    @cached_property
+    def along(self) -> NumericFunction:
+        """(t, x, u, w, p, a) at accelerations a (m,); native where the plant's own Jacobians are."""
+        a = ca.SX.sym("a", self.accelerations.shape[0])
+        symbols = [*self.plant.symbols, a]
+        found = function("along", symbols, list(self.blocks(*symbols)), matrices=True)
+        if not isinstance(self.plant.__dict__.get("_jacobians"), NativeFunction):
+            return found
+        rng = np.random.default_rng(0)
+        points = random_points(self.plant, rng)
+        moving = rng.uniform(-1.0, 1.0, (a.shape[0], points[0].shape[1]))
+        return NativeFunction(found.function, [*points, moving], matrices=True)

@@ -1,1 +1,1 @@
-"""One simulation or one step: step maps, adaptive methods, batch stepper."""
+"""One simulation or one step: step maps with their derivatives, adaptive methods, batch stepper."""

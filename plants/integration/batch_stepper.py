@@ -4,31 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core.parameters import require_choice, require_count
+from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
 from pliant.plants.native import kernel_loader, kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
 from pliant.plants.native.thread_pool import available
 
-if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
+from .step_maps import METHODS, step_map, stepper
 
 
-def rate_function(plant: Plant) -> ca.Function:
+def rate_function(plant: PlantLike) -> ca.Function:
     """(t, x, u, w, p) -> dx/dt as one SX function."""
     return ca.Function("rate", list(plant.symbols), [ca.densify(ca.cse([plant.expressions[0]])[0])])
 
 
-def step_reference(plant: Plant, method: str = "rk4") -> kernel_loader.Reference:
+def step_reference(plant: PlantLike, method: str = "rk4") -> kernel_loader.Reference:
     """count steps of scalars[0] seconds on the virtual machine."""
-    from .step_maps import METHODS, stepper
-
     step, taken = stepper(plant, method), len(METHODS[method].input_times)
 
     def reference(t: Array, x: Array, u: Array, w: Array, p: Array, scalars: Any, count: int) -> Sequence[Array]:
@@ -42,10 +40,8 @@ def step_reference(plant: Plant, method: str = "rk4") -> kernel_loader.Reference
 
 
 @lru_cache(maxsize=64)
-def step_kernel(plant: Plant, method: str, dtype: np.dtype, lanes: int | None = None) -> BatchKernel:
+def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | None = None) -> BatchKernel:
     """Fixed steps of a plant: (t, x, u, w, p) -> x. The implicit midpoint rule stays on the virtual machine."""
-    from .step_maps import METHODS, step_map
-
     require_choice("stepper", "method", method, tuple(METHODS))
     rate = rate_function(plant)
     sources: dict[str, Callable[[], str]] = {
@@ -70,7 +66,7 @@ class Stepper:
 
     def __init__(
         self,
-        plant: Plant,
+        plant: PlantLike,
         dt: float,
         method: str,
         batch: int,

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core.errors import IntegrationError
-
-if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
+from pliant.plants.core.plant_protocol import PlantLike
 
 
 @lru_cache(maxsize=32)
-def _integrator(plant: Plant, rtol: float, atol: float) -> ca.Function:
+def _integrator(plant: PlantLike, rtol: float, atol: float) -> ca.Function:
     """Over a unit of scaled time, so that one object serves every interval."""
     t, x, u, w, p = plant.symbols
     began, length, scaled = ca.SX.sym("began"), ca.SX.sym("length"), ca.SX.sym("s")
@@ -26,7 +23,7 @@ def _integrator(plant: Plant, rtol: float, atol: float) -> ca.Function:
 
 
 def advance(
-    plant: Plant,
+    plant: PlantLike,
     began: float,
     ended: float,
     x: np.ndarray,

@@ -9,16 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.errors import IntegrationError
-
-if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
+from pliant.plants.core.plant_protocol import PlantLike
 
 STAGES = 12
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0  # limits of the step-size change, as in SciPy
@@ -34,7 +31,7 @@ def fractions() -> np.ndarray:
 
 
 @lru_cache(maxsize=32)
-def step_function(plant: Plant, audit: bool) -> NumericFunction:
+def step_function(plant: PlantLike, audit: bool) -> NumericFunction:
     """(t, z, us (nu, 12), w, p, h) -> z(t + h) and the estimates of orders 5 and 3 of its error per unit of h.
 
     z is the state; with `audit` the net work done [J] follows it.
@@ -60,7 +57,7 @@ def step_function(plant: Plant, audit: bool) -> NumericFunction:
 
 
 def march(
-    plant: Plant,
+    plant: PlantLike,
     times: np.ndarray,
     z: np.ndarray,
     held: np.ndarray,

@@ -3,38 +3,27 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import Any
 
 import numpy as np
 
 from pliant.plants.core.errors import IntegrationError, StabilityLimitError
-from pliant.plants.core.parameters import require_choice, require_finite
-from pliant.plants.core.signals import index, read_only_times
+from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.plant_protocol import PlantLike
+from pliant.plants.core.signals import read_only_times
 from pliant.plants.core.trajectory import Trajectory
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
+from . import cvodes, radau
 from .dormand_prince import march
+from .held_inputs import HeldInput, Input, sampling_grid
 from .step_maps import METHODS, check_step, stepper
 
-if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
-
-
-class Acts(Protocol):
-    """What `simulate` needs of a controller."""
-
-    def act(self, t: float, y: np.ndarray) -> np.ndarray: ...
-
-
-Input = None | np.ndarray | tuple[float, ...] | list[float] | Callable[[float], Any] | Acts
 ADAPTIVE = ("dop853", "radau")
-SAME_TIME = 1e-6  # of the sampling period: times this close are one
 CHECKS = 8  # how often along a fixed-step run the step limit is looked at again
 
 
 def simulate(
-    plant: Plant,
+    plant: PlantLike,
     x0: Any,
     u: Input,
     t: Any,
@@ -66,8 +55,8 @@ def simulate(
     plant.check_state(x)
 
     began = clock.perf_counter()
-    grid, rows = _sampled(t, u)
-    drive = _Drive(plant, u, grid, w, p)
+    grid, rows = sampling_grid(t, u)
+    drive = HeldInput(plant, u, grid, w, p)
     run = _Run(plant, drive, grid, x, w, p, method, step, rtol, atol, audit, progress)
     states, work, samples = (z[rows] for z in (*run.march(), drive.samples))
     dx = plant.dynamics(states, samples, w=w, p=p, t=t)
@@ -97,80 +86,13 @@ def simulate(
     )
 
 
-def _sampled(t: np.ndarray, u: Input) -> tuple[np.ndarray, np.ndarray]:
-    """t with the sampling times of a controller put in between, and the places of t's own times in it."""
-    period = getattr(u, "dt", None) if hasattr(u, "act") else None
-    if period is None:
-        return t, np.arange(len(t))
-    if not 0 < period < np.inf:
-        raise ValueError(f"controller dt = {period!r} must be > 0 [s], or None")
-    ticks = t[0] + period * np.arange(1, int(np.ceil((t[-1] - t[0]) / period)))
-    after = np.searchsorted(t, ticks)
-    gap = np.minimum(np.abs(t[after] - ticks), np.abs(t[after - 1] - ticks))
-    grid = np.sort(np.concatenate([t, ticks[gap > SAME_TIME * period]]))
-    return grid, np.searchsorted(grid, t)
-
-
-class _Drive:
-    """The input over time: `smooth` as a function of time, or constant over each interval of t."""
-
-    def __init__(self, plant: Plant, u: Input, t: np.ndarray, w: np.ndarray, p: np.ndarray) -> None:
-        self.plant, self.t, self.w, self.p = plant, t, w, p
-        self.samples = np.zeros((len(t), plant.nu))
-        self.controller: Any = u if hasattr(u, "act") else None
-        self.law: Any = u if callable(u) and self.controller is None else None
-        self.smooth = self.law is not None
-        if self.controller is not None:
-            self._choose_reads()
-        elif self.law is not None:
-            self.samples[:] = [self(s) for s in t]
-        elif u is not None:
-            array = np.asarray(cast(Any, u), dtype=float)
-            shape = (len(t), plant.nu) if array.ndim == 2 else (plant.nu,)
-            self.samples[:] = require_finite(f"{type(plant).__name__}.u", array, shape)
-            self.smooth = array.ndim == 1
-        else:
-            self.smooth = True
-
-    def _choose_reads(self) -> None:
-        reads = tuple(getattr(self.controller, "reads", ()) or (s.name for s in self.plant.outputs))
-        known = self.plant.states + self.plant.outputs
-        self.picks = [index(known, name, "state or output") for name in reads]
-        self.period = getattr(self.controller, "dt", None)
-        self.taken = 0
-        if hasattr(self.controller, "reset"):
-            self.controller.reset()
-
-    def __call__(self, time: float) -> np.ndarray:
-        value = np.asarray(self.law(time), dtype=float).reshape(-1)
-        if value.shape != (self.plant.nu,) or not np.isfinite(value).all():
-            raise ValueError(f"u({time:.6g}) = {value} must be {self.plant.nu} finite numbers")
-        return value
-
-    def decide(self, k: int, x: np.ndarray) -> None:
-        """Ask a sampled controller for the input held from t[k] on."""
-        if self.controller is None:
-            return
-        now = self.t[k]
-        if self.period is None or now >= self.t[0] + self.period * (self.taken - SAME_TIME):
-            previous = self.samples[max(k - 1, 0)]
-            y = self.plant._output(now, x, previous, self.w, self.p)[0]
-            u = np.asarray(self.controller.act(float(now), np.append(x, y)[self.picks]), dtype=float).reshape(-1)
-            if u.shape != (self.plant.nu,) or not np.isfinite(u).all():
-                raise ValueError(f"controller at t = {now:.6g} s gave {u}, must be {self.plant.nu} finite numbers")
-            self.samples[k] = u
-            self.taken += 1
-        else:
-            self.samples[k] = self.samples[k - 1]
-
-
 class _Run:
     """One simulation: the state at every time of t, interval by interval where the input is held."""
 
     def __init__(
         self,
-        plant: Plant,
-        drive: _Drive,
+        plant: PlantLike,
+        drive: HeldInput,
         t: np.ndarray,
         x0: np.ndarray,
         w: np.ndarray,
@@ -207,7 +129,8 @@ class _Run:
                         self.progress(self.t[k + 1])
                 self.drive.decide(len(self.t) - 1, z[-1][:nx])
         except (IntegrationError, StabilityLimitError) as stopped:
-            self._name_lost_mass(z[: k + 1, :nx], getattr(stopped, "state", z[k])[:nx])
+            last = getattr(stopped, "state", z[k])[:nx]
+            self.plant.explain_stop(z[: k + 1, :nx], last, self.w, self.p)
             raise
         return z[:, :nx], z[:, nx] if self.audit else np.zeros(len(self.t))
 
@@ -249,11 +172,15 @@ class _Run:
         held, law = self.drive.samples[k], self.drive if self.drive.law else None
         if self.first is None:
             # At an exact equilibrium every error estimate is zero and the first step would be as long as the run.
-            A = self.plant.jacobians(z[: self.plant.nx], held, w=self.w, p=self.p, t=times[0])[0]
-            self.first = 0.1 / max(np.abs(np.linalg.eigvals(A)).max(initial=0.0), 1e-3)
+            fastest = np.abs(np.linalg.eigvals(self._slopes(times[0], z[: self.plant.nx], held))).max(initial=0.0)
+            self.first = 0.1 / max(fastest, 1e-3)
         with np.errstate(all="ignore"):
             if self.method == "radau":
-                return self._radau(times, z, held, law)
+                tolerances = {"rtol": self.rtol, "atol": self.atol}
+                first = min(self.first, times[-1] - times[0])
+                out, tried = radau.march(self.plant, times, z, held, law, self.w, self.p, first=first, **tolerances)
+                self.steps += tried
+                return out
             out, tried, self.first = march(
                 self.plant,
                 times,
@@ -271,48 +198,19 @@ class _Run:
         self.steps += tried
         return out
 
-    def _radau(self, times: np.ndarray, z: np.ndarray, held: np.ndarray, law: Any) -> np.ndarray:
-        from scipy.integrate import solve_ivp
-
-        plant, w, p = self.plant, self.w, self.p
-        at = law or (lambda s: held)
-        solution = solve_ivp(
-            lambda s, x: plant._dynamics(s, x, at(s), w, p)[0],
-            (times[0], times[-1]),
-            z,
-            method="Radau",
-            t_eval=times,
-            rtol=self.rtol,
-            atol=self.atol,
-            first_step=min(self.first or np.inf, times[-1] - times[0]),
-            jac=lambda s, x: plant._jacobians(s, x, at(s), w, p)[0].reshape(plant.nx, plant.nx),
-        )
-        self.steps += solution.nfev
-        if not solution.success or not np.isfinite(solution.y).all():
-            done = max(solution.y.shape[1] - 1, 0)
-            stopped = float(solution.t[done]) if solution.y.size else float(times[0])
-            state = solution.y[:, done] if solution.y.size else z
-            raise IntegrationError(
-                f"radau stopped after t = {stopped:.6g} s at state {state}: {solution.message}",
-                stopped,
-                state,
-                0.0,
-            )
-        return solution.y.T
-
-    def _name_lost_mass(self, passed: np.ndarray, last: np.ndarray) -> None:
-        """Raise MassMatrixError where that is why the integration stopped, at `last` (nx,) after `passed` (k, nx)."""
-        if isinstance(self.plant, LagrangianPlant):
-            self.plant.dynamics(passed, w=self.w, p=self.p)
-            if np.isfinite(last).all():
-                self.plant.check_near_singular(last, passed[0], self.p)
+    def _slopes(self, t: float, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """df/dx (nx, nx) to half the digits, by differences: a first step needs no more, and the exact Jacobian of a
+        large plant takes seconds to build.
+        """
+        moves = np.sqrt(np.finfo(float).eps) * np.maximum(np.abs(x), 1.0)
+        points = np.vstack([x, x + np.diag(moves)])
+        rate = np.array([self.plant._dynamics(t, at, u, self.w, self.p)[0] for at in points])
+        return ((rate[1:] - rate[0]) / moves[:, None]).T
 
     def _cvodes(self, k: int, z: np.ndarray) -> np.ndarray:
-        from .cvodes import advance
-
         if self.drive.law is not None:
             raise ValueError('method = "cvodes" needs an input held between times: give an array, not a callable')
-        return advance(
+        return cvodes.advance(
             self.plant,
             self.t[k],
             self.t[k + 1],

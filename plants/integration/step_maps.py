@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -21,10 +21,8 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.errors import StabilityLimitError
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
-
-if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
 
 SOLVED = 1e-8  # largest residual of the implicit midpoint rule, relative to the rates
 
@@ -63,7 +61,7 @@ def _held(us: ca.SX, c: float) -> ca.SX:
     return us[:, 0] * (2 * c - 1) * (c - 1) + us[:, 1] * 4 * c * (1 - c) + us[:, 2] * c * (2 * c - 1)
 
 
-def step_map(plant: Plant, method: str) -> ca.Function:
+def step_map(plant: PlantLike, method: str) -> ca.Function:
     """(t, x, us, w, p, h) -> x(t + h), with us (nu, k) the input at the method's k input times."""
     require_choice("integrate", "method", method, tuple(METHODS))
     t, x, u, w, p = plant.symbols
@@ -76,7 +74,7 @@ def step_map(plant: Plant, method: str) -> ca.Function:
     return build(plant, f, arguments)
 
 
-def _rk4(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
+def _rk4(plant: PlantLike, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
     t, x, us, w, p, h = arguments
     k1 = f(t, x, us[:, 0], w, p)
     k2 = f(t + h / 2, x + h / 2 * k1, us[:, 1], w, p)
@@ -86,7 +84,7 @@ def _rk4(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
     return ca.Function("rk4", arguments, ca.cse([after]))
 
 
-def _midpoint(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
+def _midpoint(plant: PlantLike, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
     t, x, us, w, p, h = arguments
     k = ca.SX.sym("k", plant.nx)
     residual = k - f(t + h / 2, x + h / 2 * k, us[:, 1], w, p)
@@ -109,7 +107,7 @@ _ALPHA = (0.0, 0.0, 1.0, 1.0)
 _GAMMA = (0.5, 1.5, 0.0, 0.0)
 
 
-def _rosenbrock(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
+def _rosenbrock(plant: PlantLike, f: ca.Function, arguments: list[ca.SX]) -> ca.Function:
     t, x, us, w, p, h = arguments
     pt, px, pu, pw, pp = plant.symbols
     fx, ft, fu = (ca.jacobian(plant.expressions[0], s) for s in (px, pt, pu))
@@ -134,7 +132,7 @@ def _rosenbrock(plant: Plant, f: ca.Function, arguments: list[ca.SX]) -> ca.Func
 
 
 @lru_cache(maxsize=64)
-def stepper(plant: Plant, method: str) -> NumericFunction:
+def stepper(plant: PlantLike, method: str) -> NumericFunction:
     """The step map of a plant as a numeric function, built once per plant and method."""
     return NumericFunction(step_map(plant, method))
 
@@ -153,12 +151,12 @@ def _limit_of(z: complex, polynomial: np.ndarray, order: int) -> float:
     return float(real.min()) / abs(z) if len(real) else np.inf
 
 
-def step_limit(plant: Plant, x: Any, method: str = "rk4", *, u: Any = None, p: Any = None) -> float:
+def step_limit(plant: PlantLike, x: Any, method: str = "rk4", *, u: Any = None, p: Any = None) -> float:
     """The largest stable step [s] of a method at state x (nx,), from the fastest mode of the linearised plant."""
     return _slowest_limit(plant, x, method, u, p)[0]
 
 
-def _slowest_limit(plant: Plant, x: Any, method: str, u: Any, p: Any) -> tuple[float, complex]:
+def _slowest_limit(plant: PlantLike, x: Any, method: str, u: Any, p: Any) -> tuple[float, complex]:
     require_choice("integrate", "method", method, tuple(METHODS))
     tableau, order = METHODS[method].tableau, METHODS[method].order
     if tableau is None:
@@ -175,7 +173,9 @@ def _slowest_limit(plant: Plant, x: Any, method: str, u: Any, p: Any) -> tuple[f
     return min(found, key=lambda pair: pair[0])
 
 
-def check_step(plant: Plant, x: Any, method: str, step: float, *, u: Any = None, p: Any = None, t: float = 0.0) -> None:
+def check_step(
+    plant: PlantLike, x: Any, method: str, step: float, *, u: Any = None, p: Any = None, t: float = 0.0
+) -> None:
     """Raise StabilityLimitError when `step` [s] is past the method's limit at x."""
     limit, mode = _slowest_limit(plant, x, method, u, p)
     if step > limit * (1 + 1e-9):

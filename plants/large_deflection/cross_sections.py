@@ -1,14 +1,13 @@
 """What the sections of a beam add to its axis: rotary inertia, strain energy, and how a payload sits on the tip.
 
 In the plane a section's rotation is linear in the coordinates, and all this is constant matrices. For space, see
-spatial_strain.py and spatial_chain.py; the rotation vectors that both use are here.
+`spatial_tangent_field` and `spatial_sub_beam_chain`; the rotation vectors that both use are here.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import casadi as ca
 
@@ -18,18 +17,6 @@ from pliant.plants.beams.section import Beam
 from .tangent_field import Array, sparse
 
 TERMS = 16  # of the series in phi^2: complete to rounding below one turn
-
-
-class Sections(Protocol):
-    """Expressions in coordinates q and rates v (n,)."""
-
-    def strain_energy(self, q: ca.SX) -> ca.SX: ...
-    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX: ...
-    def elastic_force(self, q: ca.SX, v: ca.SX) -> ca.SX: ...
-    def kinetic(self, q: ca.SX, v: ca.SX) -> ca.SX: ...
-    def inertia(self, q: ca.SX, v: ca.SX) -> tuple[ca.SX, ca.SX]: ...
-    def carried(self, q: ca.SX) -> ca.SX: ...
-    def tip_rotation(self, q: ca.SX) -> ca.SX: ...
 
 
 @dataclass(frozen=True, eq=False)

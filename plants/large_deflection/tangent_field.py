@@ -17,6 +17,7 @@ from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+from numpy.polynomial import legendre
 
 from pliant.plants import beams
 
@@ -52,8 +53,6 @@ class Points:
 
 def _antiderivatives(m: int, z: Array) -> Array:
     """int_0^z l_b of the m Gauss-Legendre points of [0, 1], (k, m)."""
-    from numpy.polynomial import legendre
-
     x, w = legendre.leggauss(m)
     k = np.arange(m)
     project = (2 * k[:, None] + 1) / 2 * legendre.legvander(x, m - 1).T * w  # values to Legendre coefficients

@@ -19,12 +19,9 @@ from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, names, read_only, read_only_times, sample
 
 from . import modal_analysis
-from .ltv import LTVModel
 
 if TYPE_CHECKING:
     import control
-
-__all__ = ["LTVModel", "LinearModel"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
@@ -23,9 +23,9 @@ import scipy.linalg as sla
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, as_signals, names, read_only, read_only_times, sample
 
-if TYPE_CHECKING:
-    from .lti import LinearModel
-    from .second_order import SecondOrderModel
+from .lti import LinearModel
+from .magnus import exponent
+from .second_order import SecondOrderModel, from_ltv
 
 
 class DiscreteLTV(NamedTuple):
@@ -100,8 +100,6 @@ class LTVModel:
 
     def at(self, k: int) -> LinearModel:
         """The model frozen at node k; its f0 is c[k], the rate of a deviation from the moving nominal."""
-        from .lti import LinearModel
-
         require_count("LTVModel.at", "k", k, -len(self.t), len(self.t) - 1)
         assert self.w is not None
         return LinearModel(
@@ -154,8 +152,6 @@ class LTVModel:
 
     def second_order(self, mass: Any = None) -> SecondOrderModel:
         """[A] y'' + [B] y' + [C] y = Q where the states are [y; dy/dt]; `mass` (nt, n, n) multiplies all."""
-        from .second_order import from_ltv
-
         return from_ltv(self, mass)
 
     @cached_property
@@ -192,9 +188,7 @@ def _magnus(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np
     """
     n = A.shape[-1]
     N = np.concatenate([A, G], axis=-1)
-    h = h[:, None, None]
-    commutator = A[:, 0] @ N[:, 1] - A[:, 1] @ N[:, 0]
     Omega = np.zeros((len(A), N.shape[-1], N.shape[-1]))
-    Omega[:, :n] = h / 2 * (N[:, 0] + N[:, 1]) - np.sqrt(3.0) / 12 * h**2 * commutator
+    Omega[:, :n] = exponent(N, h)
     P = sla.expm(Omega)
     return P[:, :n, :n], P[:, :n, n:]

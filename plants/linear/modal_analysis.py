@@ -16,12 +16,14 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_choice, require_count
 
 
 @dataclass(frozen=True)
 class Mode:
-    """One mode; a complex pair counts once, with its eigenvalue of positive imaginary part.
+    """One mode; a complex pair counts once, with its eigenvalue of positive imaginary part. A rigid-body mode, whose
+    eigenvalue rounding hides, has 0.
 
     `damping_ratio` is -Re/|eigenvalue|, and 0 where rounding hides the real part (a rigid-body mode too).
     """
@@ -81,9 +83,12 @@ def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tupl
     if dt is not None:
         with np.errstate(divide="ignore"):
             lam, undamped = np.log(values) / dt, np.abs(np.abs(values) - 1.0) <= rounding
+    # A double root at rest leaves rounding as two real roots or as a pair, by chance: two rigid-body modes either way.
+    still = np.abs(values - (0.0 if dt is None else 1.0)) <= rounding
+    lam = np.where(still, 0.0, lam)
     rows: list[Mode] = []
     for i in np.argsort(np.abs(lam), kind="stable"):
-        if values[i].imag < 0:
+        if values[i].imag < 0 and not still[i]:
             continue
         size = abs(lam[i])
         zeta = 0.0 if undamped[i] else 1.0 if np.isinf(size) else -lam[i].real / size
@@ -96,8 +101,7 @@ def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tupl
 def _gramian_root(A: np.ndarray, B: np.ndarray, discrete: bool) -> np.ndarray:
     """S (nx, nx) with S S^T the reachability Gramian of (A, B)."""
     W = sla.solve_discrete_lyapunov(A, B @ B.T) if discrete else sla.solve_continuous_lyapunov(A, -B @ B.T)
-    value, vector = np.linalg.eigh((W + W.T) / 2)
-    return vector * np.sqrt(np.maximum(value, 0.0))
+    return semidefinite_root(W)
 
 
 def hankel_values(A: np.ndarray, B: np.ndarray, C: np.ndarray, dt: float | None = None) -> np.ndarray:

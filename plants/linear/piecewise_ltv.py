@@ -11,20 +11,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.trajectory import Trajectory
 
 from .ltv import LTVModel
 
-if TYPE_CHECKING:
-    from pliant.plants.core.trajectory import Trajectory
-    from pliant.plants.dynamics.plant import Plant
-
 Array = np.ndarray
-TURN = 1e-3  # [rad] that two pieces' attitudes may be apart at a jump, of which the map is of first order
+
+
+class Linearised(Protocol):
+    """What pieces ask of a plant."""
+
+    @property
+    def nu(self) -> int: ...
+
+    def linearize_along(self, nominal: Trajectory, *, p: Any = None) -> LTVModel: ...
+
+    def jump_map(self, x: Array, P: Array, *, after: Array, p: Any = None, t: float = 0.0) -> tuple[Array, Array]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,15 +86,12 @@ class PiecewiseLTV:
 
 
 def linearize_pieces(
-    plant: Plant, nominals: Sequence[Trajectory], impulses: Sequence[Any] | None = None, *, p: Any = None
+    plant: Linearised, nominals: Sequence[Trajectory], impulses: Sequence[Any] | None = None, *, p: Any = None
 ) -> PiecewiseLTV:
     """The models along each smooth piece of a nominal; `impulses` (nu,) at each jump, zero where None.
 
-    Positions must not jump. A spacecraft's models are in its deviations [y, dy/dt].
+    Positions must not jump. The deviations are those of the plant's `linearize_along`.
     """
-    from pliant.plants.spacecraft.linearisation import deviation_maps
-    from pliant.plants.spacecraft.plant import FlexibleSpacecraft
-
     if not nominals:
         raise ValueError("linearize_pieces: nominals = () must be one or more pieces")
     given = [np.zeros(plant.nu)] * (len(nominals) - 1) if impulses is None else list(impulses)
@@ -97,18 +101,5 @@ def linearize_pieces(
     jumps = []
     for before, after, P in zip(nominals[:-1], nominals[1:], given):
         P = require_finite("linearize_pieces.impulse", P, (plant.nu,))
-        x, new, t = before.x[-1], after.x[0], before.t[-1]
-        still = np.zeros(plant.nu)
-        moved = plant.dynamics(x, P, p=p, t=t) - plant.dynamics(x, still, p=p, t=t)
-        J = np.eye(plant.nx) + plant.jacobians(x, P, p=p, t=t)[0] - plant.jacobians(x, still, p=p, t=t)[0]
-        j = moved - (new - x)
-        if isinstance(plant, FlexibleSpacecraft):
-            turn = 2 * np.arccos(min(1.0, abs(float(x[plant.layout.quaternion] @ new[plant.layout.quaternion]))))
-            if turn > TURN:
-                raise ValueError(
-                    f"linearize_pieces: the attitude jumps by {turn:.3g} rad at t = {t:.6g} s, must not jump"
-                )
-            T, L = deviation_maps(plant, x)[0], deviation_maps(plant, new)[1]
-            J, j = L @ J @ T, L @ j
-        jumps.append((J, j))
+        jumps.append(plant.jump_map(before.x[-1], P, after=after.x[0], p=p, t=float(before.t[-1])))
     return PiecewiseLTV(pieces, tuple(jumps))

@@ -2,9 +2,8 @@
 
 Axes     origin at the attachment point; a boom or panel lies along +x
 Modes    displacement phi_k(r) of the body clamped at its origin (cantilever modes), so that s = r + sum phi_k eta_k
-Source   "Equations of Motion of Flexible Spacecraft", Eqs (9)-(13) and (24). The lower triangle of (12) is
-         -phi_2k phi_1l, -phi_3k phi_1l, -phi_3k phi_2l, which makes E_kl the transpose of E_lk; (13) is right with it.
-         Every integral follows from Pi = int z z^T dm, z = (1, r, phi_1 .. phi_n).
+Source   "Equations of Motion of Flexible Spacecraft", Eqs (9)-(13) and (24); every integral follows
+         from Pi = int z z^T dm, z = (1, r, phi_1 .. phi_n).
 """
 
 from __future__ import annotations
@@ -17,22 +16,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.linalg
 
-from pliant.plants.beams.euler_bernoulli_modes import quadrature
 from pliant.plants.beams.section import Beam
-from pliant.plants.beams.shape_functions import basis
-from pliant.plants.core.parameters import is_symbolic, require_count
+from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import read_only
 
+from .component_modes import clamped_modes
+from .from_beams import boom, panel
+from .integrals import integrals
+from .nastran import read_nastran
+
 Array = np.ndarray
-AXES = np.array(
-    [[[0, 0, 0], [0, 0, 1], [0, -1, 0]], [[0, 0, -1], [0, 0, 0], [1, 0, 0]], [[0, 1, 0], [-1, 0, 0], [0, 0, 0]]]
-)
-
-
-def axial(P: Array) -> Array:
-    """int a x b dm (..., 3) from P = int a b^T dm (..., 3, 3)."""
-    return np.einsum("cij,...ij->...c", AXES, P)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,36 +108,9 @@ class ModalData:
     @cached_property
     def frequencies(self) -> Array:
         """Natural frequencies clamped (n,) [rad/s], ascending."""
-        import scipy.linalg
-
         if not self.n:
             return np.zeros(0)
         return np.sqrt(np.maximum(scipy.linalg.eigh(self.stiffness, self.modal_mass, eigvals_only=True), 0.0))
-
-    @property
-    def N(self) -> Array:
-        """Eq (10), int [(r . phi_k) 1 - r phi_k^T] dm (n, 3, 3) [kg m]."""
-        return self.C[:, None, None] * np.eye(3) - self.moments
-
-    @property
-    def Y(self) -> Array:
-        """Eq (11), int r x phi_k dm (n, 3) [kg m]."""
-        return axial(self.moments)
-
-    @property
-    def E(self) -> Array:
-        """Eq (12) corrected, int [(phi_k . phi_l) 1 - phi_k phi_l^T] dm (n, n, 3, 3) [kg]."""
-        return self.modal_mass[:, :, None, None] * np.eye(3) - self.overlaps
-
-    @property
-    def Z(self) -> Array:
-        """Eq (13), int phi_l x phi_k dm (n, n, 3) [kg]: opposite in sign to the Z of (8); B and C use this one."""
-        return -axial(self.overlaps)
-
-    @property
-    def C(self) -> Array:
-        """C_k of Eq (24), int r . phi_k dm (n,) [kg m]."""
-        return np.einsum("kii->k", self.moments)
 
     @cached_property
     def pi(self) -> Array:
@@ -227,8 +195,8 @@ class ModalData:
             if shortening is None
             else read_only("shortening", shortening, (n, n, len(r), 3))
         )
-        overlaps = np.einsum("p,kpi,lpj->klij", dm, phi, phi)
-        modal_mass = np.einsum("klii->kl", overlaps)
+        found = integrals(r, dm, phi, g)
+        modal_mass = np.einsum("klii->kl", found["overlaps"])
         if (frequencies is None) == (stiffness is None):
             raise ValueError("ModalData: exactly one of frequencies [rad/s] and stiffness [N/m] must be given")
         if stiffness is None:
@@ -240,18 +208,9 @@ class ModalData:
                 raise ValueError(f"ModalData.damping = {damping!r} must be >= 0 (a ratio)")
             damping = np.diag(2 * damping * np.sqrt(np.diag(K) * np.diag(modal_mass)))
         return cls(
-            mass=float(dm.sum()),
-            first=dm @ r,
-            second=np.einsum("p,pi,pj->ij", dm, r, r),
-            R=np.einsum("p,kpi->ki", dm, phi),
-            moments=np.einsum("p,pi,kpj->kij", dm, r, phi),
-            overlaps=overlaps,
+            **found,
             stiffness=K,
             damping=damping,
-            shortening=np.einsum("p,klpi->kli", dm, g),
-            shortening_moments=np.einsum("p,pi,klpj->klij", dm, r, g),
-            shortening_overlaps=np.einsum("p,jpa,klpb->jklab", dm, phi, g),
-            shortening_squares=np.einsum("klpa,mnpb->klmnab", g * dm[:, None], g, optimize=True),
             tip=r[tip],
             tip_shapes=phi[:, tip],
             outline=r,
@@ -264,12 +223,7 @@ class ModalData:
 
         Bending in x-z first; no torsion, no inertia about x.
         """
-        in_plane, out = _counts(modes, "boom")
-        return _along_x(
-            beam,
-            [(0.0, 1.0)],
-            [(2, out, beam_stiffness(beam, "I_y"), (1.0,)), (1, in_plane, beam_stiffness(beam, "I_z"), (1.0,))],
-        )
+        return cls(**boom(beam, modes))
 
     @classmethod
     def panel(cls, beam: Beam, width: float, modes: tuple[int, int] = (1, 1)) -> ModalData:
@@ -277,12 +231,7 @@ class ModalData:
 
         In bending the beams move together, in twisting against each other; in its plane the panel is stiff.
         """
-        bending, twisting = _counts(modes, "panel")
-        if not 0 < width < np.inf:
-            raise ValueError(f"ModalData.panel width = {width!r} must be > 0 [m]")
-        lines = [(width / 2, 1.0), (-width / 2, 1.0)]
-        EI = beam_stiffness(beam, "I_y")
-        return _along_x(beam, lines, [(2, bending, EI, (1.0, 1.0)), (2, twisting, EI, (1.0, -1.0))])
+        return cls(**panel(beam, width, modes))
 
     @classmethod
     def from_matrices(
@@ -295,8 +244,6 @@ class ModalData:
         them at the attachment point. Masses are lumped at the nodes (rows summed over translations along each
         axis), turns without mass condensed. ValueError where the lumped body has another first moment or inertia.
         """
-        from .component_modes import clamped_modes
-
         r = read_only("ModalData.positions", positions, (-1, 3))
         masses, shapes, omega = clamped_modes(mass, stiffness, r, root, modes)
         return cls.from_nodes(r, masses, shapes, frequencies=omega, damping=damping)
@@ -314,88 +261,5 @@ class ModalData:
         damping: float = 0.0,
     ) -> ModalData:
         """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti."""
-        from .component_modes import read_nastran
-
         M, K = read_nastran(path, mass, stiffness)
         return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping)
-
-
-def _counts(modes: tuple[int, int], kind: str) -> tuple[int, int]:
-    if not (isinstance(modes, tuple) and len(modes) == 2):
-        raise ValueError(f"ModalData.{kind} modes = {modes!r} must be two counts")
-    for count in modes:
-        require_count(f"ModalData.{kind}", "modes", count, 0, 100)
-    return modes
-
-
-def beam_stiffness(beam: Beam, moment: str) -> float:
-    """E I [N m^2] for bending resisted by I_z (in x-y) or I_y (in x-z); ValueError where it is an expression."""
-    for name in ("length", "density", "area", "E", moment, "damping"):
-        if is_symbolic(getattr(beam, name)):
-            raise ValueError(f"Beam.{name} of an appendage cannot be varied; vary its stiffness_factor instead")
-    return float(beam.E * getattr(beam, moment))
-
-
-def _along_x(
-    beam: Beam,
-    lines: list[tuple[float, float]],
-    families: list[tuple[int, int, float, tuple[float, ...]]],
-) -> ModalData:
-    """Parallel beams along x at (y, share of the beam's mass); families of (direction, modes, EI, sign on each line).
-
-    Gauss's points serve as nodes: they integrate products of the shapes exactly to rounding.
-    """
-    L, most = float(beam.length), max(count for _, count, _, _ in families)
-    xi, weight = quadrature(max(most, 1))
-    n, points = sum(count for _, count, _, _ in families), len(xi)
-    r = np.concatenate([np.column_stack([L * xi, np.full(points, y), np.zeros(points)]) for y, _ in lines])
-    dm = np.concatenate([share * beam.mass * weight for _, share in lines])
-    phi = np.zeros((n, len(r), 3))
-    ends, frequencies, k = np.zeros((n, 3)), np.zeros(n), 0
-    for direction, count, EI, signs in families:
-        if not count:
-            continue
-        shape = basis("clamped-free", count).phi
-        value, end = shape(xi), shape(np.array(1.0))
-        for j in range(count):
-            phi[k, :, direction] = np.concatenate([s * value[:, j] for s in signs])
-            ends[k, direction] = signs[0] * end[j]
-            frequencies[k] = shape.roots[j] ** 2 * np.sqrt(EI / (beam.linear_density * L**4))  # type: ignore[union-attr]
-            k += 1
-    tip = np.array([L, lines[0][0], 0.0])
-    g = np.zeros((n, n, len(r), 3))
-    g[..., 0] = _shortening(families, n, L, xi)
-    data = ModalData.from_nodes(r, dm, phi, frequencies=frequencies, shortening=g)
-    values: dict[str, Any] = {name: getattr(data, name) for name in data.__dataclass_fields__}
-    values |= {"damping": beam.damping * data.stiffness}
-    shown = slice(None, points, max(points // 12, 1))
-    values |= {"tip": tip, "tip_shapes": ends}
-    values |= {
-        "outline": np.vstack([r[shown], tip]),
-        "outline_shapes": np.concatenate([phi[:, shown], ends[:, None]], axis=1),
-    }
-    return ModalData(**{name: _tidy(value) for name, value in values.items()})
-
-
-def _shortening(families: list[tuple[int, int, float, tuple[float, ...]]], n: int, L: float, xi: Array) -> Array:
-    """g_kl (n, n, lines * points) [1/m] along x: the integral of phi_k' . phi_l' from the root to x = L xi."""
-    most = max(count for _, count, _, _ in families)
-    g = np.zeros((n, n, len(families[0][3]), len(xi)))
-    if not most:
-        return g.reshape(n, n, len(families[0][3]) * len(xi))
-    node, weight = quadrature(most)
-    slope = basis("clamped-free", most).phi(xi[:, None] * node, 1) / L
-    growth = np.einsum("pqi,pqj,q,p->ijp", slope, slope, weight, L * xi)
-    modes = [(direction, j, np.array(signs)) for direction, count, _, signs in families for j in range(count)]
-    for k, (along, i, sign) in enumerate(modes):
-        for l, (other, j, turned) in enumerate(modes):
-            if along == other:
-                g[k, l] = (sign * turned)[:, None] * growth[i, j]
-    return g.reshape(n, n, len(families[0][3]) * len(xi))
-
-
-def _tidy(value: Any) -> Any:
-    """Rounding in place of a zero of the theory (orthogonal modes) becomes that zero."""
-    if np.ndim(value) < 1:
-        return value
-    return np.where(np.abs(value) > 1e-13 * np.abs(value).max(initial=0.0), value, 0.0)

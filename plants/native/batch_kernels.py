@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 import threading
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.plant_protocol import PlantLike
 
 from . import kernel_loader, kernel_templates
 from .thread_pool import available
 
-if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
-
 Array = np.ndarray
+P = TypeVar("P", bound=PlantLike)
 FEW = 512  # lanes below which a second thread costs more than it brings
 CHECKED = 64  # random points at which a new kernel is compared with the virtual machine
 
@@ -110,13 +110,14 @@ class Workspace:
         return self.outputs[k][:, : self.batch].T
 
 
-def random_points(plant: Plant, rng: np.random.Generator, batch: int = CHECKED) -> list[Array]:
+def random_points(plant: PlantLike, rng: np.random.Generator, batch: int = CHECKED) -> list[Array]:
     """States, inputs, disturbances and parameters (n, batch) at which a kernel is compared: moderate motions.
 
-    Coordinates that are lengths stay within centimetres, so that mass matrices stay definite, and within less where a
+    The plant's `small_states` stay within centimetres, so that mass matrices stay definite, and within less where a
     plant is so small that its equations end there.
     """
-    lengths = np.array([s.unit.startswith("m") for s in plant.states])
+    small = plant.small_states
+    lengths = np.array([s.name in small for s in plant.states])
     x = np.where(lengths, 0.02, 1.0)[:, None] * rng.uniform(-1.0, 1.0, (plant.nx, batch))
     u, w = rng.uniform(-1.0, 1.0, (plant.nu, batch)), rng.uniform(-0.1, 0.1, (plant.nw, batch))
     p = plant.nominal_parameters[:, None] * rng.uniform(0.9, 1.1, (len(plant.varied), batch))
@@ -130,7 +131,7 @@ def random_points(plant: Plant, rng: np.random.Generator, batch: int = CHECKED) 
     return [t, x, u, w, p]
 
 
-def _finite(plant: Plant, *points: Array) -> bool:
+def _finite(plant: PlantLike, *points: Array) -> bool:
     values = (np.ascontiguousarray(a.T) for a in points)
     return bool(np.isfinite(plant._dynamics(*values, batch=points[0].shape[1])[0]).all())
 
@@ -192,3 +193,13 @@ class NativeFunction(NumericFunction):
             rows[:, a:b] if flatten else rows[:, a:b].reshape(size, c, r).transpose(0, 2, 1)
             for a, b, r, c, flatten in self._plan
         ]
+
+
+def compiled(plant: P, names: Sequence[str]) -> P:
+    """A copy of a plant with these NumericFunctions, attributes by name, on native kernels."""
+    fast = dataclasses.replace(plant)  # type: ignore[type-var]
+    points = random_points(plant, np.random.default_rng(0))
+    for name in names:
+        slow = getattr(plant, name)
+        fast.__dict__[name] = NativeFunction(slow.function, points, matrices=slow.matrices)
+    return fast

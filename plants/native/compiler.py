@@ -3,6 +3,10 @@
 What made gcc vectorise straight-line code over lanes: -O3 -march=native -ffast-math -fopenmp-simd, the math calls kept
 apart (gcc merges sin and cos of one angle to sincos, which has no vector form) and no SLP vectoriser. -ffast-math is
 on the compile step only: on the link step gcc would add crtfastmath.o, which sets flush-to-zero for the whole process.
+
+Environment: CC names the compiler. PLIANT_CFLAGS adds flags after Pliant's own, so that they win, to the compile step
+alone: PLIANT_CFLAGS=-mno-avx512f, or -march=x86-64-v3 for kernels that all of a cluster's processors run. Both are part
+of a kernel's key in the cache, and are read once a process.
 """
 
 from __future__ import annotations
@@ -38,6 +42,11 @@ OPTIONAL = (
 PROBE = """#include <math.h>
 void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = sin(x[l]) + cos(x[l]); }
 """
+
+
+def extra_flags() -> tuple[str, ...]:
+    """The flags that $PLIANT_CFLAGS adds, split as a shell does."""
+    return tuple(shlex.split(os.environ.get("PLIANT_CFLAGS", "")))
 
 
 class CompileError(PliantError):
@@ -89,7 +98,7 @@ def _stamp(command: tuple[str, ...]) -> str:
     if cpuinfo.exists():
         lines = cpuinfo.read_text().splitlines()
         cpu += "".join(sorted({s for s in lines if s.startswith(("model name", "flags", "Features"))}))
-    parts = (*command, os.path.realpath(path), info.st_mtime_ns, info.st_size, cpu, OPTIONAL, PROBE)
+    parts = (*command, os.path.realpath(path), info.st_mtime_ns, info.st_size, cpu, OPTIONAL, PROBE, extra_flags())
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]
 
 
@@ -113,9 +122,9 @@ def toolchain() -> Toolchain:
 
 
 def _probe(command: tuple[str, ...]) -> Toolchain:
-    version = _run(command, "--version").stdout.splitlines()
-    native = _run(command, "-march=native", "-dM", "-E", "-x", "c", "-").stdout
-    macros = native or _run(command, "-dM", "-E", "-x", "c", "-").stdout
+    version, extra = _run(command, "--version").stdout.splitlines(), extra_flags()
+    native = _run(command, "-march=native", *extra, "-dM", "-E", "-x", "c", "-").stdout
+    macros = native or _run(command, *extra, "-dM", "-E", "-x", "c", "-").stdout
     flags = list(REQUIRED)
     wide = ("-mprefer-vector-width=512",) if "__AVX512F__" in macros else ()
     vectors = ("-fveclib=libmvec",) if "__clang__" in macros else ()
@@ -123,13 +132,16 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
         source, output = Path(folder, "probe.c"), Path(folder, "probe.o")
         source.write_text(PROBE)
 
-        def takes(*extra: str) -> bool:
-            done = _run(command, *flags, "-Werror", *extra, "-c", str(source), "-o", str(output))
+        def takes(*more: str) -> bool:
+            done = _run(command, *flags, "-Werror", *more, "-c", str(source), "-o", str(output))
             return done.returncode == 0
 
         if not takes():
             raise CompileError("does not compile a small C file")
         flags += [flag for flag in (*OPTIONAL, *wide, *vectors) if takes(flag)]
+        if extra and not takes(*extra):
+            raise CompileError(f"does not take PLIANT_CFLAGS={shlex.join(extra)}")
+        flags += extra
         takes()  # the object with all flags, for the link probe
         link = []
         for libraries in (("-lmvec", "-lm"), ("-lm",), ()):

@@ -22,7 +22,7 @@ class Node:
     constant: float | None = None
     terms: list[Term] = field(default_factory=list)
     depth: int = 0  # one more than that of the deepest node it needs
-    place: tuple[int, int] | None = None  # the vector and its element that hold it; packing.py
+    place: tuple[int, int] | None = None  # the vector and its element that hold it; slp_packing.py
 
     @property
     def given(self) -> bool:

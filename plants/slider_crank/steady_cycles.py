@@ -51,7 +51,7 @@ def steady_cycle(
         raise ValueError(f"steady_cycle.speed = {speed!r} must be > 0 [rad/s], or plant.crank_speed given")
     driven = plant if plant.crank_speed is not None else dataclasses.replace(plant, crank_speed=float(speed))
     force = np.zeros(plant.nw) if w is None else require_finite("steady_cycle.w", w, (plant.nw,))
-    n = plant.nx // 2 - 1
+    n = plant.coordinates_slice.stop - 1
     e = np.zeros((FEWEST, n))
     if guess is not None:
         e = _spectrum_to(guess.x[:-1, 1 : n + 1], FEWEST)
@@ -198,7 +198,7 @@ def speed_scan(
         driven = dataclasses.replace(plant, crank_speed=float(speeds[0]))
     if driven.nx == 2:
         raise ValueError(f"speed_scan.plant is {driven.label}: its rod has no deviations")
-    n = driven.nx // 2
+    n = driven.coordinates_slice.stop
     kept = [s.name for i, s in enumerate(driven.states) if i not in (0, n)]
 
     def at(speed: float, guess: Trajectory | None) -> tuple[np.ndarray, Trajectory]:

@@ -19,7 +19,8 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
 from pliant.plants.core.quaternions import about, cross, matrix_of
-from pliant.plants.modal_data.modal_data import ModalData, axial
+from pliant.plants.modal_data.integrals import axial
+from pliant.plants.modal_data.modal_data import ModalData
 
 from .environment import Surface
 
@@ -88,8 +89,8 @@ class Appendage:
     orientation: Any = IDENTITY
     modes: int | tuple[int, int] | None = None
     hinge: Hinge = field(default_factory=Hinge)
-    damping: Any = quantity("1", "nonnegative", 0.0)
-    stiffness_factor: Any = quantity("1", "positive", 1.0)
+    damping: Any = quantity("1", "nonnegative", 0.0, uncertain=True)
+    stiffness_factor: Any = quantity("1", "positive", 1.0, uncertain=True)
     surface: Surface | None = None  # what the sun shines on, spread over the body as its mass is
 
     def __post_init__(self) -> None:
@@ -123,11 +124,6 @@ class Appendage:
             return ModalData.boom(self.body, self.modes)
         count = 1 if self.modes is None else self.modes
         return ModalData.boom(self.body, (count, count)).slowest(count)
-
-    @property
-    def modal_damping(self) -> np.ndarray:
-        """(n, n) [N s/m], what the ratio adds left out."""
-        return self.data.damping
 
     def turn(self, theta: ca.SX) -> ca.SX:
         """C (3, 3), appendage axes to hub axes, at hinge angles (nh,)."""

@@ -1,27 +1,25 @@
 """The linear model of a spacecraft in signals that a controller can read by name.
 
-The deviations of `spacecraft_linear` are not signals: q is a small turn, the rates are those of the deviations. Here
+The deviations of `linearisation` are not signals: q is a small turn, the rates are those of the deviations. Here
 the attitude outputs stand for q and the body rates themselves for dq/dt, by an exact change of coordinates z = S xi.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pliant.plants.linear.lti import LinearModel
 
+from .declaration import SpacecraftDeclaration
 from .linearisation import deviation_maps
-
-if TYPE_CHECKING:
-    from .plant import FlexibleSpacecraft
 
 FELT = 1e-9  # of the largest entry of A above which the rest feels the attitude
 TURNS = 1e-12  # [rad/s] above which the attitude turns
 
 
-def feedback_model(craft: FlexibleSpacecraft, x0: Any, u0: Any, p: Any) -> LinearModel:
+def feedback_model(craft: SpacecraftDeclaration, x0: Any, u0: Any, p: Any) -> LinearModel:
     """See FlexibleSpacecraft.feedback_model."""
     model = craft.linearize(x0, u0, p=p)
     x = np.asarray(x0, dtype=float)

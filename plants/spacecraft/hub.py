@@ -121,6 +121,15 @@ class Hub:
         return load
 
     @property
+    def axes(self) -> tuple[str | None, ...]:
+        """For each input the hub axis that it turns about, None for a thrust and a wheel about another direction."""
+        if not self.wheels and not self.thrusters:
+            return ("x", "y", "z")
+        turned = (np.asarray(w.axis) for w in self.wheels)
+        about = ("xyz"[int(np.argmax(axis))] if axis.max() == 1.0 else None for axis in turned)
+        return (*about, *(None for _ in self.thrusters))
+
+    @property
     def inputs(self) -> int:
         """How many inputs."""
         return len(self.wheels) + len(self.thrusters) or 3

@@ -9,22 +9,22 @@ Deviations   y = [p, q, hinge angles, eta] and dy/dt, then wheel momenta: p is t
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.linalg
 
 from pliant.plants.core import parameters
 from pliant.plants.core.quaternions import matrix_of, rates, skew
-from pliant.plants.core.signals import names
+from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.linear_models import check_signals
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
-if TYPE_CHECKING:
-    from pliant.plants.core.trajectory import Trajectory
-
-    from .plant import FlexibleSpacecraft
+from .declaration import SpacecraftDeclaration
 
 Array = np.ndarray
+TURN = 1e-3  # [rad] that attitudes may be apart at a jump, of which the map is of first order
 
 
 class _Map(NamedTuple):
@@ -39,7 +39,7 @@ class _Map(NamedTuple):
     omega: slice  # of the body rates in x
 
     @classmethod
-    def at(cls, craft: FlexibleSpacecraft, x: Array) -> _Map:
+    def at(cls, craft: SpacecraftDeclaration, x: Array) -> _Map:
         """At states x (..., nx)."""
         s, q = craft.layout.quaternion, x[..., craft.layout.quaternion]
         kept = np.delete(np.arange(craft.nx), np.arange(s.start, s.stop))
@@ -69,7 +69,7 @@ class _Map(NamedTuple):
         return out
 
 
-def in_deviations(craft: FlexibleSpacecraft, x: Array, dx: Array, jacobians: list[Array]) -> list[Array]:
+def in_deviations(craft: SpacecraftDeclaration, x: Array, dx: Array, jacobians: list[Array]) -> list[Array]:
     """[A, B, E, C, D, F] of the deviations from a nominal x (..., nx) that moves at dx (..., nx)."""
     A, B, E, C, D, F = jacobians
     change, at = _Map.at(craft, x), craft.layout
@@ -80,20 +80,33 @@ def in_deviations(craft: FlexibleSpacecraft, x: Array, dx: Array, jacobians: lis
     return [change.rows(moved), change.rows(B), change.rows(E), change.columns(C), D, F]
 
 
-def deviation_maps(craft: FlexibleSpacecraft, x: Array) -> tuple[Array, Array]:
+def deviation_maps(craft: SpacecraftDeclaration, x: Array) -> tuple[Array, Array]:
     """(T (nx, nx - 1), L (nx - 1, nx)) at a state x (nx,): dx = T xi and xi = L dx to first order."""
     change = _Map.at(craft, np.asarray(x, dtype=float))
     return change.columns(np.eye(craft.nx)), change.rows(np.eye(craft.nx))
 
 
-def _cut(craft: FlexibleSpacecraft, x: Array) -> Array:
+def jump_in_deviations(
+    craft: SpacecraftDeclaration, x: Array, after: Array, jump: tuple[Array, Array], t: float
+) -> tuple[Array, Array]:
+    """(J, j) of a jump from x (nx,) to `after` (nx,), of deviations; ValueError where the attitude jumps too."""
+    s = craft.layout.quaternion
+    turn = 2 * np.arccos(min(1.0, abs(float(x[s] @ after[s]))))
+    if turn > TURN:
+        raise ValueError(f"linearize_pieces: the attitude jumps by {turn:.3g} rad at t = {t:.6g} s, must not jump")
+    J, j = jump
+    T, L = deviation_maps(craft, x)[0], deviation_maps(craft, after)[1]
+    return L @ J @ T, L @ j
+
+
+def _cut(craft: SpacecraftDeclaration, x: Array) -> Array:
     """x (..., nx) in the places of the deviations, the attitude as zero: it is what q is measured from."""
     out = np.delete(x, craft.layout.quaternion.start, axis=-1)
     out[..., craft.layout.quaternion.start : craft.layout.quaternion.stop - 1] = 0.0
     return out
 
 
-def linearize(craft: FlexibleSpacecraft, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
+def linearize(craft: SpacecraftDeclaration, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
     """About (x0, u0) frozen; where the attitude turns there, q is measured from the turning attitude."""
     (_, x, u, w, p), batch = craft._arguments(x0, u0, w, p, t)
     if batch is not None:
@@ -122,7 +135,7 @@ def linearize(craft: FlexibleSpacecraft, x0: Any, u0: Any, w: Any, p: Any, t: fl
     )
 
 
-def _orbit_rate(craft: FlexibleSpacecraft, p: Any) -> Array:
+def _orbit_rate(craft: SpacecraftDeclaration, p: Any) -> Array:
     """[rad/s], (nt,) where it is a parameter that varies."""
     path = "environment.orbit.rate"
     if path not in craft.varied:
@@ -131,7 +144,7 @@ def _orbit_rate(craft: FlexibleSpacecraft, p: Any) -> Array:
     return values[..., craft.varied.index(path)]
 
 
-def nominal_accelerations(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> Array:
+def nominal_accelerations(craft: SpacecraftDeclaration, nominal: Trajectory, p: Any) -> Array:
     """The unknowns a (nt, 6 + n) with which a nominal moves. Without translation the hub's is what balances the
     forces.
     """
@@ -149,13 +162,13 @@ def nominal_accelerations(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any
     n = len(craft.coordinates)
     a = np.concatenate([hub, dx[:, at.omega], dx[:, at.rates : at.rates + n]], axis=1)
     if not craft.translation:
-        values, batch = craft._arguments(x, nominal.u, nominal.w, p, nominal.t)
-        r, M = craft._residual(*values, a, batch=batch)
+        r = craft.residual(x, a, nominal.u, w=nominal.w, p=p, t=nominal.t)
+        M = craft.mass_matrix(x, p=p)
         a[:, :3] = -np.linalg.solve(M[:, :3, :3], r[:, :3, None])[..., 0]
     return a
 
 
-def check_nominal(craft: FlexibleSpacecraft, nominal: Trajectory) -> None:
+def check_nominal(craft: SpacecraftDeclaration, nominal: Trajectory) -> None:
     """ValueError where a nominal's quaternion is not of unit length, or changes its sign and so has no rate."""
     craft.check_state(nominal.x)
     q = nominal.x[:, craft.layout.quaternion]
@@ -167,7 +180,7 @@ def check_nominal(craft: FlexibleSpacecraft, nominal: Trajectory) -> None:
         )
 
 
-def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> LTVModel:
+def linearize_along(craft: SpacecraftDeclaration, nominal: Trajectory, p: Any) -> LTVModel:
     """About a nominal motion; its residual is the affine term c.
 
     The equations M a + bias = loads are linearised at the nominal's own accelerations, as the paper does, and not
@@ -175,9 +188,7 @@ def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> L
     the appendages, and the error would be of first order in the deviations. The two agree where the nominal is a
     motion of the plant.
     """
-    for name, have, want in (("states", nominal.states, craft.states), ("inputs", nominal.inputs, craft.inputs)):
-        if names(have) != names(want):
-            raise ValueError(f"nominal.{name} = {names(have)} must be {names(want)}")
+    check_signals(craft, nominal)
     check_nominal(craft, nominal)
     w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), craft.nw))
     dx = nominal.derivative()
@@ -203,10 +214,8 @@ def linearize_along(craft: FlexibleSpacecraft, nominal: Trajectory, p: Any) -> L
     )
 
 
-def natural_frequencies(craft: FlexibleSpacecraft, x0: Any, p: Any) -> Array:
+def natural_frequencies(craft: SpacecraftDeclaration, x0: Any, p: Any) -> Array:
     """Undamped, from the stiffness and mass of the free spacecraft at rest at x0 (nx,)."""
-    import scipy.linalg
-
     x = np.array(x0, dtype=float)
     x[craft.layout.velocity] = 0.0
     x[craft.layout.omega.start :] = 0.0

@@ -12,24 +12,22 @@ wrong wherever the nominal accelerates.
 
 Unknowns   x = [hinges and modes of each appendage, q (turn of the hub, hub axes), p (position, inertial axes)]
 Source     "Equations of Motion of Flexible Spacecraft", Eqs (1)-(28); printed elements that differ:
-           `perturbation_printed.differences`
+           `printed_equations.differences`
 Loads      hinge springs and dampers and the strain are in; environment and inputs are not: they belong to the
            plant's own model
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pliant.plants.core.signals import Signal
 from pliant.plants.linear.second_order import SecondOrderModel
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 from .position_fields import Body, RigidNominal, appendage_field, assemble, attitude, hub_field
-
-if TYPE_CHECKING:
-    from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 __all__ = ["RigidNominal", "SecondOrderModel", "perturbation"]
 

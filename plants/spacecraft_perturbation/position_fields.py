@@ -8,16 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pliant.plants.core.quaternions import matrix_of, skew
 from pliant.plants.core.signals import names, read_only, read_only_times
 from pliant.plants.modal_data.modal_data import ModalData
-
-if TYPE_CHECKING:
-    from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft.linearisation import nominal_accelerations
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 Array = np.ndarray
 E3 = np.eye(3)
@@ -85,8 +84,6 @@ class RigidNominal:
         if craft.translation:
             moving = dx[:, at.velocity]
         else:  # the hub moves as the forces on the whole ask
-            from pliant.plants.spacecraft.linearisation import nominal_accelerations
-
             own = nominal_accelerations(craft, trajectory, None)[:, :3]
             moving = np.einsum("tij,tj->ti", matrix_of(x[:, at.quaternion]), own)
         hinges = [(x[:, s], x[:, r], dx[:, r]) for s, r in zip(at.hinges, at.hinge_rates)]

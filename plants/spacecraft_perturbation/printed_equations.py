@@ -11,17 +11,17 @@ Source        "Equations of Motion of Flexible Spacecraft", pages of Eqs (27)-(2
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pliant.plants.core.quaternions import matrix_of, skew
-from pliant.plants.modal_data.modal_data import ModalData, axial
+from pliant.plants.modal_data.integrals import axial
+from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
+from . import paper_integrals as paper
 from .position_fields import E3, Body, Jet, RigidNominal, appendage_field, assemble, attitude, hub_field, small
-
-if TYPE_CHECKING:
-    from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 
 Array = np.ndarray
 
@@ -105,12 +105,10 @@ class _Extended:
                 P[k, 3 + l] = e[k] @ data.moments[l]
                 P[3 + l, k] = P[k, 3 + l].T
         R[3:], P[3:, 3:] = data.R, data.overlaps
-        mass = np.einsum("klii->kl", P)
-        self.mass = mass
+        self.mass = np.einsum("klii->kl", P)
         self.R = np.einsum("tij,kj->tki", C, R)
-        self.Z = np.einsum("tij,klj->tkli", C, -axial(P))
-        body = mass[:, :, None, None] * E3 - P
-        self.E = np.einsum("tij,kljm,tnm->tklin", C, body, C)
+        self.Z = np.einsum("tij,klj->tkli", C, paper.Z(P))
+        self.E = np.einsum("tij,kljm,tnm->tklin", C, paper.E(P), C)
 
 
 def _hub_printed(craft: FlexibleSpacecraft, w: Array, dw: Array) -> tuple[Array, Array, Array]:

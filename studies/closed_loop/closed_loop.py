@@ -13,10 +13,10 @@ import numpy as np
 
 from pliant.controllers import LQR, Controller
 from pliant.controllers.analysis.spillover import case_of
+from pliant.controllers.base.goal_model import goal_model
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import EquilibriumError, Plant, PliantError, Trajectory
+from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core import parameters
-from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Progress, silent
 
 PAYLOAD = "payload.mass"
@@ -57,56 +57,11 @@ class Loop:
         return f"{why}: {self.worst_mode}"
 
 
-@dataclass(frozen=True, eq=False)
-class Following:
-    """An LQR about a goal that moves steadily: what it reads is measured from where the goal then is."""
-
-    law: LQR
-    drift: np.ndarray  # (len(reads),) d/dt of the goal's values of what it reads
-
-    @property
-    def K(self) -> np.ndarray:
-        return self.law.K
-
-    @property
-    def poles(self) -> np.ndarray:
-        return self.law.poles
-
-    @property
-    def reads(self) -> tuple[str, ...]:
-        return self.law.reads
-
-    @property
-    def dt(self) -> float | None:
-        return self.law.dt
-
-    def reset(self) -> None:
-        self.law.reset()
-
-    def act(self, t: float, y: np.ndarray) -> np.ndarray:
-        """u (nu,) at time t [s] since the goal's motion began."""
-        return self.law.act(t, np.asarray(y, dtype=float) - self.drift * t)
-
-
-def regulator(scene: Scene) -> LQR | Following:
-    """The scene's cost as an LQR about its goal, sampled at the control period, within the limits.
-
-    It follows a goal whose `goal_rates` say how it moves, with the gain for where it is at t = 0. UncontrollableError
-    where the inputs cannot hold the goal or the cost does not see it, EquilibriumError where nothing can, because the
-    goal moves otherwise.
+def regulator(scene: Scene) -> LQR:
+    """`LQR.for_scene`, which makes every LQR of a scene: UncontrollableError where the inputs cannot hold the goal or
+    the cost does not see it, EquilibriumError where the goal moves otherwise than its `goal_rates` say.
     """
-    limits = np.array(scene.limits)
-    Q, R = scene.quadratic()
-    model = scene.feedback_model
-    law = LQR.design(model, Q, R, dt=scene.dt, limits=(-limits, limits))
-    left = "" if scene.goal_at_rest else operating_point.moving_on(model)
-    if left:
-        raise EquilibriumError(
-            f"the goal of scene {scene.name!r} is no equilibrium, {left} there: a regulator about it would pull back "
-            "what has to move on",
-            float(np.abs(model.f0).max()),
-        )
-    return Following(law, scene.goal_drift(law.reads)) if scene.goal_rates else law
+    return LQR.for_scene(scene)
 
 
 def driven_to_goal(scene: Scene) -> tuple[str, ...]:
@@ -114,9 +69,9 @@ def driven_to_goal(scene: Scene) -> tuple[str, ...]:
 
     For a quaternion the attitude's outputs, where they are weighed.
     """
-    named = tuple(name for name, _ in scene.goal if not name.startswith("quaternion"))
+    named = tuple(name for name, _ in scene.goal if name not in scene.plant.attitude_states)
     moved = tuple(name for name, _ in scene.goal_rates)
-    attitude = tuple(name for name in scene.weighted if name.startswith("attitude"))
+    attitude = tuple(name for name in scene.weighted if name in scene.plant.attitude_outputs)
     return (*attitude, *moved, *(() if attitude else named)) or scene.compare
 
 
@@ -147,8 +102,8 @@ def dearer(plant: Plant) -> Plant:
 
 
 def closed_loop(
-    scene: Scene, law: LQR | Following | None = None, *, progress: Progress | None = None
-) -> tuple[LQR | Following, tuple[Loop, ...]]:
+    scene: Scene, law: LQR | None = None, *, progress: Progress | None = None
+) -> tuple[LQR, tuple[Loop, ...]]:
     """The regulator and its loops, the design plant first."""
     told, law = progress or silent, law or regulator(scene)
     cases = variations(scene)
@@ -160,7 +115,7 @@ def closed_loop(
     return law, tuple(loops)
 
 
-def _loop(scene: Scene, law: LQR | Following, name: str, plant: Plant) -> Loop:
+def _loop(scene: Scene, law: LQR, name: str, plant: Plant) -> Loop:
     played = scene.with_plant(plant)
     loop = Loop(name, plant.label, plant.nx, None, None, "", False, None, None, None)
     try:
@@ -199,8 +154,8 @@ def run(scene: Scene, law: Controller) -> Trajectory:
     return plant.simulate(x0, law, scene.times, method=method, rtol=RTOL, atol=RTOL / 100)
 
 
-def _stability(scene: Scene, law: LQR | Following, design: Plant) -> tuple[float, str, bool]:
+def _stability(scene: Scene, law: LQR, design: Plant) -> tuple[float, str, bool]:
     """(largest |z|, its mode in words, whether the design model lacks it) of the loop about the plant's own goal."""
-    model = scene.feedback_model
-    case = case_of(model, law, model if scene.plant is design else scene.with_plant(design).feedback_model)
+    model, own = goal_model(scene)[0], scene.plant is design
+    case = case_of(model, law, model if own else goal_model(scene.with_plant(design))[0])
     return float(np.exp(case.growth * scene.dt)), case.mode, case.lacking

@@ -10,26 +10,23 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from pliant.controllers.learning.policy import Policy, shipped
+from pliant.controllers import LQR, Controller
+from pliant.controllers.learning.policy import shipped
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.episode_start import early_end_cost
 from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import names
 from pliant.studies.common.reference_motions import Progress, silent
-from pliant.studies.scoreboard.tasks import MARGIN
 
-from .closed_loop import Following, Loop, dearer, end_error, run
-from .contestants import CONTESTANTS, Designed
+from .closed_loop import Loop, dearer, end_error, run
+from .contestants import CONTESTANTS, Designed, designed, in_one_line
 from .evaluation_scene import require_signals
 from .rollout import Rollout
 from .scores import deflections, score
-
-if TYPE_CHECKING:
-    from pliant.controllers import LQR, Controller
 
 HORIZON = 20  # [control periods] of the MPC
 POLICY = "trained policy"
@@ -59,7 +56,7 @@ class Contest:
 
 def compare(
     scene: Scene,
-    law: LQR | Following | None = None,
+    law: LQR | None = None,
     loops: Sequence[Loop] = (),
     *,
     progress: Progress | None = None,
@@ -70,10 +67,10 @@ def compare(
     varied one last. The trained policy only on scenes for which one is shipped.
     """
     told = progress or silent
-    made: dict[str, Controller | str] = {"LQR": law if law is not None else _designed(scene, CONTESTANTS["LQR"])}
-    made["MPC"] = _designed(scene, Designed("MPC", (("horizon", HORIZON),)))
+    made: dict[str, Controller | str] = {"LQR": law if law is not None else designed(scene, CONTESTANTS["LQR"])}
+    made["MPC"] = designed(scene, Designed("MPC", (("horizon", HORIZON),)))
     if scene.name in shipped():
-        made[POLICY] = _designed(scene, CONTESTANTS[POLICY])
+        made[POLICY] = designed(scene, CONTESTANTS[POLICY])
     plants = tuple(dict.fromkeys((scene.plant, dearer(scene.plant))))
     played: list[tuple[Scene, Trajectory | None]] = [(scene.with_plant(plant), None) for plant in plants]
     if loops and law is not None:
@@ -85,24 +82,6 @@ def compare(
             found.append(_contest(scene, on, name, controller, motion if name == "LQR" else None))
     told(1.0, "controllers")
     return tuple(found)
-
-
-def _designed(scene: Scene, make: Any) -> Controller | str:
-    """The controller, told bounds that are tighter by MARGIN as on the scoreboard, or why there is none."""
-    told = dataclasses.replace(scene, bounds=tuple((name, (1 - MARGIN) * value) for name, value in scene.bounds))
-    try:
-        made = make(told)
-        if isinstance(made, Policy) and not np.array_equal(made.limits, scene.limits):
-            raise ValueError(f"it was trained for limits of {made.limits}, the scene's are {np.array(scene.limits)}")
-        if made.dt is not None and abs(made.dt - scene.dt) > 1e-9 * scene.dt:
-            raise ValueError(f"it acts every {made.dt} s, the scene's period is {scene.dt} s")
-    except (PliantError, ValueError) as failure:
-        return _words(failure)
-    return made
-
-
-def _words(failure: Exception) -> str:
-    return f"{type(failure).__name__}: {str(failure).splitlines()[0]}"
 
 
 def _contest(
@@ -119,7 +98,7 @@ def _contest(
             controller.reset()
             motion = run(played, controller)
         except (PliantError, ValueError) as failure:
-            return dataclasses.replace(found, failure=_words(failure))
+            return dataclasses.replace(found, failure=in_one_line(failure))
     record = getattr(controller, "record", None)
     if record is not None:
         counts = {"acts": record.calls, "violations": record.violations, "unsolved": record.failures}

@@ -5,16 +5,19 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from pliant import controllers
+from pliant.controllers import Controller, Policy
 from pliant.envs import scenes
 from pliant.envs.scenes.scene import Scene
+from pliant.plants import PliantError
 from pliant.plants.core.parameters import require_choice
 
-if TYPE_CHECKING:
-    from pliant.controllers import Controller
-
-Maker = Callable[[Scene], "Controller"]
+MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
+Maker = Callable[[Scene], Controller]
 
 
 @dataclass(frozen=True)
@@ -25,15 +28,11 @@ class Designed:
     options: tuple[tuple[str, Any], ...] = ()
 
     def __call__(self, scene: Scene) -> Controller:
-        from pliant import controllers
-
         return getattr(controllers, self.name).for_scene(scene, **dict(self.options))
 
 
 def trained(scene: Scene) -> Controller:
     """The policy that is shipped for the scene. ValueError for a scene without one."""
-    from pliant.controllers import Policy
-
     return Policy.for_scene(scene.name)
 
 
@@ -49,6 +48,29 @@ CONTESTANTS: Mapping[str, Maker] = {
     "computed torque": Designed("ComputedTorque"),
     "trained policy": trained,
 }
+
+
+def designed(scene: Scene, make: Maker) -> Controller | str:
+    """The controller, or the reason why there is none. It is told bounds that are tighter by MARGIN.
+
+    A trained policy plays only the limits that it was trained for, and nothing is played at another period than its
+    own.
+    """
+    told = dataclasses.replace(scene, bounds=tuple((name, (1 - MARGIN) * value) for name, value in scene.bounds))
+    try:
+        made = make(told)
+        if isinstance(made, Policy) and not np.array_equal(made.limits, scene.limits):
+            raise ValueError(f"it was trained for limits of {made.limits}, the scene's are {np.array(scene.limits)}")
+        if made.dt is not None and abs(made.dt - scene.dt) > 1e-9 * scene.dt:
+            raise ValueError(f"it acts every {made.dt} s, the scene's period is {scene.dt} s")
+    except (PliantError, ValueError) as failure:
+        return in_one_line(failure)
+    return made
+
+
+def in_one_line(failure: Exception) -> str:
+    """What failed and its message's first line."""
+    return f"{type(failure).__name__}: {str(failure).splitlines()[0]}"
 
 
 def _changed(name: str, suffix: str, about: str, **changes: Any) -> Scene:

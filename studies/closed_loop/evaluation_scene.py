@@ -3,7 +3,8 @@
 The rule   every elastic body gets one more mode: the plant then holds the first mode that the design model leaves out,
            the one that spillover is about. Where a body holds no more modes, the next variant of the plant's ladder.
            Shapes and parameters stay, so that states of the same name are the same quantities.
-Varied     payload, stiffness and damping, each by +-30 %, beside what the scene itself randomises
+Varied     what the plant calls uncertain (payload, stiffness, damping), each by +-30 %, beside what the scene itself
+           randomises
 Steps      RK4, as many in a control period as the fastest mode and the accuracy of the compared outputs ask for
 """
 
@@ -24,7 +25,6 @@ from pliant.plants.core.signals import names
 from pliant.plants.integration.step_maps import step_limit
 
 SPREAD = 0.3  # of payload, stiffness and damping
-ENDINGS = ("payload.mass", ".E", ".damping", ".stiffness_factor")
 CORNERS = 64  # parameter corners at which the step limit is looked at, at most
 SAFE = 0.7  # share of RK4's step limit that is used
 ACCURATE = 0.1  # largest error by the step in the compared outputs, in tolerances of the scene
@@ -86,19 +86,10 @@ def differing_states(design: Scene, played: Scene) -> tuple[str, ...]:
 
 
 def varied_ranges(scene: Scene, spread: float = SPREAD) -> tuple[tuple[str, float, float], ...]:
-    """(parameter, smallest, largest factor): payload, stiffness and damping by +-spread, and the scene's own others."""
+    """(parameter, smallest, largest factor): the plant's `uncertain` ones by +-spread, and the scene's own others."""
     own = {path: (low, high) for path, low, high in scene.randomise}
-    found = [p for p in (*own, *_paths(scene.plant)) if p.endswith(ENDINGS)]
-    own |= {path: (1 - spread, 1 + spread) for path in found if parameters.get(scene.plant, path)}
+    own |= {path: (1 - spread, 1 + spread) for path in scene.plant.uncertain if parameters.get(scene.plant, path)}
     return tuple((path, low, high) for path, (low, high) in own.items())
-
-
-def _paths(plant: Any) -> tuple[str, ...]:
-    """Dotted names of the plant's quantities, those of its appendages included."""
-    found = list(parameters.quantities(plant))
-    for i, part in enumerate(getattr(plant, "appendages", ())):
-        found += [f"appendages.{i}.{path}" for path in parameters.quantities(part)]
-    return tuple(found)
 
 
 @lru_cache(maxsize=32)

@@ -13,10 +13,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from pliant.controllers import Controller
 from pliant.controllers.estimation.sensors import sensors_of
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
@@ -26,9 +27,6 @@ from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import names
 
 from .evaluation_scene import signal_ranges
-
-if TYPE_CHECKING:
-    from pliant.controllers import Controller
 
 NOISE = 1e-3  # standard deviation of a reading, of the range that the signal has in the scene's nominal motion
 SLACK = 1e-9  # share of a limit by which an input may exceed it and still count as within

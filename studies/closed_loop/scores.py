@@ -33,11 +33,9 @@ class Score:
 
 
 def deflections(scene: Scene) -> tuple[str, ...]:
-    """The outputs that tell how far the bodies bend: by name, else the lengths that the scene compares."""
-    outputs = [s for s in scene.plant.outputs if s.unit == "m"]
-    return tuple(s.name for s in outputs if "deflection" in s.name) or tuple(
-        s.name for s in outputs if s.name in scene.compare
-    )
+    """The outputs that tell how far the bodies bend, as the plant says, else the lengths that the scene compares."""
+    compared = (s.name for s in scene.plant.outputs if s.unit == "m" and s.name in scene.compare)
+    return scene.plant.deflections or tuple(compared)
 
 
 def score(scene: Scene, run: Rollout) -> Score:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any, Literal
 
+import typer
+
+from pliant.plants import SingleLinkArm
 from pliant.plants.native import compiler, kernel_cache, kernel_loader, thread_pool
-from pliant.studies.common.atomic_files import dumps
-from pliant.studies.common.console import show
+
+from .console import print_json, say, show
+from .options import AsJson
 
 
 def findings() -> dict[str, Any]:
@@ -35,6 +39,7 @@ def findings() -> dict[str, Any]:
     found["version"] = tools.version
     found["vector width [bit]"] = tools.width
     found["flags"] = " ".join(tools.compile_flags)
+    found["PLIANT_CFLAGS"] = " ".join(compiler.extra_flags()) or "not set"
     found["vector math"] = "libmvec" if "-lmvec" in tools.link_flags else "none: sin and cos are not vectorised"
     if "-lmvec" not in tools.link_flags:
         found["advice"].append("no libmvec: kernels with sin and cos run slower; glibc with gcc or clang has it")
@@ -44,8 +49,6 @@ def findings() -> dict[str, Any]:
 
 
 def _trial() -> bool:
-    from pliant.plants import SingleLinkArm
-
     return SingleLinkArm.textbook().stepper(0.001, batch=8).native
 
 
@@ -57,11 +60,11 @@ def advise(as_json: bool) -> None:
     """Print the findings."""
     found = findings()
     if as_json:
-        print(dumps(found))
+        print_json(found)
         return
     show("Native code", ("what", "is"), [(name, str(value)) for name, value in found.items() if name != "advice"])
     for line in found["advice"] or ["Nothing is missing."]:
-        print(line)
+        say(line)
 
 
 def manage_cache(action: str, as_json: bool) -> bool:
@@ -79,7 +82,7 @@ def manage_cache(action: str, as_json: bool) -> bool:
         for kind in ("kernel", "threads", "toolchain", "building"):
             result[f"{kind} files"] = sum(name.startswith(kind) for name in names)
     if as_json:
-        print(dumps(result))
+        print_json(result)
     else:
         show("Cache", ("what", "is"), [(k, "; ".join(v) if isinstance(v, list) else str(v)) for k, v in result.items()])
     return not bad
@@ -97,3 +100,17 @@ def _bad_files() -> list[str]:
         if kernel_cache.unseal(path.read_bytes()) is None:
             bad.append(f"{path.name} is damaged; it will be built again when needed")
     return bad
+
+
+def doctor(as_json: AsJson = False) -> None:
+    """Say which compiler and vector width serve, where the cache is, and what to do if something is missing."""
+    advise(as_json)
+
+
+def cache(
+    action: Annotated[Literal["info", "clear", "verify"], typer.Argument(help="What to do with the compiled kernels.")],
+    as_json: AsJson = False,
+) -> None:
+    """Show, empty or check the cache of compiled kernels; verify ends with 1 where a file is refused or damaged."""
+    if not manage_cache(action, as_json):
+        raise typer.Exit(1)

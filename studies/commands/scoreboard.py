@@ -8,7 +8,12 @@ from typing import Annotated, Any
 
 import typer
 
-from pliant.studies.common.console import bar, show
+from pliant.studies.scoreboard.scoreboard import BOUNDS
+from pliant.studies.scoreboard.scoreboard import scoreboard as score
+from pliant.studies.scoreboard.tables import HEAD, WORDS, cells, table
+
+from .console import bar, print_json, show
+from .options import AsJson
 
 QUICK = (8, 4)  # runs and bounds of `--quick`
 
@@ -24,14 +29,9 @@ def scoreboard(
     bounds: Annotated[int | None, typer.Option(help="Runs of each case with a bound; 16 if not given.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="8 runs of each case and 4 bounds.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder for the tables and the pictures.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Write JSON to stdout in place of the tables.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Score every controller on every scene: cost, and its ratio to the least that is possible."""
-    from pliant.studies.common.atomic_files import dumps
-    from pliant.studies.scoreboard.scoreboard import BOUNDS
-    from pliant.studies.scoreboard.scoreboard import scoreboard as score
-    from pliant.studies.scoreboard.tables import HEAD, WORDS, cells, table
-
     runs, found = QUICK if quick else (seeds, BOUNDS if bounds is None else bounds)
     words = ["pliant", "scoreboard", *(scenes or ()), *(["--quick"] if quick else [])]
     given: dict[str, Any] = {"--seeds": None if quick or seeds == 64 else seeds, "--controllers": controllers}
@@ -43,7 +43,7 @@ def scoreboard(
     if out is not None:
         board.save(out, command)
     if as_json:
-        print(dumps(table(board, command)))
+        print_json(table(board, command))
         return
     for entry in board.entries:
         for case, about in WORDS.items():

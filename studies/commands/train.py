@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any, Literal
 
-from matplotlib.figure import Figure
+import typer
 
 from pliant.controllers import rl
+from pliant.controllers.learning.evaluation import Training
+from pliant.controllers.learning.settings import PPOSettings, SACSettings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import regulator
-from pliant.studies.common.console import bar
 from pliant.studies.figures import style
+from pliant.studies.figures.training import learning_curve
 
-if TYPE_CHECKING:
-    from pliant.controllers.learning.train import Evaluation, PPOSettings, SACSettings, Training
+from .console import bar, complain, print_json, scene_with
+from .options import AsJson, SceneName, Settings
 
 PICTURE = "curve.png"
 
@@ -53,7 +55,7 @@ def train(
             progress=tell,
         )
     if folder is not None:
-        style.save(draw(scene, algorithm, found.curve, lqr_cost(scene)), Path(folder) / PICTURE)
+        style.save(learning_curve(scene, algorithm, found.curve, lqr_cost(scene)), Path(folder) / PICTURE)
     return found
 
 
@@ -65,22 +67,6 @@ def lqr_cost(scene: Scene) -> float | None:
     except PliantError:
         return None
     return scene.cost(motion)
-
-
-@style.styled
-def draw(scene: Scene, algorithm: str, curve: Sequence[Evaluation], lqr: float | None) -> Figure:
-    """Cost of the deterministic policy against training steps."""
-    figure, (axis,) = style.panels(1, height=3.0)
-    axis.plot([p.steps / 1e6 for p in curve], [p.cost for p in curve], marker=".", label=algorithm.upper())
-    if lqr is not None:
-        axis.axhline(lqr, color=style.COLOURS[1], label="LQR")
-        axis.axhline(2 * lqr, color=style.COLOURS[1], linestyle=":", label="twice LQR")
-    axis.set_yscale("log")
-    axis.set_xlabel("environment steps [million]")
-    axis.set_ylabel("cost of the scene as it is [-]")
-    axis.set_title(f"{scene.name}: {curve[-1].seconds:.0f} s of training")
-    axis.legend()
-    return figure
 
 
 def table(found: Training, lqr: float | None) -> dict[str, Any]:
@@ -95,3 +81,48 @@ def table(found: Training, lqr: float | None) -> dict[str, Any]:
         "threads": found.threads,
         "curve": [dataclasses.asdict(point) for point in found.curve],
     }
+
+
+def command(
+    scene: SceneName,
+    settings: Settings = None,
+    algorithm: Annotated[Literal["ppo", "sac"], typer.Option(help="Who learns.")] = "ppo",
+    seed: Annotated[int, typer.Option(help="Of everything drawn at random.")] = 0,
+    seconds: Annotated[float | None, typer.Option(help="Time it may take; 300 if nothing is said.")] = None,
+    steps: Annotated[int | None, typer.Option(help="Environment steps, in place of a time.")] = None,
+    num_envs: Annotated[int | None, typer.Option(help="Lanes; the algorithm's own number if not given.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Of torch; measured if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder to write; trained/SCENE if not given.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the folder's checkpoint.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Learn to play a scene: a policy as arrays and JSON, its evaluation curve, a checkpoint to go on from."""
+    chosen = scene_with(scene, settings or [])
+    folder = Path("trained") / chosen.name if out is None else out
+    words = ["pliant", "train", scene, *(w for s in settings or [] for w in ("--set", s)), "--algorithm", algorithm]
+    given = {"--seed": seed, "--seconds": seconds, "--steps": steps, "--num-envs": num_envs, "--threads": threads}
+    words += [w for key, value in given.items() if value is not None for w in (key, str(value))]
+    try:
+        found = train(
+            chosen,
+            algorithm,
+            seed=seed,
+            seconds=seconds,
+            steps=steps,
+            num_envs=num_envs,
+            folder=folder,
+            resume=resume,
+            threads=threads,
+            command=shlex.join(words),
+        )
+    except ImportError as error:
+        complain(str(error))
+        raise typer.Exit(1) from None
+    lqr = lqr_cost(chosen)
+    if as_json:
+        print_json(table(found, lqr))
+        return
+    beside = f", {found.cost / lqr:.3g} times LQR's {lqr:.4g}" if lqr else ""
+    print(f"cost {found.cost:.4g}{beside}")
+    print(f"{found.steps:,} steps in {found.seconds:.0f} s, {found.rate:,.0f} steps/s; {found.threads}")
+    print(folder)

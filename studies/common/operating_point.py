@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 from pliant.plants import LinearModel, Plant
-from pliant.plants.core.signals import Signal, names
+from pliant.plants.core.signals import per_second
 
 REST = 1e-8  # of the rates that the point's own states and inputs can cause
 
@@ -18,32 +16,21 @@ def residual(model: LinearModel) -> str:
     scale = np.maximum(np.abs(np.hstack([model.A, model.B])) @ own, 1e-3)
     left = np.flatnonzero(np.abs(model.f0) > REST * scale)
     order = left[np.argsort(-np.abs(model.f0[left]))]
-    return ", ".join(f"d({model.states[i].name})/dt = {model.f0[i]:.3g} {_rate(model.states[i])}" for i in order)
+    return ", ".join(
+        f"d({model.states[i].name})/dt = {model.f0[i]:.3g} {per_second(model.states[i].unit)}" for i in order
+    )
 
 
 def coordinates(plant: Plant) -> tuple[str, ...]:
     """The states whose rates are states too: not a quaternion."""
-    known = names(plant.states)
-    return tuple(name for name in known if f"{name}_rate" in known)
+    return tuple(plant.rates)
 
 
-def moving_on(model: LinearModel) -> str:
-    """What of `residual` are positions that move, not rates that something pushes; "" where none does."""
-    known = {s.name for s in model.states}
-    held = np.array([f"{s.name}_rate" in known or not s.unit.endswith("/s") for s in model.states])
-    return residual(dataclasses.replace(model, f0=np.where(held, model.f0, 0.0)))
-
-
-def words(model: LinearModel) -> str:
+def words(model: LinearModel, plant: Plant) -> str:
     """Like "at rest with tau1 = 3.2 N m", or that it moves on steadily, or is no equilibrium and what remains there."""
     inputs = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v in zip(model.inputs, model.u0))
     left = residual(model)
-    spins = any(s.unit.endswith("/s") and abs(x) > REST for s, x in zip(model.states, model.x0))
+    spins = any(s.name in plant.velocities and abs(x) > REST for s, x in zip(model.states, model.x0))
     steady = "in steady motion" if spins else "at rest"
     state = f"at a point that is no equilibrium ({left} there)" if left else steady
     return f"{state} with {inputs}" if inputs else state
-
-
-def _rate(signal: Signal) -> str:
-    unit = signal.unit
-    return f"{unit[:-2]}/s^2" if unit.endswith("/s") else f"{unit}/s"

@@ -11,6 +11,7 @@ import numpy as np
 
 from pliant.plants import Plant, Trajectory
 from pliant.plants.core.parameters import require_count
+from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.stability import assess, growth
 
 FACTOR = 2.0  # by which the margins of settled answers differ at most
@@ -153,6 +154,4 @@ def _maps(plant: Any, x: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """From the n deviations of the linear model to those of the states at x (nx,), and back."""
     if n == plant.nx:
         return np.eye(n), np.eye(n)
-    from pliant.plants.spacecraft.linearisation import deviation_maps
-
     return deviation_maps(plant, x)

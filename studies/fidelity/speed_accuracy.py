@@ -98,14 +98,9 @@ class Chart:
     def to_json(self) -> dict[str, Any]:
         return asdict(self)
 
-    def save(self, table: str | Path | None = None, picture: str | Path | None = None) -> None:
-        """Write the table as json and the picture as png (or what its ending says)."""
-        from pliant.studies.figures import motion as figures
-
-        if table is not None:
-            Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
-        if picture is not None:
-            figures.save(figures.speed_accuracy(self), picture)
+    def save(self, table: str | Path) -> None:
+        """Write the table as json; the picture is drawn by `figures.speed_accuracy.save`."""
+        Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
 
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[bool]:

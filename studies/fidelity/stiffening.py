@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import LagrangianPlant, PliantError, Trajectory
+from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.minimum_jerk import minimum_jerk
-from pliant.plants.core.signals import index, names
+from pliant.plants.core.signals import index
 
 NODES = 4  # of the linear model in a control period
 
@@ -51,9 +51,9 @@ class Stiffening:
 def stiffening_needed(scene: Scene) -> Stiffening:
     """Whether leaving out geometric stiffening errs by more than scene.tolerance in scene.compare.
 
-    ValueError unless the scene's plant has kinematics "linear" and "stiffened" to choose from.
+    ValueError unless the scene's plant has a `stiffening` to choose, kinematics "linear" or "stiffened".
     """
-    linear, stiff = (_variant(scene, kinematics) for kinematics in ("linear", "stiffened"))
+    linear, stiff = _variants(scene)
     speed, critical = _largest_speed(scene), _critical_speed(scene, linear)
 
     def verdict(error: float, uncertainty: float, why: str) -> Stiffening:
@@ -94,21 +94,22 @@ def stiffening_needed(scene: Scene) -> Stiffening:
     return verdict(error, change, why)
 
 
-def _variant(scene: Scene, kinematics: str) -> LagrangianPlant:
+def _variants(scene: Scene) -> tuple[Plant, Plant]:
+    """The scene's plant without and with stiffening."""
     plant: Any = scene.plant
-    chosen = getattr(plant, "kinematics", None)
-    if not isinstance(plant, LagrangianPlant) or chosen not in ("rigid", "linear", "stiffened"):
+    found: tuple[Plant, Plant] | None = plant.stiffening if isinstance(plant, Plant) else None
+    if found is None:
         raise ValueError(
-            f"scene {scene.name!r}: plant.kinematics = {chosen!r} must be 'linear' or 'stiffened': "
-            "other plants have no model without stiffening"
+            f"scene {scene.name!r}: plant.kinematics = {getattr(plant, 'kinematics', None)!r} must be 'linear' or "
+            "'stiffened': other plants have no model without stiffening"
         )
-    return dataclasses.replace(plant, kinematics=kinematics) if chosen != kinematics else plant  # type: ignore[call-arg]
+    return found
 
 
 def _joints(scene: Scene) -> tuple[str, ...]:
     """The rigid plant's coordinates."""
     rigid = scene.plant.ladder()[0]
-    return names(rigid.states[: rigid.nx // 2])
+    return tuple(rigid.rates)
 
 
 def _largest_speed(scene: Scene) -> float:
@@ -116,23 +117,26 @@ def _largest_speed(scene: Scene) -> float:
     if scene.drive is not None:
         rigid = scene.with_plant(scene.plant.ladder()[0])
         motion = rigid.open_loop(rtol=1e-6, atol=1e-8)
-        return float(np.abs(np.cumsum(motion.x[:, rigid.plant.nx // 2 :], axis=1)).max())
+        turning = [index(rigid.plant.states, rate, "state") for rate in rigid.plant.rates.values()]
+        return float(np.abs(np.cumsum(motion.x[:, turning], axis=1)).max())
     start, goal = dict(scene.start), dict(scene.goal)
     way = np.array([goal.get(name, 0.0) - start.get(name, 0.0) for name in _joints(scene)])
     peak = float(minimum_jerk(0.5)[1]) / scene.move_time
     return float(np.abs(np.cumsum(way)).max() * peak)
 
 
-def _critical_speed(scene: Scene, linear: LagrangianPlant) -> float:
+def _critical_speed(scene: Scene, linear: Plant) -> float:
     """Lowest bending frequency [rad/s] at the goal with the joints locked."""
     at = np.zeros(linear.nx)
     for name, value in scene.goal:
         at[index(linear.states, name, "state")] = value
-    found = linear.natural_frequencies(at, locked=() if linear.driven else _joints(scene))
+    found = linear.natural_frequencies(at, locked=() if linear.prescribed else _joints(scene))
+    if found is None:
+        raise ValueError(f"scene {scene.name!r}: {linear.label} tells no natural_frequencies to compare its spin with")
     return float(found[0]) if len(found) else np.inf
 
 
-def _motion(scene: Scene, linear: LagrangianPlant) -> Trajectory:
+def _motion(scene: Scene, linear: Plant) -> Trajectory:
     """The unstiffened plant's motion under the scene's nominal inputs, each held for a control period."""
     t = np.linspace(0.0, scene.times[-1], NODES * scene.steps + 1)
     u = np.repeat([scene.nominal_input(s) for s in scene.times], NODES, axis=0)[: len(t)]

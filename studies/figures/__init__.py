@@ -1,1 +1,23 @@
-"""Every picture, by what it shows."""
+"""Every picture, by what it shows, in one style. Importing the room loads no matplotlib."""
+
+from .controllers import controllers
+from .linear_models import eigenvalues, frozen
+from .motion import histories, stroboscopic, tip_path
+from .speed_accuracy import ladder, settings, speed_accuracy
+from .stability import evidence
+from .style import inline, save
+
+__all__ = [
+    "controllers",
+    "eigenvalues",
+    "evidence",
+    "frozen",
+    "histories",
+    "inline",
+    "ladder",
+    "save",
+    "settings",
+    "speed_accuracy",
+    "stroboscopic",
+    "tip_path",
+]

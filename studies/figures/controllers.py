@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.signals import index, names
@@ -15,6 +14,9 @@ from pliant.studies.closed_loop.comparison import Contest
 from pliant.studies.closed_loop.scores import deflections
 
 from .style import COLOURS, INK, WIDTH, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STYLES = ("-", "--")
 FEW, MOST = 3, 8  # panels in one column, and in all
@@ -28,6 +30,8 @@ def controllers(scene: Scene, contests: Sequence[Contest]) -> Figure:
 
     Signals that stay zero in every run are left out, and what exceeds MOST panels.
     """
+    from matplotlib.lines import Line2D
+
     runs = [(c, c.motion) for c in contests if c.motion is not None]
     own = dict(scene.goal) | dict(scene.goal_rates)
     signals = [*dict.fromkeys((*driven_to_goal(scene), *deflections(scene))), *names(scene.plant.inputs)]

@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter
 
 from pliant.plants import LTVModel
 
 from .style import COLOURS, INK, MARKERS, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogFormatter
 
 SMALL = 1e-2  # of the usual range, below which eigenvalues would all be drawn at zero
 NOTHING = 1e-6  # real parts below this share of the largest eigenvalue are rounding
 ROUNDED = 1e-12  # and these are rounding even where all that is told apart from zero is small
 
 
-class Plain(LogFormatter):
-    """Labels like 0.6 and 20, where LogFormatter sets one."""
+def plain_labels() -> LogFormatter:
+    """Labels like 0.6 and 20 on a logarithmic axis, where matplotlib's own formatter sets one."""
+    from matplotlib.ticker import LogFormatter
 
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        return f"{x:g}" if super().__call__(x, pos) else ""
+    class Plain(LogFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return f"{x:g}" if super().__call__(x, pos) else ""
+
+    return Plain(labelOnlyBase=False, minor_thresholds=(2, 0.4))
 
 
 @styled
@@ -75,7 +82,7 @@ def frozen(model: LTVModel) -> Figure:
     for i in range(int(np.isfinite(frequency).sum(axis=1).max(initial=0))):
         axes[0].plot(t, frequency[:, i], ".", color=COLOURS[i % len(COLOURS)], ms=2.5)
     axes[0].set_yscale("log")
-    plain = Plain(labelOnlyBase=False, minor_thresholds=(2, 0.4))
+    plain = plain_labels()
     axes[0].yaxis.set_major_formatter(plain)
     axes[0].yaxis.set_minor_formatter(plain)
     axes[0].set_ylabel("damped frequency [Hz]")

@@ -1,39 +1,21 @@
-"""The pictures of a motion and of an arm's shape; the other figures_* hold the rest."""
+"""The pictures of a motion and of an arm's shape."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, Trajectory
 from pliant.plants.core.signals import Signal, names
 
 from . import arm_outline
-from .controllers import controllers
-from .linear_models import eigenvalues, frozen
-from .speed_accuracy import ladder, settings, speed_accuracy
-from .stability import evidence
-from .style import COLOURS, INK, QUIET, WIDTH, inline, panels, save, styled
+from .style import COLOURS, INK, QUIET, WIDTH, panels, styled
 
-__all__ = [
-    "controllers",
-    "eigenvalues",
-    "evidence",
-    "frozen",
-    "histories",
-    "inline",
-    "ladder",
-    "save",
-    "settings",
-    "speed_accuracy",
-    "stroboscopic",
-    "tip_path",
-]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 UNITS = {  # in the order of the panels
     "1": "attitude",
@@ -63,14 +45,14 @@ def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list
     outputs, signals = scene.plant.outputs, _told_states(scene)
     on_the_path = scene.compare if len(scene.compare) >= 2 else ()
     signals += [s for s in outputs if s.name not in on_the_path]
-    zero = still(scene, motions)
+    zero, bending = still(scene, motions), _bending(scene.plant)
     signals = [s for s in signals if s.name not in zero]
     found = []
     for unit, label in UNITS.items():
         own = [[s.name] for s in signals if s.unit == unit and s.name in scene.compare]  # else it may hide
         rest = [s.name for s in signals if s.unit == unit and s.name not in scene.compare]
         for chosen in (*own, *_alike(rest, motions)):
-            bent = all("deflection" in name for name in chosen) or (unit == "m" and arm_outline.in_space(scene.plant))
+            bent = all(name in bending for name in chosen) or (unit == "m" and arm_outline.in_space(scene.plant))
             found.append((f"{DEFLECTED.get(unit, label) if bent else label} [{unit}]", chosen))
     inputs = [s for s in scene.plant.inputs if s.name not in zero]
     for unit in dict.fromkeys(s.unit for s in inputs):
@@ -81,8 +63,13 @@ def _groups(scene: Scene, motions: Sequence[Trajectory]) -> list[tuple[str, list
 def _told_states(scene: Scene) -> list[Signal]:
     """The states that goal or cost name and that are no outputs already."""
     outputs, told = scene.plant.outputs, {*dict(scene.goal), *dict(scene.goal_rates), *scene.weighted}
-    shown = {*names(outputs), *(s.name.removeprefix("body_") for s in outputs)}
-    return [s for s in scene.plant.states if s.name in told and s.name not in shown and "quaternion" not in s.name]
+    hidden = {*names(outputs), *scene.plant.repeated, *scene.plant.attitude_states}
+    return [s for s in scene.plant.states if s.name in told and s.name not in hidden]
+
+
+def _bending(plant: Plant) -> set[str]:
+    """Outputs that are deflections or their rates."""
+    return {*plant.deflections, *(plant.output_rates[n] for n in plant.deflections if n in plant.output_rates)}
 
 
 def still(scene: Scene, motions: Sequence[Trajectory]) -> tuple[str, ...]:
@@ -117,6 +104,8 @@ def _alike(chosen: list[str], motions: Sequence[Trajectory]) -> list[list[str]]:
 @styled
 def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title: str = "") -> Figure:
     """Angles, deflections, their rates and inputs against time; several motions differ by line style."""
+    from matplotlib.lines import Line2D
+
     groups = _groups(scene, [motion for _, motion in motions])
     columns = 1 if len(groups) <= MANY else 2
     rows = -(-len(groups) // columns)
@@ -181,6 +170,8 @@ def stroboscopic(
     cases: Sequence[tuple[str, Plant, Trajectory]], *, count: int = 16, until: float | None = None
 ) -> Figure:
     """The arm's shape at `count` times, early ones faint, side by side for each case; with the tip's path."""
+    from matplotlib.collections import LineCollection
+
     ends = np.concatenate([arm_outline.lines(plant, motion.x[::10]).reshape(-1, 2) for _, plant, motion in cases])
     wide, high = np.ptp(ends, axis=0)
     flat = 1.2 + WIDTH / len(cases) * high / max(wide, 1e-9)

@@ -2,32 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from pliant.studies.closed_loop.scores import deflections
+from pliant.envs.scenes.scene import Scene
+from pliant.studies.closed_loop.scores import Row, deflections
 
 from .motion import words
 from .style import COLOURS, INK, MARKERS, QUIET, styled
 
 if TYPE_CHECKING:
-    from pliant.studies.closed_loop.scores import Row
-    from pliant.studies.scoreboard.scoreboard import Scoreboard
-    from pliant.studies.scoreboard.tasks import Line
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 CEILING = 30.0  # ratios above are drawn at the edge, with their number
 CASES = ("exact", "finer", "varied", "delayed")
 CLOSE = 3.0  # ratio above which a motion is not drawn: it would hide the others
 
 
+class Line(Protocol):
+    """A motion: t (n,) [s], goal signals and deflections by name (n,), inputs (n - 1, nu)."""
+
+    @property
+    def t(self) -> np.ndarray: ...
+    @property
+    def signals(self) -> Mapping[str, np.ndarray]: ...
+    @property
+    def u(self) -> np.ndarray: ...
+
+
+class Board(Protocol):
+    """What is drawn of a scoreboard: its rows, why bounds are missing by (scene, case), scenes as they were played,
+    and motions by (scene, controller or "bound").
+    """
+
+    @property
+    def rows(self) -> Sequence[Row]: ...
+    @property
+    def remarks(self) -> Mapping[tuple[str, str], str]: ...
+    @property
+    def scenes(self) -> Mapping[str, Scene]: ...
+    @property
+    def lines(self) -> Mapping[tuple[str, str], Line]: ...
+    def row(self, scene: str, case: str, controller: str) -> Row: ...
+
+
 @styled
-def scene_figure(board: Scoreboard, scene: str) -> Figure:
+def scene_figure(board: Board, scene: str) -> Figure:
     """Left: the ratios, log scale, the median with the 10 - 90 % range. Right: motions on the finer plant."""
+    from matplotlib.figure import Figure
+
     rows = [row for row in board.rows if row.scene == scene]
     ranked = _ranked(board, scene)
     figure = Figure(figsize=(11.0, max(4.2, 1.2 + 0.42 * len(ranked))), layout="constrained")
@@ -74,13 +101,13 @@ def _mark(ax: Axes, y: float, row: Row, colour: str, marker: str) -> None:
         ax.annotate(text, (min(high, CEILING), y), (5, 0), textcoords="offset points", fontsize=6.5, va="center")
 
 
-def _ranked(board: Scoreboard, scene: str) -> list[str]:
+def _ranked(board: Board, scene: str) -> list[str]:
     """Controllers with a score, the least ratio on the finer plant first."""
     found = {row.controller: row for row in board.rows if row.scene == scene and row.case == "finer" and row.runs}
     return sorted(found, key=lambda name: found[name].ratio or found[name].cost or np.inf)
 
 
-def _motions(figure: Any, board: Scoreboard, scene: str, ranked: list[str]) -> None:
+def _motions(figure: Any, board: Board, scene: str, ranked: list[str]) -> None:
     played = board.scenes[scene]
     near = [name for name in ranked if (board.row(scene, "finer", name).ratio or 1.0) <= CLOSE]
     lines = [(name, board.lines[scene, name]) for name in ("bound", *near) if (scene, name) in board.lines]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from pliant.envs.rendering.spacecraft_geometry import exaggeration, reach_of, scenery
 from pliant.envs.rendering.spatial import SUN, axis_words, draw_craft, set_up, sun_direction
@@ -14,14 +14,18 @@ from pliant.plants import FlexibleSpacecraft, Trajectory
 
 from .style import QUIET, WIDTH, styled
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 COUNT = 6  # pictures of a motion
 
 
 @styled
 def snapshots(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, count: int = COUNT) -> Figure:
     """A row for each motion: hub and panels at `count` times from start to end, deflections enlarged as it says."""
-    craft = scene.plant
-    assert isinstance(craft, FlexibleSpacecraft)
+    from matplotlib.figure import Figure
+
+    craft = cast(FlexibleSpacecraft, scene.plant)  # as it is drawn as one
     factor, reach, words = exaggeration(scene), reach_of(craft), axis_words(craft)
     figure = Figure(figsize=(WIDTH * 1.25, 1.7 * len(motions) + 0.3))
     often = f", deflections drawn {factor} times" if factor > 1 else ""

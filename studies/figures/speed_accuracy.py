@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
-from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY
+from pliant.studies.fidelity.choice import Choice
+from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY, Chart, Row
 
+from . import style
 from .style import COLOURS, INK, MARKERS, QUIET, panels, styled
 
 if TYPE_CHECKING:
-    from pliant.studies.fidelity.choice import Choice
-    from pliant.studies.fidelity.speed_accuracy import Chart, Row
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
 
 GOOD, FAIR, POOR = COLOURS[2], COLOURS[5], COLOURS[7]
 
@@ -24,6 +23,8 @@ GOOD, FAIR, POOR = COLOURS[2], COLOURS[5], COLOURS[7]
 @styled
 def speed_accuracy(chart: Chart) -> Figure:
     """Time a simulated second against error, colour the variant, marker the method, with the Pareto front."""
+    from matplotlib.lines import Line2D
+
     figure, (ax,) = panels(1, height=4.6)
     variants = list(dict.fromkeys(row.variant for row in chart.rows))
     methods = list(dict.fromkeys(row.method for row in chart.rows))
@@ -56,6 +57,11 @@ def speed_accuracy(chart: Chart) -> Figure:
     by_method.append(Line2D([], [], color=INK, lw=1.2, label="Pareto front (filled)"))
     figure.legend(handles=[*by_variant, *by_method], loc="outside right upper")
     return figure
+
+
+def save(chart: Chart, path: str | Path) -> None:
+    """Draw a chart into a file, as its ending says. ValueError for an unknown ending."""
+    style.save(speed_accuracy(chart), path)
 
 
 @styled
@@ -102,6 +108,9 @@ def _letter(row: Row) -> str:
 @styled
 def settings(chart: Chart) -> Figure:
     """Every variant by every setting: within the tolerance, past it, or without a result and why."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
     variants = list(dict.fromkeys(row.variant for row in chart.rows))
     methods = list(dict.fromkeys(row.method for row in chart.rows))
     columns = sorted(

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from pliant.plants.stability import Floquet, FrozenTime, Growth, Verdict
 
-from .linear_models import ROUNDED, Plain
+from .linear_models import ROUNDED, plain_labels
 from .style import COLOURS, INK, QUIET, panels, styled
 
 if TYPE_CHECKING:
-    from pliant.studies.stability.parameter_map import StabilityMap
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 FILL = {
     "stable": "#bfe3d0",
@@ -23,6 +22,20 @@ FILL = {
     "unstable": "#f0b6b6",
     "failed": "#5b616b",
 }
+
+
+class VerdictMap(Protocol):
+    """What `chart` draws: row i of the arrays belongs to values[0][i], column j to values[1][j]."""
+
+    @property
+    def names(self) -> tuple[str, str]: ...
+    @property
+    def values(self) -> tuple[np.ndarray, np.ndarray]: ...
+    @property
+    def verdicts(self) -> np.ndarray: ...  # (n0, n1) words of FILL
+    @property
+    def margins(self) -> np.ndarray: ...  # (n0, n1) [1/s]
+    def share(self, verdict: str) -> float: ...
 
 
 @styled
@@ -71,7 +84,7 @@ def _plain(ax: Axes) -> None:
     low, high = ax.get_ylim()
     if high < 1e3 * low and low > 1e-3 and high < 1e5:
         ax.yaxis.set_major_formatter("{x:g}")
-        ax.yaxis.set_minor_formatter(Plain(labelOnlyBase=False, minor_thresholds=(2, 0.4)) if high < 12 * low else "")
+        ax.yaxis.set_minor_formatter(plain_labels() if high < 12 * low else "")
 
 
 def _real_parts(ax: Axes, frozen: FrozenTime) -> None:
@@ -120,7 +133,7 @@ def _roots(ax: Axes, roots: np.ndarray) -> None:
 
 
 @styled
-def chart(found: StabilityMap, *, title: str = "Stability chart", labels: tuple[str, str] | None = None) -> Figure:
+def chart(found: VerdictMap, *, title: str = "Stability chart", labels: tuple[str, str] | None = None) -> Figure:
     """Verdicts as colours over the two parameters, the first upwards; lines of equal growth where it is unstable."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch

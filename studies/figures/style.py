@@ -1,4 +1,7 @@
-"""How the pictures look: one style, saved as png on white or inlined as svg in the page's own text colour."""
+"""How the pictures look: one style, saved as png on white or inlined as svg in the page's own text colour.
+
+matplotlib is imported where something is drawn, here and in the modules beside: the commands start without it.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,11 @@ import re
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
-from typing import Any, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec
 
-import matplotlib
-from cycler import cycler
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 INK = "#20242a"  # text and lines; in the page it takes the page's text colour
 QUIET = "#8a9099"
@@ -62,8 +64,8 @@ RC: Any = {
     "figure.facecolor": "none",
     "svg.fonttype": "none",
     "svg.hashsalt": "pliant",
+    "axes.prop_cycle": f"cycler('color', {list(COLOURS)})",
 }
-RC["axes.prop_cycle"] = cycler(color=COLOURS)
 
 P = ParamSpec("P")
 
@@ -73,6 +75,8 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
     @wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        import matplotlib
+
         with matplotlib.rc_context(RC):
             return draw(*args, **kwargs)
 
@@ -83,6 +87,8 @@ def panels(
     rows: int, columns: int = 1, *, height: float = 2.2, width: float = WIDTH, **options: Any
 ) -> tuple[Figure, list[Axes]]:
     """A figure of rows x columns panels, each row `height` [in] high, and its axes row by row."""
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, height * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False, **options)
     return figure, list(axes.flat)
@@ -90,6 +96,8 @@ def panels(
 
 def save(figure: Figure, path: str | Path) -> None:
     """Write the figure on white, as its ending says (png, svg, pdf). ValueError for an unknown ending."""
+    import matplotlib
+
     ending = Path(path).suffix.lower().lstrip(".")
     known = sorted(figure.canvas.get_supported_filetypes())
     if ending not in known:
@@ -104,6 +112,8 @@ def inline(figure: Figure) -> str:
 
     A figure that has been saved keeps the layout that it got there, which takes most of the drawing's time.
     """
+    import matplotlib
+
     buffer = io.StringIO()
     with matplotlib.rc_context(RC):
         figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})

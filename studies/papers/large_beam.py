@@ -12,13 +12,16 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from pliant.plants import LargeDeflectionBeam, Trajectory
 from pliant.plants.large_deflection.sub_beam_chain import FRAMES, Chain
 from pliant.studies.figures.style import COLOURS, INK, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MODES = 3  # of each sub-beam
 SHOWN = 1.54  # [s], the paper's time of Figure 4

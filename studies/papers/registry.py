@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pliant.plants.core.parameters import require_choice
+from pliant.studies.common.reference_motions import Progress
+from pliant.studies.figures.style import save
+
+from . import large_beam, single_link, slider_crank
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from pliant.studies.common.reference_motions import Progress
 
 PAPERS = {
     "single-link": "On the dynamic modelling of flexible manipulators: Figures 3 to 5",
@@ -19,26 +22,25 @@ PAPERS = {
 }
 
 
+def _slider_crank() -> dict[str, Figure]:
+    return {**slider_crank.figures(), "tongues": slider_crank.tongues()}
+
+
+DRAWN: Mapping[str, Callable[[], dict[str, Figure]]] = {
+    "single-link": single_link.figures,
+    "large-beam": large_beam.figures,
+    "slider-crank": _slider_crank,
+}
+
+
 def draw(paper: str) -> dict[str, Figure]:
     """The figures of one of PAPERS, by file name."""
     require_choice("figures", "paper", paper, tuple(PAPERS))
-    if paper == "single-link":
-        from .single_link import figures
-
-        return figures()
-    if paper == "large-beam":
-        from .large_beam import figures
-
-        return figures()
-    from .slider_crank import figures, tongues
-
-    return {**figures(), "tongues": tongues()}
+    return DRAWN[paper]()
 
 
 def write(paper: str, folder: Path, progress: Progress) -> list[Path]:
     """Draw the figures as png files into a folder, made if missing; returns the files."""
-    from pliant.studies.figures.style import save
-
     progress(0.1, f"figures of {paper}")
     found = draw(paper)
     folder.mkdir(parents=True, exist_ok=True)

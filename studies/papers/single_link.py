@@ -10,13 +10,16 @@ the linear model shows the smaller deflections; it shows the larger ones.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from pliant.plants import Beam, Material, SingleLinkArm, Trajectory
 from pliant.plants.beams.offset_payload_roots import OffsetPayload
 from pliant.studies.figures.style import COLOURS, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MASS, OFFSET, PRODUCT = 1.0, (0.05, 0.05, 0.05), 0.005  # Mt, a_i and I_xz of the paper's Figure 3
 CHI, MU = 1.1, 0.05  # ours
@@ -80,7 +83,7 @@ def spin_up(theory: str, kinematics: str, *, time: float = 1.0, modes: int = 3, 
     motion = arm.simulate(np.zeros(arm.nx), acceleration, t, rtol=1e-10)
     bent = np.abs(motion["tip_deflection"])
     at_speed = np.zeros(arm.nx)
-    at_speed[arm.nx // 2] = SPEED
+    at_speed[arm.coordinates_slice.stop] = SPEED
     frequency = float(arm.natural_frequencies(at_speed)[0]) / (2 * np.pi)
     return SpinUp(motion, float(bent.max()), float(bent[t >= time].max()), frequency)
 

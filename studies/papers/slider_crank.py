@@ -10,17 +10,19 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from pliant.plants import Trajectory
 from pliant.plants.core.parameters import require_count
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.slider_crank.steady_cycles import speed_scan, steady_cycle
 from pliant.studies.figures.style import COLOURS, INK, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 CYCLES = 2
 CUTOFF = 40.0  # [Hz], a third of the textbook rod's first frequency; the paper prints none
@@ -44,7 +46,7 @@ def response(plant: SliderCrank | None = None, cycles: int = CYCLES, samples: in
         raise ValueError(f"response.plant.crank_speed = {plant.crank_speed!r} must be > 0 [rad/s]")
     period = 2 * np.pi / plant.crank_speed
     x = steady_cycle(plant).x[0].copy()
-    half, bent = plant.nx // 2, plant.counts[0]
+    half, bent = plant.coordinates_slice.stop, plant.counts[0]
     x[1 : 1 + bent] = x[half + 1 : half + 1 + bent] = 0.0
     return plant.simulate(x, None, np.linspace(0.0, cycles * period, cycles * samples + 1), rtol=1e-8)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
 from pliant.studies.closed_loop.comparison import HORIZON, POLICY, Contest
@@ -10,8 +10,7 @@ from pliant.studies.closed_loop.scores import deflections
 from pliant.studies.common.formatting import duration, number, paragraph, table
 from pliant.studies.figures import arm_outline
 
-if TYPE_CHECKING:
-    from .report import Findings
+from .findings import Findings
 
 SHOWN = 10  # critical times
 PEAK = 4  # column of the table of controllers
@@ -134,7 +133,7 @@ def controllers(found: Findings) -> str:
         text += _reduced(found)
     units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in driven_to_goal(scene)))
     bent = deflections(scene)
-    peak = "peak deflection [m]" if all("deflection" in n for n in bent) else f"largest {', '.join(bent)} [m]"
+    peak = "peak deflection [m]" if scene.plant.deflections or not bent else f"largest {', '.join(bent)} [m]"
     head = ["on", "controller", "cost", f"end error [{units}]", peak, "at a limit", "predicted violations"]
     keep = [i for i in range(len(head)) if i != PEAK or bent]
     rows = [_row(c) for c in contests]

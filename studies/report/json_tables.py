@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,8 +12,7 @@ from pliant.plants.core.signals import names
 from pliant.studies.closed_loop.comparison import HORIZON
 from pliant.studies.common.operating_point import residual
 
-if TYPE_CHECKING:
-    from .report import Findings
+from .findings import Findings
 
 
 def scene_table(scene: Scene) -> dict[str, Any]:

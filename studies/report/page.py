@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from html import escape
 from importlib import resources
-from typing import TYPE_CHECKING
 
 from . import sections
-
-if TYPE_CHECKING:
-    from .report import Findings
+from .findings import Findings
 
 
 def build(found: Findings, inlined: dict[str, str]) -> str:

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pliant.studies.common import operating_point
-from pliant.studies.common.formatting import details, measured, paragraph, pictures, table
-from pliant.studies.fidelity.speed_accuracy import Row
+from pliant.studies.common.formatting import measured, paragraph, pictures, table
 from pliant.studies.figures import arm_outline
+from pliant.studies.figures.motion import still
 
-from . import control_sections
-
-if TYPE_CHECKING:
-    from .report import Findings
+from . import control_sections, fidelity_sections
+from .findings import Findings
 
 FRAMES = 76  # of the arm that the slider moves
 ROUNDED = 1e-12  # of the largest eigenvalue, below which a real part is rounding
@@ -37,8 +34,14 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
         ("Stability along the motion", control_sections.stability(found) + drawn("stability")),
         ("LQR in closed loop", control_sections.loops(found) + drawn("closed_loop")),
         ("Controllers in closed loop", control_sections.controllers(found) + drawn("controllers")),
-        ("Speed against accuracy", _chart(found) + drawn("speed_accuracy") + _front(found) + drawn("settings")),
-        ("The smallest model", _choice(found) + drawn("ladder")),
+        (
+            "Speed against accuracy",
+            fidelity_sections.chart(found)
+            + drawn("speed_accuracy")
+            + fidelity_sections.front(found)
+            + drawn("settings"),
+        ),
+        ("The smallest model", fidelity_sections.choice(found) + drawn("ladder")),
         ("Versions and machine", table(("what", "value"), list(found.machine.items()))),
     ]
 
@@ -70,14 +73,12 @@ def _answer(found: Findings) -> str:
 
 def _motion(found: Findings) -> str:
     """The arm that a slider moves, open loop and under LQR."""
-    from pliant.studies.figures import motion
-
     scene = found.scene
     inputs = f"the torques that take the rigid plant along a minimum-jerk motion of {scene.move_time:g} s"
     if scene.drive is not None:
         inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
     text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
-    zero = motion.still(scene, [found.nominal])
+    zero = still(scene, [found.nominal])
     if zero:
         text += paragraph(f"Zero throughout and not drawn: {', '.join(zero)}.")
     whirls = arm_outline.whirls(scene.plant, found.open_loop)
@@ -125,7 +126,7 @@ def _modes(found: Findings) -> str:
     ]
     head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
     space = arm_outline.in_space(found.scene.plant)
-    free = ", joints free" if found.scene.goal and not space and not getattr(found.scene.plant, "driven", {}) else ""
+    free = ", joints free" if found.scene.goal and not space and not found.scene.plant.prescribed else ""
     text = paragraph(f"Modes of the linear model at the goal{free}.") + table(head, rows)
     count = min(6, max((len(f) for _, f in found.frequencies), default=0))
     if count:
@@ -152,7 +153,7 @@ def _goal(found: Findings) -> str:
     if growing:
         state = f"{len(growing)} eigenvalues have a positive real part, the largest {max(growing):.3g} 1/s."
     text = paragraph(
-        f"Exact, by automatic differentiation, {operating_point.words(model)}. {state} "
+        f"Exact, by automatic differentiation, {operating_point.words(model, found.scene.plant)}. {state} "
         "The matrices are in linearization.json."
     )
     if operating_point.residual(model):
@@ -192,76 +193,3 @@ def _along(found: Findings) -> str:
         )
     head = (f"perturbation of {found.perturbed.name}", "predicted", "error of the prediction", "falls with power")
     return text + table(head, rows)
-
-
-def _chart(found: Findings) -> str:
-    chart = found.chart
-    ref = chart.reference
-    text = paragraph(
-        "Each point is one variant by one method at one step. Error: largest difference of "
-        f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
-        f"period) from {ref.variant} at rtol {ref.rtol:g}. That reference is confirmed by {ref.nearest} to "
-        f"{measured(ref.difference, chart.unit)}; what all variants leave out is not in it. Time: integration only, "
-        f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
-    )
-    fast = chart.fastest()
-    if not chart.measured:
-        return text + paragraph("No setting was measured: see below why.", "warning")
-    if fast is None:
-        return text + paragraph(f"No setting is within {measured(chart.tolerance, chart.unit)}.", "warning")
-    return text + paragraph(
-        f"Fastest within the tolerance of {measured(chart.tolerance, chart.unit)}: {fast.variant} by {fast.setting}, "
-        f"{(fast.seconds or 0) * 1e3:.3g} ms a simulated second."
-    )
-
-
-def _front(found: Findings) -> str:
-    chart = found.chart
-
-    def line(row: Row) -> tuple[Any, ...]:
-        return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
-
-    head = (
-        "variant",
-        "method",
-        "ms per simulated second",
-        f"error [{chart.unit}]",
-        f"of it by the step [{chart.unit}]",
-    )
-    front = sorted((r for r in chart.measured if r.pareto), key=lambda r: r.error or 0.0)
-    marked = [i for i, r in enumerate(chart.measured) if r.pareto]
-    text = paragraph("The Pareto front:") + table(head, [line(r) for r in front])
-    everything = table(head, [line(r) for r in chart.measured], marked=marked)
-    text += details(f"All {len(chart.measured)} measured rows", everything)
-    if chart.failed:
-        reasons = table(("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed])
-        text += details(f"{len(chart.failed)} settings without a result, and why", reasons)
-    return text
-
-
-def _choice(found: Findings) -> str:
-    choice = found.choice
-    text = paragraph(
-        "A rung of the ladder is taken when it agrees with the finest one; agreement of two neighbours is not "
-        "enough, for both may lack the same effect."
-    )
-    rows = [
-        (
-            r.variant,
-            r.states,
-            measured(r.change, choice.unit) if r.change is not None else "–",
-            measured(r.error, choice.unit) if r.error else "–",
-            "chosen" if r.chosen else r.note,
-        )
-        for r in choice.rungs
-    ]
-    marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
-    text += table(("variant", "states", "from the next rung", "from the finest", ""), rows, marked=marked)
-    effects = []
-    for e in choice.effects:
-        change = f"{e.chosen}, not {e.other}" if e.kept else f"{e.other} for {e.chosen}"
-        effects.append((e.name, change, measured(e.change, choice.unit), "kept" if e.kept else "left out"))
-    if effects:
-        text += paragraph("What each effect is worth, changed alone in the chosen model:")
-        text += table(("effect", "change", "worth", ""), effects)
-    return text

@@ -13,7 +13,6 @@ from __future__ import annotations
 import dataclasses
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -26,42 +25,23 @@ from pliant.studies.closed_loop.scores import Row, Score, summarise
 from pliant.studies.common import machine
 from pliant.studies.common.reference_motions import Progress, silent
 
-from .tasks import CASES, CHUNK, MANY, Entry, Line, played_scene, work
+from .results import Entry, Line, Results
+from .tables import table, write
+from .tasks import CASES, CHUNK, MANY, played_scene, work
 
 BOUNDS = 16  # runs of a case whose bound is found, at most
 FEWEST = 1
 STATES = 24_000  # states over all periods, all of these runs together: where a scene has many, fewer bounds are found
 
 
-@dataclass(frozen=True, eq=False)
-class Scoreboard:
-    """The rows, the bounds by (scene, case), one a run, and the motions of the "finer" case for the figures."""
-
-    seeds: int
-    seed: int
-    entries: tuple[Entry, ...]
-    rows: tuple[Row, ...]
-    bounds: Mapping[tuple[str, str], tuple[float | None, ...]]
-    remarks: Mapping[tuple[str, str], str]  # why a bound is missing
-    scenes: Mapping[str, Scene] = field(repr=False, default_factory=dict)
-    lines: Mapping[tuple[str, str], Line] = field(repr=False, default_factory=dict)  # by (scene, controller or "bound")
-
-    def row(self, scene: str, case: str, controller: str) -> Row:
-        """One row. ValueError where there is none."""
-        for row in self.rows:
-            if (row.scene, row.case, row.controller) == (scene, case, controller):
-                return row
-        raise ValueError(f"scoreboard has no row of {controller!r} on {scene!r}, {case!r}")
+class Scoreboard(Results):
+    """What `scoreboard` returns: the results, which can be written."""
 
     def to_json(self) -> dict[str, Any]:
-        from .tables import table
-
         return table(self)
 
     def save(self, folder: str | Path, command: str = "") -> list[Path]:
         """Write scoreboard.json, scoreboard.md and one picture a scene."""
-        from .tables import write
-
         return write(self, Path(folder), command)
 
 

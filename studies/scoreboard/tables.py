@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from pliant.studies.closed_loop.scores import Row
 from pliant.studies.common import machine
 from pliant.studies.common.atomic_files import write_json
+from pliant.studies.figures.scoreboard import scene_figure
+from pliant.studies.figures.style import save
 
-if TYPE_CHECKING:
-    from pliant.studies.closed_loop.scores import Row
-
-    from .scoreboard import Scoreboard
+from .results import Results
 
 WORDS = {
     "exact": "on the design model itself: no model error",
@@ -47,7 +47,7 @@ design plant, for bounds 10 % inside those that end a run.
 """
 
 
-def table(board: Scoreboard, command: str = "") -> dict[str, Any]:
+def table(board: Results, command: str = "") -> dict[str, Any]:
     """For json: everything but the motions."""
     return {
         "command": command,
@@ -64,11 +64,8 @@ def table(board: Scoreboard, command: str = "") -> dict[str, Any]:
     }
 
 
-def write(board: Scoreboard, folder: Path, command: str = "") -> list[Path]:
+def write(board: Results, folder: Path, command: str = "") -> list[Path]:
     """scoreboard.json, scoreboard.md and SCENE.png in `folder`, which may hold a former board."""
-    from pliant.studies.figures.scoreboard import scene_figure
-    from pliant.studies.figures.style import save
-
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "scoreboard.json", folder / "scoreboard.md"]
     write_json(files[0], table(board, command))
@@ -79,7 +76,7 @@ def write(board: Scoreboard, folder: Path, command: str = "") -> list[Path]:
     return files
 
 
-def markdown(board: Scoreboard, command: str = "") -> str:
+def markdown(board: Results, command: str = "") -> str:
     """The tables, one a scene and case."""
     text = ["# Scoreboard\n", NOTES]
     if command:
@@ -97,7 +94,7 @@ def markdown(board: Scoreboard, command: str = "") -> str:
     return "\n".join(text)
 
 
-def _bound(board: Scoreboard, scene: str, case: str) -> str:
+def _bound(board: Results, scene: str, case: str) -> str:
     costs = board.bounds[scene, case]
     known = [c for c in costs if c is not None]
     if not known:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -13,45 +11,20 @@ import numpy as np
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
-from pliant.studies.closed_loop.contestants import Designed, Maker
+from pliant.studies.closed_loop.contestants import Designed, Maker, designed
 from pliant.studies.closed_loop.evaluation_scene import accurate, finer, play, require_signals
+from pliant.studies.closed_loop.optimal_bound import bound
 from pliant.studies.closed_loop.rollout import Conditions, nominal, randomised, rollout
 from pliant.studies.closed_loop.scores import deflections, score
+
+from .results import Entry, Line
 
 CASES = ("exact", "finer", "varied", "delayed")
 MANY = ("varied", "delayed")  # cases of many runs
 CHUNK = 16  # runs that one worker plays before it tells
 LARGEST = 30_000  # states over all periods of a run whose bound is sought
 LONG = (Designed("NMPC"), Designed("TVLQR"))  # what is not played on such runs: their designs take minutes
-MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
 DELAY = 1  # [control periods] of the delayed case
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A scene, and what it was played with."""
-
-    scene: str
-    about: str
-    design: str
-    design_states: int
-    plant: str  # of all cases but "exact"
-    plant_states: int
-    limits: tuple[float, ...]
-    substeps: int
-    step_error: float  # of the compared outputs, by the step
-    varied: tuple[tuple[str, float, float], ...]
-    noise: Mapping[str, float]  # standard deviation of each reading
-    remark: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Line:
-    """A motion as the figures show it: t (n,), goal signals, deflections and inputs by name (n,)."""
-
-    t: np.ndarray
-    signals: Mapping[str, np.ndarray]
-    u: np.ndarray  # (n - 1, nu)
 
 
 @lru_cache(maxsize=16)
@@ -75,14 +48,7 @@ def _conditions(scene: Scene, case: str, seeds: int, seed: int) -> tuple[Conditi
     return tuple(dataclasses.replace(c, delay=DELAY if case == "delayed" else 0) for c in drawn)
 
 
-@lru_cache(maxsize=8)
-def _designed(scene: Scene, maker: Maker) -> Any:
-    """The controller, or the reason why there is none. It is told bounds that are tighter by MARGIN."""
-    told = dataclasses.replace(scene, bounds=tuple((name, (1 - MARGIN) * value) for name, value in scene.bounds))
-    try:
-        return maker(told)
-    except (PliantError, ValueError) as error:
-        return f"{type(error).__name__}: {str(error).splitlines()[0]}"
+_law = lru_cache(maxsize=8)(designed)  # one design serves all cases that a process plays
 
 
 def work(
@@ -97,7 +63,7 @@ def work(
     size = scene.steps * scene.plant.nx
     if size > LARGEST and maker in LONG:
         return key, first, f"not played: {size} states over all periods are more than {LARGEST}"
-    law = _designed(scene, maker)
+    law = _law(scene, maker)
     if isinstance(law, str):
         return key, first, law
     played = played_scene(scene, case)[0]
@@ -126,15 +92,13 @@ def _count(counts: dict[str, int], law: Any) -> None:
 
 
 def _bounds(scene: Scene, case: str, first: int, last: int, seeds: int, seed: int) -> Any:
-    from pliant.studies.closed_loop.optimal_bound import bound
-
     played = played_scene(scene, case)[0]
     costs: list[float | None] = []
     size = played.steps * played.plant.nx
     if size > LARGEST:
         reason = f"not sought: {size} states over all periods are more than {LARGEST}"
         return [None] * (last - first), reason, None
-    law = _designed(scene, Designed("LQR"))
+    law = _law(scene, Designed("LQR"))
     line, reason = None, ""
     for given in _conditions(scene, case, seeds, seed)[first:last]:
         try:

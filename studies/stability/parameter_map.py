@@ -21,6 +21,8 @@ from pliant.plants.core.parameters import require_choice, require_finite
 from pliant.plants.stability import assess
 from pliant.studies.common.reference_motions import Progress, silent
 from pliant.studies.fidelity.mode_count import ModeCount, ModesNeeded, modes_needed
+from pliant.studies.figures import style
+from pliant.studies.figures.stability import chart
 
 __all__ = ["ModeCount", "ModesNeeded", "StabilityMap", "map_stability", "modes_needed"]
 
@@ -65,13 +67,11 @@ class StabilityMap:
         }
 
     def save(self, table: str | Path | None = None, picture: str | Path | None = None, **options: Any) -> None:
-        """Write the table as json and the picture as its ending says; options as in `stability_figures.chart`."""
+        """Write the table as json and the picture as its ending says; options as in `figures.stability.chart`."""
         if table is not None:
             Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
         if picture is not None:
-            from pliant.studies.figures import stability, style
-
-            style.save(stability.chart(self, **options), picture)
+            style.save(chart(self, **options), picture)
 
 
 def map_stability(

@@ -1,75 +1,30 @@
-"""`pliant stability SCENE`: the verdict along a scene's nominal motion."""
+"""The stability verdict along a scene's nominal motion, and about its goal."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
-import typer
+import numpy as np
 
-from pliant.plants import FlexibleSpacecraft
-from pliant.studies.common.console import bar, scene_with, show
-
-if TYPE_CHECKING:
-    from pliant.envs.scenes.scene import Scene
-    from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
-    from pliant.plants.stability import Verdict
-    from pliant.studies.common.reference_motions import Progress
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
+from pliant.plants.core.signals import Unfelt
+from pliant.plants.stability import Verdict, assess
+from pliant.studies.common.operating_point import residual
+from pliant.studies.common.reference_motions import Progress, silent
 
 POINTS = 401  # nodes of the nominal at least
 ROUNDING = 1e-12  # of the largest entry of A
-PLACE = ("p_x", "p_y", "p_z", "position_x", "position_y", "position_z")
-QUATERNION, TURN = tuple(f"quaternion_{k}" for k in range(4)), ("q_x", "q_y", "q_z")
 
 
-def stability(
-    scene: Annotated[str, typer.Argument(help="A scene's name; `pliant scenes` lists them.")],
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Change the plant or the scene, as in `pliant simulate`."),
-    ] = None,
-    period: Annotated[float | None, typer.Option(help="Period [s] of the nominal; found if not given.")] = None,
-    repeated: Annotated[
-        bool, typer.Option("--repeated/--once", help="Whether a nominal that closes counts as a period.")
-    ] = True,
-    window: Annotated[float | None, typer.Option(help="Window [s] of the growth; a tenth if not given.")] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", help="Draw into this file: png, svg or pdf.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Write JSON to stdout in place of the table.")] = False,
-) -> None:
-    """Say whether deviations from a scene's nominal motion grow, by which method, and where no method can tell."""
-    from pliant.studies.common.atomic_files import dumps
-
-    chosen = scene_with(scene, settings or [])
-    found, model = verdict_of(chosen, period=period, periodic=None if repeated else False, window=window)
-    out, goal = left_out(chosen.plant, model), verdict_at_goal(chosen)
-    if plot is not None:
-        from pliant.studies.figures.stability import evidence
-        from pliant.studies.figures.style import save
-
-        save(evidence(found, title=chosen.name), plot)
-    if as_json:
-        told = {"scene": chosen.name, "plant": chosen.plant.label, "left_out": list(out)}
-        print(dumps({**told, **found.to_json(), "at_the_goal": None if goal is None else goal.to_json()}))
-        return
-    caption = f"{chosen.plant.label}; frozen roots in {found.coordinates}"
-    if out:
-        caption += f"; left out, as the rest does not feel them or nothing moves them: {', '.join(out)}"
-    if found.critical_times:
-        caption += "; critical times " + ", ".join(f"{t:.3g}" for t in found.critical_times[:10]) + " s"
-    head = f"{chosen.name}: {found.verdict}" + (f" by {found.method}" if found.method else "")
-    show(head, ("method", "role", "what it says"), found.rows(), caption=caption)
-    if goal is not None:
-        print(f"About the goal alone, which is an equilibrium: {goal.verdict}; {goal.why}.")
-
-
-def verdict_of(scene: Scene, **options: Any) -> tuple[Verdict, LTVModel]:
+def verdict_of(scene: Scene, *, progress: Progress | None = None, **options: Any) -> tuple[Verdict, LTVModel]:
     """The verdict along the scene's nominal motion, and the model; options as in `assess`. See `left_out`."""
-    with bar(f"stability {scene.name}") as tell:
-        model = model_along(scene, tell)
-        tell(0.8, "verdict")
-        found = verdict_along(scene, model, **options)
-        tell(1.0, found.verdict)
+    tell = progress or silent
+    model = model_along(scene, tell)
+    tell(0.8, "verdict")
+    found = verdict_along(scene, model, **options)
+    tell(1.0, found.verdict)
     return found, model
 
 
@@ -82,16 +37,11 @@ def model_along(scene: Scene, tell: Progress) -> LTVModel:
 
 def verdict_along(scene: Scene, model: LTVModel, **options: Any) -> Verdict:
     """`assess` of that model, told what has no part in its stability."""
-    from pliant.plants.stability import assess
-
     return assess(model, **_parts(scene.plant, model), **options)
 
 
 def verdict_at_goal(scene: Scene) -> Verdict | None:
     """The verdict about the goal as a LinearModel, None where it is no equilibrium or moves."""
-    from pliant.plants.stability import assess
-    from pliant.studies.common.operating_point import residual
-
     if scene.goal_rates or residual(scene.goal_model):
         return None
     model = _linear(scene.plant, lambda **own: scene.plant.linearize(*scene.target, **own))
@@ -100,8 +50,6 @@ def verdict_at_goal(scene: Scene) -> Verdict | None:
 
 def _nominal(scene: Scene, progress: Callable[[float], None]) -> Trajectory:
     """The nominal motion with nodes enough; of a goal that moves steadily the goal's own."""
-    import numpy as np
-
     motion = scene.goal_motion() if scene.goal_rates else scene.nominal_motion(progress=progress)
     if len(motion.t) < POINTS:
         motion = motion.resample(np.linspace(motion.t[0], motion.t[-1], POINTS))
@@ -113,31 +61,28 @@ def _linear(plant: Plant, linearize: Callable[..., Any]) -> Any:
 
     Turns measured from an attitude that turns show a growth that is theirs alone.
     """
-    if isinstance(plant, FlexibleSpacecraft):
+    if plant.attitude_states:
         own = linearize(attitude="quaternion")
-        if set(QUATERNION) <= set(left_out(plant, own)):
+        if set(plant.attitude_states) <= set(left_out(plant, own)):
             return own
     return linearize()
 
 
 def left_out(plant: Plant, model: LTVModel | LinearModel) -> tuple[str, ...]:
-    """The states of a spacecraft's model that have no part in its stability.
+    """The states of the model that have no part in its stability, of those that the plant says may have none.
 
-    Its position and attitude where the rest does not feel them, hinges whose motion is given, wheels that nothing
-    turns.
+    A spacecraft's position and attitude where the rest does not feel them, hinges whose motion is given, wheels that
+    nothing turns.
     """
-    import numpy as np
-
-    if not isinstance(plant, FlexibleSpacecraft):
+    may = plant.unfelt
+    if may == Unfelt():
         return ()
     known = [s.name for s in model.states]
     A = np.abs(model.A).reshape(-1, len(known), len(known)).max(axis=0)
     nothing = ROUNDING * A.max()
-    given = [(i, a.hinge.n) for i, a in enumerate(plant.appendages, 1) if a.hinge.drive == "motion"]
-    driven = {f"hinge{i}_{j + 1}" for i, n in given for j in range(n)}
-    out = {*driven, *(f"{name}_rate" for name in driven)}
-    out |= {name for k, name in enumerate(known) if name.startswith("wheel") and A[k].max() <= nothing}
-    for group in (PLACE, QUATERNION, TURN):
+    out = {*may.given}
+    out |= {name for k, name in enumerate(known) if name in may.stored and A[k].max() <= nothing}
+    for group in may.groups:
         columns = [k for k, name in enumerate(known) if name in group]
         rest = [k for k, name in enumerate(known) if name not in group and name not in out]
         if columns and A[np.ix_(rest, columns)].max() <= nothing:
@@ -151,5 +96,8 @@ def _parts(plant: Plant, model: LTVModel | LinearModel) -> dict[str, Any]:
     if not out:
         return {}
     kept = tuple(s.name for s in model.states if s.name not in out)
-    words = "body rates in hub axes" if "quaternion_0" in out else "turns from the nominal attitude"
+    if not plant.attitude_states:
+        return {"states": kept}
+    turns = not set(plant.attitude_states) & set(out)
+    words = "turns from the nominal attitude" if turns else "body rates in hub axes"
     return {"states": kept, "coordinates": f"{words}, hinge and elastic coordinates"}

@@ -23,7 +23,7 @@ def craft(damping):
 
 
 def problem(scene):
-    model, (Q, R) = scene.feedback_model, scene.quadratic()
+    model, (Q, R, _) = scene.feedback_model, scene.quadratic()
     return model, riccati.sampled(model.A, model.B, Q, R, dt=scene.dt)
 
 

@@ -13,6 +13,12 @@ SCENE = scenes.get("two-link-reach")
 CHEAP = dataclasses.replace(SCENE, dt=0.005, effort=tuple((name, weight / 100) for name, weight in SCENE.effort))
 
 
+@pytest.fixture(scope="module")
+def loops():
+    """Of the scene's own weights, on all plants."""
+    return closed_loop(SCENE)[1]
+
+
 def disturbed_rest(scene, plant) -> float:
     """How far theta1 [rad] still swings in the last half second, from 1 mrad off the goal, under the scene's LQR."""
     x, _ = scene.with_plant(plant).target
@@ -38,16 +44,15 @@ def test_it_is_noticed_and_named_before_any_simulation() -> None:
     assert "spillover" in finer.verdict and "Hz" in finer.verdict
 
 
-def test_the_scenes_own_weights_hold_both() -> None:
+def test_the_scenes_own_weights_hold_both(loops) -> None:
     assert disturbed_rest(SCENE, SCENE.plant) < 1e-4
     assert disturbed_rest(SCENE, dearer(SCENE.plant)) < 1e-4
-    assert all(loop.stable for loop in closed_loop(SCENE)[1])
+    assert all(loop.stable for loop in loops)
 
 
 @pytest.mark.parametrize("mass", [0.5, 1.5])
-def test_payload_half_as_light_and_half_as_heavy_stay_at_rest(mass: float) -> None:
+def test_payload_half_as_light_and_half_as_heavy_stay_at_rest(loops, mass: float) -> None:
     payload = dataclasses.replace(SCENE.plant.payload, mass=mass * SCENE.plant.payload.mass)
-    loops = closed_loop(SCENE)[1]
     assert all(loop.stable for loop in loops if "payload" in loop.name)
     plant = dataclasses.replace(SCENE.plant, payload=payload)
     motion = plant.simulate(SCENE.target[0], regulator(SCENE), np.arange(0.0, 4.0001, SCENE.dt), rtol=1e-7, atol=1e-9)

@@ -226,7 +226,7 @@ def test_feedback():
 def test_for_scene_is_the_sampled_design_about_the_goal():
     scene = scenes.get("single-link-slew")
     law = LQR.for_scene(scene)
-    Q, R = scene.quadratic()
+    Q, R, _ = scene.quadratic()
     other = LQR.for_plant(scene.plant, *scene.target, Q, R, dt=scene.dt, limits=(-40.0, 40.0))
     x = scene.initial[0] + 0.1
     np.testing.assert_allclose(law.act(0.0, x), other.act(0.0, x), rtol=1e-12)

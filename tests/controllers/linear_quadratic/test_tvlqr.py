@@ -36,7 +36,7 @@ def constant(model, nodes, dt):
 
 
 def test_of_a_constant_model_tends_to_the_sampled_regulator():
-    model, (Q, R) = ARM.linearize(*SLEW.target), SLEW.quadratic()
+    model, (Q, R, _) = ARM.linearize(*SLEW.target), SLEW.quadratic()
     steady = LQR.design(model, Q, R, dt=0.02)
     found = TVLQR.design(constant(model, 1501, 0.02), Q, R)
     np.testing.assert_allclose(found.K[0], steady.K, atol=1e-9 * np.abs(steady.K).max())
@@ -48,7 +48,7 @@ def test_of_a_constant_model_tends_to_the_sampled_regulator():
 def test_rolled_cost_is_the_cost_to_go_on_a_nominal_that_is_no_motion():
     # The linear model rolled by its own simulation (Magnus steps); c(t) from a rigid nominal.
     ltv = ARM.linearize_along(rigid_nominal(SLEW))
-    (Q, R), end = SLEW.quadratic(), np.eye(6)
+    (Q, R, _), end = SLEW.quadratic(), np.eye(6)
     law = TVLQR.design(ltv, Q, R, end=end)
     fine = riccati.sampled_along(ltv, Q, R)
     A, B, c = ltv.transition()
@@ -141,7 +141,7 @@ def on_edge(law, k, rng):
 
 def test_inside_the_funnel_no_input_of_the_linear_model_reaches_a_limit():
     ltv = ARM.linearize_along(ARM.simulate(SLEW.initial[0], SLEW.nominal_input, SLEW.times[:51]))
-    model, (Q, R) = ARM.linearize(*SLEW.target), SLEW.quadratic()
+    model, (Q, R, _) = ARM.linearize(*SLEW.target), SLEW.quadratic()
     steady = LQR.design(model, Q, R, dt=SLEW.dt)
     law = TVLQR.design(ltv, Q, R, end=steady.P, hold=(steady.K, *SLEW.target), limits=(-40.0, 40.0))
     A, B, c = ltv.transition()

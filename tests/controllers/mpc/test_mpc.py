@@ -5,7 +5,9 @@ method. Exceeding a bound by s half ranges costs penalty * (s + 0.0005 s^2) ther
 """
 
 import copy
+import dataclasses
 import pickle
+import types
 
 import casadi as ca
 import numpy as np
@@ -127,7 +129,7 @@ def test_hessian_before_and_after_prestabilisation():
     """The arm of two-link-reach over 40 steps: in the inputs u, and in v = u + K x, where it is block diagonal."""
     scene = scenes.get("two-link-reach")
     model = scene.plant.linearize(*scene.target).discretize(scene.dt)
-    weight, effort = (scene.dt * M for M in scene.quadratic())
+    weight, effort, _ = (scene.dt * M for M in scene.quadratic())
     P = riccati.dlqr(model.A, model.B, weight, effort).P
     nx, nu, N = 12, 2, 40
     reach, square = np.zeros((nx, N * nu)), np.kron(np.eye(N), effort)
@@ -164,7 +166,7 @@ def test_rate_limits():
     assert np.abs(xs[-1]).max() < 1e-3
     controller.reset()
     for x, u in zip(xs[:15], us):
-        before = controller._last.copy()
+        before = controller._knowledge.last.copy()
         np.testing.assert_allclose(controller.act(0.0, x), u, atol=1e-8)
         expected = reference(x, 10, low=-1.0, high=1.0, change=0.2, last=before)
         np.testing.assert_allclose(plan(controller), expected, atol=2e-6)
@@ -438,3 +440,95 @@ def test_bad_readings_targets_and_plants():
     apart = LinearModel.from_matrices(np.diag([1.0, -1.0]), [[0.0], [1.0]])
     with pytest.raises(UncontrollableError, match="x1"):
         MPC.design(apart, np.eye(2), np.eye(1), dt=DT)
+
+
+@pytest.mark.parametrize("speed", [0.5, -0.2])
+def test_about_a_goal_that_moves_it_is_the_regulator_about_where_the_goal_then_is(cart, speed):
+    """A cart that is to roll on: in coordinates that move with it that is the regulator about rest."""
+    scene = moving_scene(cart(weights={"s": 5.0, "q": 1.0, "s_rate": 0.3}), speed)
+    law = MPC.for_scene(scene, 8, limits=None, bounds={})
+    rest = LQR.for_plant(scene.plant, np.zeros(4), [0.0], dict(scene.weights), dict(scene.effort), dt=scene.dt)
+    away = np.array([0.2, -0.03, 0.1, 0.05])
+    for t in (0.0, 3.7, 40.0):
+        goal = np.array([speed * t, 0.0, speed, 0.0])
+        np.testing.assert_allclose(law.act(t, goal + away), -rest.K @ away, rtol=1e-9, atol=1e-9)
+    copied = pickle.loads(pickle.dumps(law))
+    np.testing.assert_array_equal(copied.act(40.0, goal + away), law.act(40.0, goal + away))
+
+
+def moving_scene(objective, speed):
+    """What MPC asks of a scene, of a cart whose goal rolls at `speed` [m/s]."""
+    x = np.array([0.0, 0.0, speed, 0.0])
+    return types.SimpleNamespace(
+        name="rolling",
+        plant=objective.plant,
+        weights=tuple(objective.weights.items()),
+        effort=tuple(objective.effort.items()),
+        bounds=(),
+        limits=(1.0,),
+        dt=objective.dt,
+        goal_rates=(("s", speed),),
+        target=(x, np.zeros(1)),
+    )
+
+
+POINT, HELD = np.array([0.7, 0.0, 0.0, 0.0]), np.array([0.3, -0.2])
+
+
+def moved(model):
+    """The same machine about another point, where inputs hold it."""
+    return dataclasses.replace(model, x0=POINT, u0=HELD, y0=C @ POINT)
+
+
+def test_rate_limits_about_a_point_that_is_not_zero():
+    """Deviations from the point do as they do about zero: the first change is counted from the input that holds."""
+    options = {"dt": DT, "horizon": 10, "rates": 4.0}
+    here = MPC.design(LINK, Q, R, limits=(-1.0, 1.0), **options)
+    there = MPC.design(moved(LINK), Q, R, limits=(HELD - 1.0, HELD + 1.0), **options)
+    x, sampled = np.array([0.6, 0.0, 0.0, 0.0]), LINK.discretize(DT)
+    for k in range(30):
+        u = here.act(k * DT, x)
+        np.testing.assert_allclose(there.act(k * DT, POINT + x), HELD + u, atol=1e-9)
+        x = sampled.A @ x + sampled.B @ u
+    here.reset(), there.reset()
+    far = np.array([-0.6, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(there.act(0.0, POINT + far), HELD + here.act(0.0, far), atol=1e-9)
+    tight = MPC.design(moved(LINK), Q, R, limits=(0.5, 1.0), **options)  # u0 is below: 0.5 counts as the last input
+    assert tight.act(0.0, POINT + far) == pytest.approx([0.7, 0.7], abs=1e-9)
+
+
+def test_aim_is_a_value_of_the_signal_also_about_a_point_that_is_not_zero():
+    options = {"dt": DT, "horizon": 10, "track": ("tip",)}
+    there = MPC.design(moved(LINK), Q, R, limits=(HELD - 3.0, HELD + 3.0), **options)
+    assert there.tracked == {"tip": pytest.approx(0.7)}
+    there.aim({"tip": 1.1})
+    sampled, x = LINK.discretize(DT), np.zeros(4)
+    for k in range(600):
+        x = sampled.A @ x + sampled.B @ (there.act(k * DT, POINT + x) - HELD)
+    assert C[0] @ (POINT + x) == pytest.approx(1.1, abs=1e-6)
+
+
+@pytest.mark.parametrize("one", [(-0.004, 0.05), (-0.004, np.inf)])
+def test_lower_ends_hold_as_upper_ones_do(one):
+    """The model is linear: what is limited from below acts as the mirror image of what is limited from above."""
+    options = {"dt": DT, "horizon": 12, "limits": (-3.0, 3.0)}
+    below = MPC.design(LINK, Q, R, bounds={"bend": one}, **options)
+    above = MPC.design(LINK, Q, R, bounds={"bend": (-one[1], -one[0])}, **options)
+    free, changed = MPC.design(LINK, Q, R, **options), 0
+    for x in STATES * [1.0, 0.05, 0.5, 0.1]:
+        for law in (below, above, free):
+            law.reset()
+        u = below.act(0.0, x)
+        np.testing.assert_allclose(above.act(0.0, -x), -u, atol=1e-8)
+        changed += np.abs(u - free.act(0.0, x)).max() > 1e-3
+    assert changed > 5
+
+
+def test_bounds_and_limits_of_a_scene_are_on_both_sides():
+    scene = scenes.get("single-link-slew")
+    found = MPC.for_scene(scene).limits
+    bounds = dict(scene.bounds)
+    assert dict(zip(found.bounded, found.floor)) == {name: -value for name, value in bounds.items()}
+    assert dict(zip(found.bounded, found.ceiling)) == bounds
+    np.testing.assert_array_equal(found.low, [-value for value in scene.limits])
+    np.testing.assert_array_equal(found.high, scene.limits)

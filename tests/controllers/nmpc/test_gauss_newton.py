@@ -8,7 +8,7 @@ import pytest
 
 from pliant.controllers import NMPC, Objective
 from pliant.controllers.nmpc import gauss_newton
-from pliant.controllers.solvers.soft_qp import CURVATURE
+from pliant.controllers.solvers.daqp_model import CURVATURE
 from pliant.envs import scenes
 from pliant.plants import Plant, PliantError, Signal
 

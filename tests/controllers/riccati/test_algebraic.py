@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 from scipy.integrate import quad_vec
-from scipy.linalg import block_diag, expm
+from scipy.linalg import block_diag, expm, solve_continuous_are
 
 from pliant.controllers import riccati
 from pliant.controllers.riccati import algebraic
@@ -210,3 +210,90 @@ def test_bad_input(change, message):
         riccati.lqr(**{"A": DOUBLE[0], "B": DOUBLE[1], "Q": np.eye(2), "R": np.eye(1), **change})
     with pytest.raises(ValueError, match=r"dt = 0 must be > 0"):
         riccati.sampled(*DOUBLE, np.eye(2), np.eye(1), dt=0)
+
+
+def test_integral_action_with_feedthrough():
+    """x' = u, y = x + u/2: of the wide model written by hand, K = B'P with P of SciPy's own Riccati solver."""
+    wide, B = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[1.0], [0.5]])
+    P = solve_continuous_are(wide, B, np.diag([1.0, 4.0]), np.eye(1))
+    made = riccati.lqi([[0.0]], [[1.0]], [[1.0]], np.diag([1.0, 4.0]), np.eye(1), D=[[0.5]])
+    np.testing.assert_allclose(made.K, B.T @ P, rtol=1e-9)
+    without = riccati.lqi([[0.0]], [[1.0]], [[1.0]], np.diag([1.0, 4.0]), np.eye(1))
+    assert np.abs(made.K - without.K).max() > 0.1
+
+
+def test_integrals_of_a_sampled_model():
+    """[x; sum dt y] with y = 3 x + 2 u: the sum grows by dt (3 x + 2 u) a step."""
+    A, B = algebraic.with_integrals(np.array([[0.5]]), np.array([[1.0]]), np.array([[3.0]]), np.array([[2.0]]), 0.1)
+    np.testing.assert_allclose(A, [[0.5, 0.0], [0.3, 1.0]])
+    np.testing.assert_allclose(B, [[1.0], [0.2]])
+
+
+def test_sampled_cost_of_a_model_that_is_stiff_for_its_step():
+    """x' = -a x + u, a dt = 2000, in closed form: without doubling, exp(+2000) is in the way."""
+    a, dt = 2000.0, 1.0
+    step = riccati.sampled([[-a]], [[1.0]], [[1.0]], [[3.0]], dt=dt)
+    tail = -np.expm1(-a * dt)
+    np.testing.assert_allclose(step.Q, [[-np.expm1(-2 * a * dt) / (2 * a)]], rtol=1e-12)
+    np.testing.assert_allclose(step.B, [[tail / a]], rtol=1e-12)
+    # z = x e^-as + u (1 - e^-as)/a: the integral of the square, in x u and u^2
+    cross = (tail / a - -np.expm1(-2 * a * dt) / (2 * a)) / a
+    np.testing.assert_allclose(step.N, [[cross]], rtol=1e-12)
+    squared = (dt - 2 * tail / a + -np.expm1(-2 * a * dt) / (2 * a)) / a**2
+    np.testing.assert_allclose(step.R, [[3.0 * dt + squared]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("dt", [None, 1.0])
+def test_what_the_cross_weight_hides_from_the_cost(dt):
+    """x' = u with (x + u)^2: u = -x costs nothing and decays, though Q alone sees x and Q - N N' does not.
+
+    x' = x + u with (x - u)^2: u = x costs nothing and grows, unseen, where Q alone would see x.
+    """
+    design = riccati.lqr if dt is None else riccati.dlqr
+    one = np.ones((1, 1))
+    made = design(0 * one if dt is None else one, one, one, one, one)
+    np.testing.assert_allclose(made.K, one, atol=1e-9)
+    np.testing.assert_allclose(made.P, 0 * one, atol=1e-9)
+    with pytest.raises(UncontrollableError, match="cannot be seen by the cost"):
+        design(one, one, one, one, -one)
+
+
+@pytest.mark.parametrize("dt", [None, 1.0])
+def test_newton_steps_find_the_solution_of_a_problem_with_a_cross_weight(dt, monkeypatch):
+    """From a solution that is wrong by 1e-3: each step squares that, with every term of the cost in it."""
+    A, B, Q, R, N = random_problem(4)
+    A = A if dt is None else A / np.abs(np.linalg.eigvals(A)).max()
+    name = "solve_continuous_are" if dt is None else "solve_discrete_are"
+    right = getattr(algebraic.sla, name)
+    P = right(A, B, Q, R, s=N)
+    monkeypatch.setattr(algebraic.sla, name, lambda *a, **k: P * (1 + 1e-3))
+    found, _ = algebraic.solve_riccati(A, B, Q, R, N, dt)
+    np.testing.assert_allclose(found, P, rtol=0, atol=1e-9 * np.abs(P).max())
+
+
+@pytest.mark.parametrize(("dt", "a"), [(None, 1.0), (1.0, 2.0)])
+def test_a_solution_whose_loop_grows_is_refused(dt, a, monkeypatch):
+    """P = 0 solves the equation of x' = a x + u without a cost of x, and does nothing."""
+    one = np.ones((1, 1))
+    name = "solve_continuous_are" if dt is None else "solve_discrete_are"
+    monkeypatch.setattr(algebraic.sla, name, lambda *a, **k: 0 * one)
+    with pytest.raises(PliantError, match="does not decay: a pole is"):
+        algebraic.solve_riccati(a * one, one, 0 * one, one, 0 * one, dt)
+
+
+@pytest.mark.parametrize(("design", "a"), [(riccati.kalman, 0.0), (riccati.dkalman, 1.0)])
+def test_filters_want_noise_on_what_stays_and_readings_of_it(design, a):
+    A, one = np.diag([a, a]), np.eye(2)
+    with pytest.raises(UncontrollableError, match=r"x2.* is not driven by the noise w"):
+        design(A, [[1.0], [0.0]], one, [[1.0]], one, names=("x1", "x2"))
+    with pytest.raises(UncontrollableError, match=r"x1.* cannot be seen by the output"):
+        design(A, one, [[0.0, 1.0]], one, [[1.0]], names=("x1", "x2"))
+
+
+def test_filter_of_noise_that_is_also_in_the_reading():
+    """x+ = x/2 + w, y = x + w + v, variances 1 and 3: P = P/4 + 1 - (P/2 + 1) L, L = (P/2 + 1)/(P + 4)."""
+    one = np.ones((1, 1))
+    L, found = algebraic.filter_gain(one / 2, one, one, 4 * one, one, one, ("x",), 1.0, ("unseen", "undriven"))
+    p = float(found[0, 0])
+    assert p == pytest.approx(p / 4 + 1 - (p / 2 + 1) ** 2 / (p + 4), rel=1e-12) and p > 0
+    assert L[0, 0] == pytest.approx((p / 2 + 1) / (p + 4), rel=1e-12)

@@ -146,7 +146,7 @@ def test_no_other_inputs_cost_less():
 @pytest.mark.parametrize("name", ["single-link-slew", "two-link-reach"])
 def test_long_horizon_tends_to_the_steady_regulator(name):
     scene = scenes.get(name)
-    model, (Qs, Rs) = scene.plant.linearize(*scene.target), scene.quadratic()
+    model, (Qs, Rs, _) = scene.plant.linearize(*scene.target), scene.quadratic()
     steady = riccati.lqr(model.A, model.B, Qs, Rs)
     found = riccati.tvlqr(constant(model.A, model.B, np.linspace(0.0, 40.0, 81)), Qs, Rs)
     np.testing.assert_allclose(found.K[0], steady.K, atol=1e-9 * np.abs(steady.K).max())
@@ -162,7 +162,7 @@ def test_long_horizon_tends_to_the_steady_regulator(name):
 def test_definite_where_a_plain_integration_is_not():
     # The arm's second mode is at 270 1/s; the end weight makes the equation stiffer still.
     scene = scenes.get("single-link-slew")
-    model, (Qs, Rs) = scene.plant.linearize(*scene.target), scene.quadratic()
+    model, (Qs, Rs, _) = scene.plant.linearize(*scene.target), scene.quadratic()
     A, B, end, nodes = model.A, model.B, 1e4 * np.eye(6), 1201
     P, h, lowest = end, 0.3 / (nodes - 1), np.inf
     G = B @ np.linalg.solve(Rs, B.T)

@@ -4,7 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from pliant.controllers.solvers.soft_qp import CURVATURE, SoftProgram
+from pliant.controllers.solvers.daqp_model import CURVATURE
+from pliant.controllers.solvers.soft_qp import SoftProgram
 
 N, M, PENALTY = 10, 8, 100.0
 

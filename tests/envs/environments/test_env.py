@@ -14,12 +14,10 @@ from gymnasium.utils.env_checker import check_env
 import pliant.envs
 from pliant.envs import PlantEnv, scenes
 from pliant.envs.scenes.scene import Scene
-from pliant.envs.simulation.control_period import observe_function, reference, step_function, substep_function
 from pliant.plants import PliantError, StabilityLimitError
 from pliant.plants.core import parameters
 
 IDS = [pliant.envs.environment_id(name) for name in scenes.names()]
-LINKS = {"two-link-reach": 2, "slider-crank-run": 2}  # drawn; one in the other scenes
 
 
 def play(env: gymnasium.Env, actions: np.ndarray) -> list[tuple]:
@@ -206,18 +204,6 @@ def test_leaving_the_bounds_ends_the_episode_and_does_not_pay(env_id: str) -> No
     assert ended
 
 
-@pytest.mark.parametrize("env_id", IDS)
-def test_ending_costs_more_than_going_on(env_id: str) -> None:
-    """Anywhere on the open-loop motion, the charge for the time left exceeds what the motion still costs."""
-    scene = gymnasium.make(env_id).unwrapped.scene
-    motion = scene.open_loop(method="rk4", step=scene.dt / scene.substeps)
-    costs = scene.dt * scene.stage_cost(motion.x, motion.u, motion.y, motion.t)[:-1]
-    to_go = np.cumsum(costs[::-1])[::-1]
-    left = scene.steps - 1 - np.arange(scene.steps)
-    charged = left * (scene.dt * scene.early_end_rate + costs)
-    assert (charged[:-1] > to_go[1:]).all()
-
-
 def test_divergence_ends_the_episode_without_a_nan() -> None:
     env = PlantEnv(scenes.get("single-link-slew", bounds=()))
     state = np.zeros(env.scene.plant.nx)
@@ -268,60 +254,6 @@ def test_bad_input_is_named() -> None:
             env.step(action)
     with pytest.raises(StabilityLimitError):
         PlantEnv(scenes.get("two-link-reach", substeps=1))
-
-
-@pytest.mark.parametrize("env_id", IDS)
-def test_loop_over_substeps_is_the_whole_step(env_id: str) -> None:
-    """What compiled code composes from the two small functions equals the one function."""
-    env = gymnasium.make(env_id, randomise=True).unwrapped
-    scene = env.scene
-    env.reset(seed=4)
-    rng = np.random.default_rng(4)
-    x, action, w = env.state, rng.uniform(-1.5, 1.5, scene.plant.nu), rng.uniform(-3.0, 3.0, scene.plant.nw)
-    p, ref = list(env.reset(seed=4)[1]["parameters"].values()), reference(scene)
-    together = [np.array(r).ravel() for r in step_function(scene)(7.0, x, action, ref, w, p)]
-    u = np.clip(action, -1, 1) * scene.limits
-    cost = observe_function(scene)(x, u, ref, w, p)[1]
-    for k in range(scene.substeps):
-        x = substep_function(scene)(7.0 + k * scene.dt / scene.substeps, x, u, w, p)
-    obs, _, margin = observe_function(scene)(x, u, ref, w, p)
-    for a, b in zip(together, (x, obs, cost, margin)):
-        np.testing.assert_allclose(a, np.array(b).ravel(), rtol=1e-12, atol=1e-15)
-
-
-@pytest.mark.parametrize("env_id", [name for name in IDS if "Spacecraft" not in name])
-def test_outline_ends_at_the_tip(env_id: str) -> None:
-    """In every fidelity the drawn links start at the hub, hang together, and end where the outputs say."""
-    scene = gymnasium.make(env_id).unwrapped.scene
-    rng = np.random.default_rng(0)
-    for plant in scene.plant.ladder():
-        x = 0.05 * rng.standard_normal(plant.nx)
-        if scene.name == "slider-crank-run":
-            x /= 10  # its rod is a quarter of a metre long
-        turning = [
-            i for i, s in enumerate(plant.states[: plant.nx // 2]) if s.name.startswith(("theta", "hub", "crank"))
-        ]
-        x[turning] = rng.uniform(-3, 3, len(turning))
-        links = plant.outline(x, 12)
-        assert links.shape == (LINKS.get(scene.name, 1), 12, 2)
-        np.testing.assert_allclose(links[0, 0], 0.0, atol=1e-15)
-        np.testing.assert_allclose(links[1:, 0], links[:-1, -1])
-        y = dict(zip((s.name for s in plant.outputs), plant.measure(x)))
-        end = [y["slider_x"], 0.0] if "slider_x" in y else [y["tip_x"], y["tip_y"]]
-        np.testing.assert_allclose(links[-1, -1], end, rtol=1e-9, atol=1e-9)
-
-
-@pytest.mark.parametrize("env_id", IDS)
-def test_pictures(env_id: str) -> None:
-    env = gymnasium.make(env_id, render_mode="rgb_array")
-    env.reset(seed=0)
-    first = env.render()
-    play(env, np.full((15, env.unwrapped.scene.plant.nu), 0.5, np.float32))
-    second = env.render()
-    assert first.shape == (600, 600, 3) and first.dtype == np.uint8
-    assert (first != second).any() and len(np.unique(second.reshape(-1, 3), axis=0)) > 50
-    assert env.unwrapped.metadata["render_fps"] == max(1, round(1 / env.unwrapped.scene.dt))
-    env.close()
 
 
 def test_environment_travels_between_processes() -> None:

@@ -1,4 +1,4 @@
-"""Rotating cantilevers: reference digits, our own elements, limits, and the arm whose hub turns."""
+"""Rotating beams against reference frequencies, limits and elements."""
 
 import dataclasses
 import math
@@ -8,7 +8,7 @@ import pytest
 import scipy.linalg
 
 from pliant.plants import Beam, Payload, SingleLinkArm, beams
-from pliant.plants.beams import legendre_ritz, reference_finite_elements
+from pliant.plants.beams import reference_finite_elements
 from pliant.plants.beams.rotating_beam import rotating_frequencies
 
 LOAD = {"tip_mass": 0.7, "tip_inertia": 0.1, "hub_radius": 0.4}
@@ -186,22 +186,6 @@ def test_spin_up_reproduces_the_reference(reference, theory):
         found = spin_up(theory, kinematics)
         rtol = 5e-5 if theory == "euler-bernoulli" else 2e-3  # the file's theory is Euler's and Bernoulli's
         np.testing.assert_allclose([found.largest, found.residual, found.frequency], expected, rtol=rtol)
-
-
-def test_strain_shapes_are_their_strains():
-    """Derivatives by differences; curvature and shear strain orthonormal to rounding at any number."""
-    shapes = legendre_ritz.StrainShapes.unit(6, 5)
-    xi, h = np.linspace(0.1, 0.9, 5), 1e-5
-    for f, df in (
-        (shapes, lambda x: shapes(x, 1)),
-        (lambda x: shapes(x, 1), lambda x: shapes(x, 2)),
-        (shapes.rotation, lambda x: shapes.rotation(x, 1)),
-    ):
-        np.testing.assert_allclose((f(xi + h) - f(xi - h)) / (2 * h), df(xi), atol=1e-6)
-    np.testing.assert_allclose(shapes.shear_strain(xi), shapes(xi, 1) - shapes.rotation(xi), atol=1e-13)
-    found = legendre_ritz.matrices(legendre_ritz.StrainShapes.unit(100, 100))
-    np.testing.assert_allclose(found.bending, np.diag([1.0] * 100 + [0.0] * 100), atol=1e-12)
-    np.testing.assert_allclose(found.shearing, np.diag([0.0] * 100 + [1.0] * 100), atol=1e-12)
 
 
 def test_shear_coefficients_are_cowpers():

@@ -1,4 +1,4 @@
-"""The paper's perturbation model against differentiation of the nonlinear plant, and along slewing nominals."""
+"""The paper's model against differentiation, the plant and its motions."""
 
 import dataclasses
 
@@ -13,12 +13,10 @@ from pliant.plants.core.quaternions import matrix_of, product, rates, skew
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit
 from pliant.plants.spacecraft.hub import Hub, Wheel
-from pliant.plants.spacecraft.linearisation import deviation_maps, in_deviations
+from pliant.plants.spacecraft.linearisation import in_deviations
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal, perturbation
-from pliant.plants.spacecraft_perturbation.printed_equations import differences
 
 TEXTBOOK = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 
@@ -132,20 +130,6 @@ def test_blocks_by_name():
     np.testing.assert_allclose(model.block("A_1m"), model.block("A_m1").swapaxes(1, 2), atol=1e-13)
     with pytest.raises(ValueError, match=r"block 'A_13' must be A_, B_, C_ with two of, or Q_ with one of 1, 2, m"):
         model.block("A_13")
-
-
-def test_printed_elements():
-    made = craft("linear", (3, 3), principal=True)
-    found = {d.block: d for d in differences(made, random_nominal(made)[2])}
-    right = {"A_ii", "A_im rot", "A_mi rot", "A_mi trans", "A_mm rot-rot", "A_mm trans-rot", "A_mm rot-trans"}
-    right |= {"B_ii", "B_im rot", "B_im trans", "B_mm rot-rot", "B_mm trans-rot", "C_ii modes", "C_mm trans-rot"}
-    assert {name for name, d in found.items() if d.agrees} == right
-    assert all(d.remark for d in found.values() if not d.agrees)
-    damper = found["B_ii damper"]
-    assert damper.largest == pytest.approx(3 * damper.scale)  # printed dampers count four times
-    assert found["B_mi rot"].largest == pytest.approx(found["B_mi rot"].scale / 2)
-    with pytest.raises(ValueError, match=r"hinges have \[1, 2\] freedoms, must have 3 each"):
-        differences(craft("linear", (1, 2), principal=True), None)
 
 
 def quintic(t, end=8.0):
@@ -312,108 +296,6 @@ def test_second_order_of_an_arm():
     made = dataclasses.replace(TEXTBOOK, hub=hub)
     with pytest.raises(ValueError, match="must be coordinates and then their rates"):
         made.linearize_along(made.simulate(made.state(), None, [0.0, 0.1, 0.2, 0.3])).second_order()
-
-
-def test_a_jump_in_the_nominal_is_carried():
-    """An impulse on the hub: the rigid nominal jumps its way, the flexible craft its own; error again of second
-    order in size.
-    """
-    errors = []
-    for size in (1.0, 0.5):
-        made = motor_hinged(4.0)
-        rigid = dataclasses.replace(made, kinematics="rigid")
-        impulse, t = size * np.array([0.0, 8.0, -6.0, 0.0]), np.linspace(0, 2, 81)
-        at, short = made.layout, rigid.layout
-        start = rigid.state(rate_x=0.3 * size, rate_y=0.2 * size, rate_z=0.25 * size)
-        first = rigid.simulate(start, None, t)
-        kicked = first.x[-1] + rigid.jacobians(first.x[-1])[1] @ impulse
-        second = rigid.simulate(kicked, None, t)
-
-        def widened(run, shift, made=made, at=at, short=short):
-            x, dx = np.zeros((len(run.t), made.nx)), np.zeros((len(run.t), made.nx))
-            for a, b in [
-                (at.quaternion, short.quaternion),
-                (at.omega, short.omega),
-                *zip(at.hinges, short.hinges),
-                *zip(at.hinge_rates, short.hinge_rates),
-            ]:
-                x[:, a], dx[:, a] = run.x[:, b], run.dx[:, b]
-            return Trajectory.from_arrays(run.t + shift, x, run.u, plant=made, dx=dx)
-
-        nominals = [widened(first, 0.0), widened(second, 2.0)]
-        model = linearize_pieces(made, nominals, [impulse])
-        assert model.jump_times == pytest.approx([2.0])
-        dx, _ = model.simulate(np.zeros(made.nx - 1))
-        true = made.simulate(nominals[0].x[0], None, t, rtol=1e-11)
-        after = true.x[-1] + made.jacobians(true.x[-1])[1] @ impulse
-        true = made.simulate(after, None, t, rtol=1e-11)
-        gap = deviations(made, nominals[1], true.x) - dx[len(t) :]
-        errors.append(np.abs(gap).max())
-        assert np.abs(gap).max() < 0.05 * np.abs(dx).max()
-        assert np.abs(model.jumps[0][1]).max() > 1e-3 * size  # without the jump the model would miss it
-    assert np.log2(errors[0] / errors[1]) > 1.8
-
-
-def test_the_map_of_deviations_across_a_jump():
-    """Against the nonlinear jump of neighbouring states, by central differences, with large rates on both sides."""
-    made, rng = motor_hinged(), np.random.default_rng(6)
-    x, _, _ = random_nominal(made)
-    x[made.layout.quaternion.stop :] *= 0.3
-    impulse = np.array([30.0, 20.0, -40.0, 5.0])
-    new = x + made.jacobians(x)[1] @ impulse
-    new[made.layout.omega] += [0.1, -0.2, 0.3]  # the nominal's program jumped elsewhere
-    t, still = np.array([0.0, 0.1, 0.2, 0.3]), np.zeros((4, 4))
-    runs = [Trajectory.from_arrays(t + 0.3 * k, np.tile(v, (4, 1)), still, plant=made) for k, v in enumerate((x, new))]
-    J, _ = linearize_pieces(made, runs, [impulse]).jumps[0]
-    T = deviation_maps(made, x)[0]
-    for xi in rng.normal(size=(4, made.nx - 1)):
-        ends = []
-        for h in (1e-5, -1e-5):
-            near = x + h * T @ xi
-            near[made.layout.quaternion] /= np.linalg.norm(near[made.layout.quaternion])
-            after = near + made.jacobians(near)[1] @ impulse
-            flat = Trajectory.from_arrays(t, np.tile(new, (4, 1)), still, plant=made)
-            ends.append(deviations(made, flat, np.tile(after, (4, 1)))[0])
-        np.testing.assert_allclose((ends[0] - ends[1]) / 2e-5, J @ xi, atol=1e-6 * np.abs(J).max())
-
-
-def test_a_varied_orbit_rate_is_that_of_the_parameters():
-    """Rows of parameters along the nominal; against a spacecraft built with the rate."""
-    outside = Environment(orbit=Orbit(rate=1.1e-3))
-    made = dataclasses.replace(motor_hinged(), translation=True, environment=outside)
-    nominal = slew(made, np.linspace(0, 3, 7))
-    x, dx = nominal.x.copy(), nominal.dx.copy()
-    x[:, made.layout.velocity] = [30.0, -20.0, 10.0]  # so that the axes' turning accelerates it
-    x[:, made.layout.position] = np.outer(nominal.t, [30.0, -20.0, 10.0])
-    dx[:, made.layout.position] = x[:, made.layout.velocity]
-    nominal = dataclasses.replace(nominal, x=x, dx=dx)
-    other = dataclasses.replace(made, environment=Environment(orbit=Orbit(rate=0.02)))
-    varied = made.vary("environment.orbit.rate")
-    for p in ([0.02], np.full((7, 1), 0.02)):
-        found, wanted = varied.linearize_along(nominal, p=p), other.linearize_along(nominal)
-        for name in "ABc":
-            np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), rtol=1e-10, atol=1e-10)
-    assert np.abs(wanted.A - made.linearize_along(nominal).A).max() > 1e-2
-
-
-@pytest.mark.parametrize("translation", [True, False])
-def test_both_kinds_of_state_give_one_model(translation):
-    """Along a nominal that satisfies nothing: in the plant's own states, its small turns, and back."""
-    made = dataclasses.replace(motor_hinged(), translation=translation)
-    nominal = slew(made, np.linspace(0, 3, 7))
-    small, own = made.linearize_along(nominal), made.linearize_along(nominal, attitude="quaternion")
-    assert own.A.shape[1] == small.A.shape[1] + 1 == made.nx
-    maps = [deviation_maps(made, x) for x in nominal.x]
-    h = 1e-5
-    for k in (2, 4):
-        T, L = maps[k]
-        ahead, behind = (  # T along the nominal's own motion
-            deviation_maps(made, nominal.x[k] + s * h * nominal.dx[k])[0] for s in (1, -1)
-        )
-        wanted = L @ (own.A[k] @ T - (ahead - behind) / (2 * h))
-        np.testing.assert_allclose(small.A[k], wanted, atol=1e-7 * np.abs(wanted).max())
-        np.testing.assert_allclose(small.B[k], L @ own.B[k], atol=1e-12)
-        np.testing.assert_allclose(small.c[k], L @ own.c[k], atol=1e-12)
 
 
 def test_without_translation_the_hub_moves_as_the_whole_asks():

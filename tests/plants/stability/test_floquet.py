@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import scipy.linalg as sla
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
@@ -13,6 +14,7 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.spacecraft.appendage import Hinge
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.stability import assess, floquet
+from pliant.plants.stability.floquet import monodromy, periodic_path
 
 
 def model_of(t, A, states=None):
@@ -90,6 +92,136 @@ def test_uneven_nodes_converge_at_order_four():
     assert fine < 1e-6 and np.log(coarse / fine) / np.log(4) > 3.7
 
 
+# --- errors and thresholds ------------------------------------------------------------------------------------------
+
+
+def mathieu_rates(t, damping=0.0):
+    """A (.., 2, 2) of x'' + 2 d x' + (1.3 - cos 2t) x = 0: of period pi, inside the first tongue."""
+    A = np.zeros((*np.shape(t), 2, 2))
+    A[..., 0, 1], A[..., 1, 0], A[..., 1, 1] = 1.0, -(1.3 - np.cos(2 * np.asarray(t))), -2 * damping
+    return A
+
+
+@pytest.mark.parametrize("nodes", (17, 33, 65, 129, 257))
+@pytest.mark.parametrize("damping", (0.0, 0.05))
+def test_error_estimate_is_above_the_true_error_and_near_it(nodes, damping):
+    """Between nodes A(t) is not known: on uneven ones the error is that of a spline, 1e-4 to 2e-9 here."""
+    s = np.linspace(0.0, 1.0, nodes)
+    t = np.pi * (s + 0.05 * np.sin(2 * np.pi * s))
+    found = floquet(model_of(t, mathieu_rates(t, damping)), np.pi, undamped=False)
+    wanted = np.linalg.eigvals(integrated(lambda s: mathieu_rates(s, damping), np.pi, 2))
+    wanted = wanted[np.argsort(-np.abs(wanted))]
+    true = np.abs(found.multipliers - wanted).max()
+    assert true < found.error.max() < 50 * true
+    # The same motion a hundred times slower: multipliers and their errors know no unit of time.
+    slow = floquet(model_of(100 * t, mathieu_rates(t, damping) / 100), 100 * np.pi, undamped=False)
+    np.testing.assert_allclose(slow.error, found.error, rtol=1e-6)
+
+
+@pytest.mark.parametrize("tolerance", (1e-4, 1e-6, 1e-8, 1e-11))
+def test_monodromy_keeps_its_tolerance_and_knows_its_error(tolerance):
+    """With A(t) known to rounding what is left is the error of the steps, which the estimate should hit."""
+    t = np.linspace(0.0, np.pi, 129)
+    path, length, _ = periodic_path(model_of(t, mathieu_rates(t)), np.pi, None)
+    steps, M, error = monodromy(path, length, tolerance)
+    wanted = integrated(mathieu_rates, np.pi, 2)
+    own = M * path.scale[:, None] / path.scale
+    true = np.linalg.norm(own - wanted) / np.linalg.norm(wanted)
+    assert error <= tolerance and 0.5 * true < error < 2 * true + 1e-14
+    assert steps == (128 if tolerance < 1e-10 else 64) and length == np.pi
+
+
+def test_monodromy_of_a_constant_model_is_its_exponential_in_one_step():
+    A = np.array([[0.0, 1.0, 0.0], [-400.0, -0.3, 2.0], [0.0, 0.1, -1e-3]])
+    path, length, _ = periodic_path(LinearModel.from_matrices(A, np.zeros((3, 0))), 0.5, None)
+    steps, M, error = monodromy(path, length, 1e-11)
+    own = M * path.scale[:, None] / path.scale
+    assert steps == 1 and np.finfo(float).eps < error < 1e-14 and (path.scale != 1).any()
+    np.testing.assert_allclose(own, sla.expm(0.5 * A), rtol=0, atol=1e-13 * np.abs(own).max())
+    whole = floquet(LinearModel.from_matrices(A, np.zeros((3, 0))), 0.5)
+    np.testing.assert_allclose(whole.monodromy, own, rtol=0, atol=1e-13 * np.abs(own).max())
+
+
+def test_monodromy_of_a_scalar_is_the_exponential_of_its_mean():
+    """x' = (a + b cos wt) x: Phi = e^(a T), whatever b."""
+    t = np.linspace(0.0, 2.0, 33)
+    rate = -0.7 + 1.9 * np.cos(np.pi * t)
+    found = floquet(model_of(t, rate[:, None, None]))
+    assert found.monodromy[0, 0] == pytest.approx(np.exp(-1.4), rel=1e-11)
+    assert found.multipliers[0] == pytest.approx(np.exp(-1.4), rel=1e-11)
+    assert found.error[0] < 1e-10 and found.verdict == "stable" and found.growth == pytest.approx(-0.7, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("rate", "verdict"),
+    [(2e-9, "unstable"), (5e-10, "marginal"), (0.0, "marginal"), (-5e-10, "marginal"), (-2e-9, "stable")],
+)
+def test_a_multiplier_within_1e_9_of_the_unit_circle_is_on_it(rate, verdict):
+    """Known to rounding: e^rate over a second."""
+    found = floquet(LinearModel.from_matrices([[rate]], np.zeros((1, 0))), 1.0)
+    assert found.verdict == verdict
+    assert found.outside[0] == (verdict == "unstable") and found.on_circle[0] == (verdict == "marginal")
+
+
+@pytest.mark.parametrize(
+    ("size", "error", "verdict"),
+    [
+        (1.0, 9e-5, "marginal"),
+        (1.0, 1.1e-4, "undecided"),
+        (1 + 8e-5, 9e-5, "marginal"),
+        (1 + 1e-4, 9e-5, "unstable"),
+        (1 - 8e-5, 9e-5, "marginal"),
+        (1 - 1e-4, 9e-5, "stable"),
+        (1 + 8e-3, 9e-3, "undecided"),
+        (1 + 1e-2, 9e-3, "unstable"),
+        (1 - 1e-2, 9e-3, "stable"),
+    ],
+)
+def test_the_error_decides_what_can_be_told(size, error, verdict):
+    found = floquet(LinearModel.from_matrices([[-1.0]], np.zeros((1, 0))), 1.0)
+    found = dataclasses.replace(found, multipliers=np.array([size + 0j]), error=np.array([error]))
+    assert found.verdict == verdict
+
+
+def test_the_worst_known_multiplier_on_the_circle_decides():
+    found = floquet(LinearModel.from_matrices(-np.eye(3), np.zeros((3, 0))), 1.0)
+    known = dataclasses.replace(found, multipliers=np.array([1.0, 1.0, 0.5 + 0j]), error=np.array([1e-6, 1e-6, 1e-2]))
+    unsure = dataclasses.replace(known, error=np.array([1e-6, 1e-3, 1e-2]))
+    assert known.verdict == "marginal" and unsure.verdict == "undecided"
+
+
+def test_a_double_multiplier_is_known_to_half_the_digits():
+    """A free mass in coordinates of its own: x'' = 0 beside a mode that decays; the double one comes out 1 +- 1e-8."""
+    rng = np.random.default_rng(3)
+    turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    A = turn @ np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, -0.5]]) @ turn.T
+    found = floquet(LinearModel.from_matrices(A, np.zeros((3, 0))), 1.0, undamped=False)
+    np.testing.assert_allclose(found.multipliers, [1.0, 1.0, np.exp(-0.5)], atol=1e-7)
+    assert found.verdict == "marginal" and found.on_circle.tolist() == [True, True, False]
+    assert (found.error[:2] > np.abs(np.abs(found.multipliers[:2]) - 1)).all()
+    assert (found.error[:2] > 1e-9).all() and (found.error[:2] < 1e-6).all()  # sqrt of 9e-16, times |Phi|
+    assert found.error[2] < 1e-12
+    free = floquet(LinearModel.from_matrices([[0.0, 1.0], [0.0, 0.0]], np.zeros((2, 0))), 1.0, undamped=False)
+    assert free.verdict == "marginal" and (free.error < 1e-6).all()  # one eigenvector for two: still half the digits
+
+
+@pytest.mark.parametrize("q", (0.3, 1.7, 4.0))
+@pytest.mark.parametrize("away", (1e-5, 1e-7))
+def test_both_sides_of_a_tongues_edge(q, away):
+    """About b_1 and a_1 the trace goes through -2: just inside the tongue the growth is of the order of sqrt(away)."""
+    edge = mathieu_b(1, q)  # the tongue reaches from b_1 to a_1
+    outer = mathieu_a(1, q)
+    for a, verdict in (
+        (edge - away, "marginal"),
+        (edge + away, "unstable"),
+        (outer - away, "unstable"),
+        (outer + away, "marginal"),
+    ):
+        found = floquet(oscillator(lambda t, a=a: a - 2 * q * np.cos(2 * t), np.pi, nodes=129))
+        assert found.undamped and found.verdict == verdict, (a - edge, found.multipliers, found.error)
+        assert np.prod(found.multipliers) == pytest.approx(1.0, abs=1e-12)
+
+
 @pytest.mark.parametrize("q", (0.3, 1.7, 4.0))
 def test_undamped_multipliers_stay_on_the_unit_circle(q):
     middle = (mathieu_a(1, q) + mathieu_b(2, q)) / 2  # inside a stable region
@@ -165,8 +297,17 @@ def test_the_period_is_found_in_a_longer_nominal(share):
     found = floquet(model_of(t, A))
     assert found.period == pytest.approx(period, rel=1e-7)
     assert "repeats every 1.7 s" in found.source
-    given = floquet(model_of(t, A), period)
-    np.testing.assert_allclose(np.sort_complex(given.multipliers), np.sort_complex(found.multipliers), atol=1e-6)
+    w = 2 * np.pi / period
+    wanted = integrated(
+        lambda s: np.array([[0.0, 1.0], [-(3.0 + 0.4 * np.cos(w * s) + 0.1 * np.sin(2 * w * s)), 0.0]]), period, 2
+    )
+    angle = np.arccos(np.trace(wanted) / 2)  # undamped and stable: multipliers e^(+-i angle)
+    np.testing.assert_allclose(np.abs(np.angle(found.multipliers)), angle, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.monodromy, wanted, rtol=0, atol=1e-5)
+    # In a nominal shorter than two periods nothing is seen to repeat but what is asked for.
+    short = t < 0.97 * period
+    with pytest.raises(ValueError, match="not periodic"):
+        floquet(model_of(t[short], A[short]))
 
 
 # --- the reference spacecraft with hinges of modulated stiffness ---------------------------------------------------

@@ -35,9 +35,15 @@ def test_inputs_stay_within_the_limits(case):
         assert (np.abs(loop.motion.u) <= np.array(scene.limits) * (1 + 1e-12)).all()
 
 
-def test_cost_is_the_cost_of_the_motion(case):
+def test_cost_is_the_weighted_squares_summed_over_the_control_periods(case):
+    """Written out from the scene's tables; both goals are at rest, the two links' torques hold them."""
     scene, _, loops = case
-    assert loops[0].cost == scene.cost(loops[0].motion)
+    motion, goal = loops[0].motion, dict(scene.goal)
+    held = dict(zip((s.name for s in scene.plant.inputs), scene.target[1]))
+    assert len(goal) == len(held) and max(map(abs, held.values())) < 20
+    rates = [w * (motion[name] - goal.get(name, 0.0)) ** 2 for name, w in scene.weights]
+    rates += [w * (motion[name] - held[name]) ** 2 for name, w in scene.effort]
+    assert loops[0].cost == pytest.approx(scene.dt * np.sum(rates, axis=0)[:-1].sum(), rel=1e-12)
 
 
 def linear_reach(**changes):

@@ -11,7 +11,6 @@ from pliant.plants import Trajectory
 from pliant.studies.closed_loop.closed_loop import closed_loop, dearer
 from pliant.studies.closed_loop.comparison import compare, ending
 from pliant.studies.closed_loop.rollout import rollout
-from pliant.studies.figures.controllers import controllers
 
 SLEW = scenes.get("single-link-slew")
 
@@ -95,11 +94,3 @@ def test_reasons_where_there_is_no_controller():
 def test_a_policy_plays_only_what_it_was_trained_for(change, says):
     changed = dataclasses.replace(SLEW, duration=0.4, move_time=0.2, **change)
     assert says in by_name(compare(changed), SLEW.plant)["trained policy"].failure
-
-
-def test_picture_shows_goal_deflection_and_input(slew):
-    drawn = controllers(SLEW, slew)
-    labels = [ax.get_ylabel() for ax in drawn.axes]
-    assert labels == ["hub angle\n[rad]", "tip deflection\n[m]", "hub torque\n[N m]"]
-    words = [text.get_text() for text in drawn.legends[0].get_texts()]
-    assert words[:3] == ["LQR", "MPC", "trained policy"] and words[3] == f"on {SLEW.plant.label}"

@@ -92,3 +92,10 @@ def test_figures():
     assert first_root(3.0, 0.005) == pytest.approx(first_root(3.0, 0.05), rel=1e-3)
     assert len(first_frequency(5).axes) == 3
     assert len(spin_up_deflections("euler-bernoulli", times=(1.0,)).axes) == 2
+
+
+def test_stiffening_follows_the_scenes_own_drive():
+    assert stiffening_needed(scenes.get("spin-up")).speed == pytest.approx(6.0, rel=1e-3)
+    assert stiffening_needed(scenes.get("spin-up")).needed
+    slow = stiffening_needed(scenes.get("spin-up", speed=0.2))
+    assert slow.speed == pytest.approx(0.2, rel=1e-3) and not slow.needed

@@ -1,0 +1,1 @@
+"""What is measured of Pliant, a module a part of the run."""

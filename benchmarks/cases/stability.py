@@ -1,0 +1,76 @@
+"""How long a stability verdict takes, and a chart of verdicts over two parameters on two processors."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from harness.sampling import TIME, Case
+
+from pliant.plants import LTVModel
+from pliant.plants.stability import assess
+from pliant.studies.stability.parameter_map import map_stability
+
+GROUP = "stability"
+VERDICT = "assess, 20 states, 2,000 steps of a period"
+POINT = "assess, 8 states, one point of a chart"
+CHART = "chart of 64 x 64 points, 8 states"
+
+
+def periodic(t: np.ndarray, mean: np.ndarray, pulse: np.ndarray, damping: np.ndarray, nu: float) -> LTVModel:
+    """q'' + D q' + (K + K1 cos nu t) q = 0 at the times t (nt,) [s]."""
+    n, nt = len(mean), len(t)
+    A = np.zeros((nt, 2 * n, 2 * n))
+    A[:, :n, n:], A[:, n:, n:] = np.eye(n), -damping
+    A[:, n:, :n] = -mean - np.cos(nu * t)[:, None, None] * pulse
+    none, rows = np.zeros((nt, 2 * n, 0)), {k: np.zeros((nt, 2 * n if k in "cx" else 0)) for k in ("c", "x", "u", "y")}
+    gone = {"C": np.zeros((nt, 0, 2 * n)), "D": np.zeros((nt, 0, 0)), "F": np.zeros((nt, 0, 0))}
+    names = tuple(f"x{i}" for i in range(2 * n))
+    return LTVModel(t, A, none, none, **gone, **rows, states=names, inputs=(), disturbances=(), outputs=())
+
+
+def large() -> LTVModel:
+    """20 states, all coupled, 2,000 steps."""
+    rng = np.random.default_rng(1)
+    V, omega = np.linalg.qr(rng.standard_normal((10, 10)))[0], np.linspace(1.0, 12.0, 10)
+    pulse = rng.standard_normal((10, 10))
+    t = np.linspace(0.0, 2 * np.pi / 1.5, 2001)
+    return periodic(t, V * omega**2 @ V.T, 0.05 * (pulse + pulse.T), V * (0.04 * omega) @ V.T, 1.5)
+
+
+def point(depth: float, frequency: float) -> LTVModel:
+    """8 states, one spring pulsating."""
+    V = np.linalg.qr(np.random.default_rng(3).standard_normal((4, 4)))[0]
+    t = np.linspace(0.0, 2 * np.pi / frequency, 129)
+    pulse = depth * np.diag([1.0, 0.0, 0.0, 0.0])
+    return periodic(t, V * np.array([1.0, 2.3, 3.9, 6.1]) ** 2 @ V.T, pulse, 0.02 * np.eye(4), frequency)
+
+
+def chart() -> None:
+    grid = {"depth": np.linspace(0.0, 2.0, 64), "frequency": np.linspace(1.0, 5.0, 64)}
+    map_stability(point, grid, jobs=2)
+
+
+def repeated(call: Callable[[], object]) -> Callable[[], Callable[[float], float]]:
+    """Prepares the call once; a sample is its mean time [s] over as many calls as fit, at least one."""
+
+    def sample(seconds: float) -> float:
+        began, calls = time.perf_counter(), 0
+        while calls == 0 or time.perf_counter() - began < seconds:
+            call()
+            calls += 1
+        return (time.perf_counter() - began) / calls
+
+    def prepare() -> Callable[[float], float]:
+        call()
+        return sample
+
+    return prepare
+
+
+def cases() -> Iterator[Case]:
+    model, small = large(), point(0.7, 2.1)
+    yield Case(group=GROUP, name=VERDICT, prepare=repeated(lambda: assess(model)), unit=TIME)
+    yield Case(group=GROUP, name=POINT, prepare=repeated(lambda: assess(small, thorough=False)), unit=TIME)
+    yield Case(group=GROUP, name=CHART, prepare=repeated(chart), unit=TIME, threads=2, rounds=3)

@@ -1,0 +1,52 @@
+"""How a policy is judged while it learns and after: the scene's own cost, and what a run keeps of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .policy import Policy
+
+if TYPE_CHECKING:
+    from pliant.controllers.base.scene_protocol import TrainableScene
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """The deterministic policy on the scene as it is: nothing drawn at random."""
+
+    steps: int  # of training so far
+    seconds: float  # of training so far
+    cost: float  # the scene's, with the charge for an early end
+
+
+@dataclass(frozen=True)
+class Training:
+    """What a run made: `policy` is the one that did best of those evaluated."""
+
+    policy: Policy
+    cost: float  # of `policy`
+    curve: tuple[Evaluation, ...]
+    steps: int
+    seconds: float  # since `train` was called, and what former runs took where this one went on
+    rate: float  # environment steps a second of this run, learning and evaluations included
+    threads: str  # how many torch used, and why
+
+
+def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
+    """The scene's cost under the policy, by its environment: RK4 and the charge for an early end.
+
+    env: one lane of the scene that may be used again, made where not given.
+    """
+    env = scene.vector_env(1, threads=1) if env is None else env
+    goal = scene.goal_values(scene.observe)
+    obs, _ = env.reset()
+    cost = 0.0
+    policy.reset()
+    for k in range(scene.steps):
+        u = policy.act(k * scene.dt, obs[0] + goal)
+        obs, reward, terminated, truncated, _ = env.step((u / policy.limits)[None])
+        cost -= float(reward[0])
+        if terminated[0] or truncated[0]:
+            break
+    return cost

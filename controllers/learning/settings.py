@@ -1,0 +1,47 @@
+"""What a training run can be told: the learners' numbers, how long, and what its files are called."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Progress = Callable[[float, str], None]
+SECONDS = 300.0  # what a run may take where nothing is said
+CURVE, POLICY = "curve.json", "policy"
+FLOOR = 0.02  # share of the learning rate that is left at the end
+
+
+@dataclass(frozen=True, kw_only=True)
+class PPOSettings:
+    """Proximal policy optimisation on many short rollouts. Found by trial on this package's scenes."""
+
+    num_envs: int = 1024
+    n_steps: int = 20  # control periods of a rollout
+    batch_size: int = 4096
+    n_epochs: int = 4
+    learning_rate: float = 1e-3  # at first; it falls linearly to FLOOR of it
+    gamma: float = 0.98  # a control period's discount
+    gae_lambda: float = 0.95
+    clip_range: float = 0.2
+    noise: float = 0.135  # first standard deviation of the actions, of the limits
+    width: int = 64  # units of each of two tanh layers
+    spread: float = 1.5  # of training's starts: times the largest distance from start to goal
+
+
+@dataclass(frozen=True, kw_only=True)
+class SACSettings:
+    """Soft actor-critic: fewer steps, each dearer."""
+
+    num_envs: int = 64
+    buffer_size: int = 500_000
+    batch_size: int = 512
+    gradient_steps: int = 8  # after each control period of all lanes
+    learning_starts: int = 20_000  # steps before the first
+    learning_rate: float = 1e-3
+    gamma: float = 0.99
+    tau: float = 0.01  # of the target networks' moving average
+    width: int = 64  # units of each of two ReLU layers
+    spread: float = 1.5
+
+
+SETTINGS: dict[str, type[PPOSettings] | type[SACSettings]] = {"ppo": PPOSettings, "sac": SACSettings}

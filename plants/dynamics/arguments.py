@@ -1,0 +1,42 @@
+"""The arguments (t, x, u, w, p) of a plant's functions: defaults, shapes, finiteness, batch size."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from pliant.plants.core.plant_protocol import Arguments
+
+from .declaration import Declaration
+
+
+def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Arguments:
+    """(t, x, u, w, p) and the batch size B, None for one point; each (n,) or (B, n).
+
+    u and w are zero and p the plant's own values where None. ValueError names the argument, its index and its signal.
+    """
+    plain = w is None and p is None and type(t) is float and type(x) is type(u) is np.ndarray
+    if plain and x.shape == (plant.nx,) and u.shape == (plant.nu,) and isfinite(x.sum() + u.sum()):
+        return (t, x, u, *plant.quiet), None
+    default = (None, None, np.zeros(plant.nu), np.zeros(plant.nw), plant.nominal_parameters)
+    values = [np.asarray(t, dtype=float).reshape(-1, 1) if np.ndim(t) else np.asarray([t], dtype=float)]
+    batch = len(values[0]) if np.ndim(t) else None
+    sizes = (plant.nx, plant.nu, plant.nw, len(plant.varied))
+    signals = (plant.states, plant.inputs, plant.disturbances, plant.parameters)
+    for i, (name, value, size, named) in enumerate(zip("xuwp", (x, u, w, p), sizes, signals), start=1):
+        array = np.asarray(default[i] if value is None else value, dtype=float)
+        if array.ndim not in (1, 2) or array.shape[-1] != size:
+            owner = f"{type(plant).__name__}.{name}"
+            raise ValueError(f"{owner} has shape {array.shape}, must be ({size},) or (B, {size})")
+        if not np.isfinite(array).all():
+            k = int(np.argwhere(~np.isfinite(array))[0][-1])
+            bad = array[..., k][~np.isfinite(array[..., k])].flat[0]
+            raise ValueError(f"{type(plant).__name__}.{name}[{k}] ({named[k].name}) = {bad} must be finite")
+        if array.ndim == 2:
+            if batch not in (None, len(array)):
+                raise ValueError(f"{type(plant).__name__}.{name} has {len(array)} rows, must have {batch}")
+            batch = len(array)
+        values.append(array)
+    return tuple(values), batch

@@ -1,0 +1,147 @@
+"""What a plant states: named signals, symbolic dynamics dx/dt = f(t, x, u, w; p), outputs y = h(t, x, u, w; p).
+
+A plant is its parameters (a frozen dataclass). What is done with the statements is in `Plant`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.core import parameters
+from pliant.plants.core.signals import Signal
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Declaration(ABC):
+    """Signals, equations and parameters. `varied` holds the dotted names of parameters that are inputs p of every
+    function.
+    """
+
+    varied: tuple[str, ...] = ()
+
+    @property
+    @abstractmethod
+    def states(self) -> tuple[Signal, ...]: ...
+
+    @property
+    @abstractmethod
+    def inputs(self) -> tuple[Signal, ...]: ...
+
+    @property
+    @abstractmethod
+    def disturbances(self) -> tuple[Signal, ...]: ...
+
+    @property
+    @abstractmethod
+    def outputs(self) -> tuple[Signal, ...]: ...
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """The fidelity in a few words."""
+
+    @abstractmethod
+    def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        """dx/dt (nx,) as an expression."""
+
+    @abstractmethod
+    def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        """y (ny,) as an expression."""
+
+    @abstractmethod
+    def ladder(self) -> tuple[Self, ...]:
+        """The fidelity variants of this plant, cheapest first."""
+
+    @property
+    def coordinates_slice(self) -> slice:
+        """Where the positions stand in x; their rates follow. None where a plant states no more than dx/dt."""
+        return slice(0, 0)
+
+    def check_state(self, x: Array) -> None:  # noqa: B027  any finite numbers are a state of most plants
+        """Raise ValueError where x (..., nx) is no state of the plant, at the start of a motion or on a nominal."""
+
+    def consistent(self, x: Array) -> Array:
+        """x (..., nx) with what its states must satisfy restored; free coordinates satisfy nothing."""
+        return x
+
+    @property
+    def parameters(self) -> tuple[Signal, ...]:
+        """The parameters that are inputs p, in order; see `vary`."""
+        return tuple(Signal(path, parameters.unit_of(self, path)) for path in self.varied)
+
+    @cached_property
+    def nx(self) -> int:
+        return len(self.states)
+
+    @cached_property
+    def nu(self) -> int:
+        return len(self.inputs)
+
+    @cached_property
+    def nw(self) -> int:
+        return len(self.disturbances)
+
+    @cached_property
+    def ny(self) -> int:
+        return len(self.outputs)
+
+    @property
+    def nominal_parameters(self) -> Array:
+        """The plant's own values of the varied parameters, shape (np,)."""
+        return np.array([parameters.get(self, path) for path in self.varied], dtype=float)
+
+    @cached_property
+    def quiet(self) -> tuple[Array, Array]:
+        """(w, p) where none are given: no disturbance, the plant's own parameters."""
+        return np.zeros(self.nw), self.nominal_parameters
+
+    def vary(self, *paths: str) -> Self:
+        """A plant whose named parameters ("payload.mass") are inputs p of every function: no rebuild per value."""
+        for path in paths:
+            parameters.unit_of(self, path)
+            if parameters.get(self, path) is None:
+                raise ValueError(f"parameter {path!r} of {type(self).__name__} is None and cannot be varied")
+        if len(set(paths)) != len(paths):
+            raise ValueError(f"vary{paths}: every parameter may be named once")
+        return dataclasses.replace(self, varied=tuple(paths))
+
+    @cached_property
+    def nominal(self) -> Self:
+        """This plant with numbers where a symbolic copy has expressions; shape functions are computed from it."""
+        return self
+
+    @cached_property
+    def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+        """The symbols (t, x, u, w, p)."""
+        sizes = (1, self.nx, self.nu, self.nw, len(self.varied))
+        return tuple(ca.SX.sym(name, size) for name, size in zip("txuwp", sizes))  # type: ignore[return-value]
+
+    @cached_property
+    def symbolic(self) -> Self:
+        """A copy with the symbols p in place of the varied parameters."""
+        copy = dataclasses.replace(self, varied=())
+        for i, path in enumerate(self.varied):
+            copy = parameters.put(copy, path, self.symbols[4][i])
+        copy.__dict__["nominal"] = dataclasses.replace(self, varied=())
+        return copy
+
+    @cached_property
+    def expressions(self) -> tuple[ca.SX, ca.SX]:
+        """(dx/dt, y) in the symbols."""
+        t, x, u, w, _ = self.symbols
+        return self.symbolic.ode(t, x, u, w), self.symbolic.output(t, x, u, w)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)

@@ -1,0 +1,156 @@
+"""Plants whose equations of motion are M a = r: their linearisation at accelerations, their power, and how they end."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.core.errors import MassMatrixError
+from pliant.plants.core.signals import Signal
+from pliant.plants.core.trajectory import Trajectory
+
+from .declaration import Array
+from .plant import Plant
+from .residual_jacobians import Differentiated, ResidualJacobians
+
+NEARLY_SINGULAR = 1e-3  # of the smallest eigenvalue of the scaled mass matrix at the start of a motion
+HUGE = 1e6  # root of an inertia that only a diverged state has
+
+
+@dataclass(frozen=True, kw_only=True)
+class MechanicalPlant(Plant):
+    """M(q) a = r(t, x, u, w).
+
+    Along a nominal the equations M a = r are linearised as they stand, at the nominal's own accelerations a = dv/dt:
+
+        d(dv)/dt = M^-1 [(dr/dx - d(M a)/dx) dx + (dr/du) du + (dr/dw) dw] + M^-1 (r - M a)
+
+    A rigid nominal lacks strain: the accelerations M^-1 r that an elastic plant would have on it are large however
+    stiff it is, and the Jacobian of M^-1 r multiplies the change of M by those. Where the nominal is a motion of the
+    plant the two agree.
+    """
+
+    @property
+    @abstractmethod
+    def coordinates(self) -> tuple[Signal, ...]: ...
+
+    @property
+    @abstractmethod
+    def _motion(self) -> tuple[ca.SX, ca.SX]:
+        """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
+
+    @property
+    @abstractmethod
+    def _powers(self) -> tuple[ca.SX, ca.SX]:
+        """(power put in, power lost) [W] as expressions."""
+
+    @abstractmethod
+    def _differentiated(self) -> Differentiated:
+        """The equations M a = r at accelerations held."""
+
+    @abstractmethod
+    def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
+        """The accelerations a (nt, m) with which a nominal moves."""
+
+    @abstractmethod
+    def mass_matrix(self, x: Any, *, p: Any = None) -> Array:
+        """M (m, m), or (B, m, m) for a batch of states."""
+
+    @abstractmethod
+    def energy(self, x: Any, *, p: Any = None) -> Any:
+        """Kinetic and potential energy [J], a scalar or (B,)."""
+
+    @property
+    def coordinates_slice(self) -> slice:
+        return slice(0, len(self.coordinates))
+
+    @cached_property
+    def expressions(self) -> tuple[ca.SX, ca.SX]:
+        t, x, u, w, _ = self.symbols
+        return self._motion[0], self.symbolic.output(t, x, u, w)
+
+    @cached_property
+    def _dynamics(self) -> NumericFunction:
+        return function("dynamics", list(self.symbols), list(self._motion))
+
+    def dynamics(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
+        """dx/dt: (nx,) or (B, nx). Raises MassMatrixError where the mass matrix is not positive definite."""
+        values, batch = self._arguments(x, u, w, p, t)
+        rate, pivot = self._dynamics(*values, batch=batch)
+        self.check_definite(values[1], pivot)
+        return rate
+
+    def check_definite(self, x: Array, pivot: Array) -> None:
+        """Raise MassMatrixError at the first state of x whose smallest pivot is not positive."""
+        if pivot.min() > 0:
+            return
+        pivots = pivot.reshape(-1)
+        k = int(np.argmin(pivots > 0))
+        raise self._lost_definiteness(np.atleast_2d(x)[k if x.ndim == 2 else 0], float(pivots[k]))
+
+    def _lost_definiteness(self, x: Array, pivot: float) -> MassMatrixError:
+        return MassMatrixError(
+            f"the mass matrix of {self.label} is not positive definite (pivot {pivot:.3g}){self._lost_at(x)}",
+            x.copy(),
+            pivot,
+        )
+
+    def _lost_at(self, x: Array) -> str:
+        """Where and why the mass matrix has lost definiteness, and a remedy."""
+        return f" at x = {x}"
+
+    def check_near_singular(self, x: Array, start: Array, p: Any) -> None:
+        """Raise MassMatrixError where M at x (nx,) is nearly singular and was not at `start` (nx,)."""
+        smallest = []
+        for M in (self.mass_matrix(x, p=p), self.mass_matrix(start, p=p)):
+            scale = np.sqrt(np.abs(np.diag(M)))
+            if not 0 < scale.min() <= scale.max() < HUGE:
+                return
+            smallest.append(float(np.linalg.eigvalsh(M / scale / scale[:, None])[0]))
+        if smallest[0] < NEARLY_SINGULAR * smallest[1]:
+            values, _ = self._arguments(x, p=p)
+            raise self._lost_definiteness(x, float(self._dynamics(*values)[1][0]))
+
+    def explain_stop(self, passed: Array, last: Array, w: Any, p: Any) -> None:
+        """Raise MassMatrixError where the mass matrix has lost definiteness, or nearly."""
+        self.dynamics(passed, w=w, p=p)
+        if np.isfinite(last).all():
+            self.check_near_singular(last, passed[0], p)
+
+    @cached_property
+    def _linear(self) -> ResidualJacobians:
+        t, x, u, w, _ = self.symbols
+        return ResidualJacobians(self, self.symbolic.output(t, x, u, w), self._differentiated())
+
+    @cached_property
+    def _jacobians(self) -> NumericFunction:
+        return self._linear.solved
+
+    def slopes(self) -> ca.SX:
+        return self._linear.slopes()
+
+    def _jacobians_along(self, nominal: Trajectory, w: Array, p: Any) -> list[Array]:
+        """At the nominal's own accelerations."""
+        values, batch = self._arguments(nominal.x, nominal.u, w, p, nominal.t)
+        return self._linear.along(*values, self._accelerations(nominal, p), batch=batch)
+
+    def net_power(self) -> ca.SX:
+        """dE/dt [W] as an expression: power put in less power lost."""
+        put_in, lost = self._powers
+        return put_in - lost
+
+    @cached_property
+    def _power(self) -> NumericFunction:
+        return function("power", list(self.symbols), list(self._powers))
+
+    def power(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> tuple[Any, Any]:
+        """(power put in by inputs and disturbances, power lost) [W]: dE/dt is their difference."""
+        values, batch = self._arguments(x, u, w, p, t)
+        put_in, lost = self._power(*values, batch=batch)
+        return put_in[..., 0], lost[..., 0]

@@ -1,0 +1,216 @@
+"""What the library asks of a plant beside its equations: where it is driven, measured, bent, drawn and uncertain.
+
+Every answer has a default that is read from the equations, never from names, so that a plant that a user writes needs
+none of them; one that knows better overrides what it knows. Answers are names of the plant's own signals.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.core import parameters
+from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
+
+from .declaration import Array, Declaration
+
+MOST_MATCHED = 6  # inputs whose coordinates are told apart by what they accelerate most
+PINION = 0.05  # [m], radius of the wheel by which an encoder reads a length
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantContract(Declaration):
+    """The questions and their defaults; every `Plant` answers them."""
+
+    # --- motion --------------------------------------------------------------------------------------------------
+    @cached_property
+    def rates(self) -> dict[str, str]:
+        """{coordinate: its rate}, both states, in the order of the coordinates: where dx_i/dt is x_j itself."""
+        rate, x = self.expressions[0], self.symbols[1]
+        known = {x[j].element_hash(): j for j in range(x.shape[0])}
+        entries = [rate[i] for i in range(x.shape[0])]
+        found = [known.get(e.element_hash(), i) if e.nnz() else i for i, e in enumerate(entries)]
+        word = names(self.states)
+        return {word[i]: word[j] for i, j in enumerate(found) if i != j}
+
+    @property
+    def velocities(self) -> tuple[str, ...]:
+        """States that are rates: where one is not zero, something moves."""
+        return tuple(self.rates.values())
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        """{output: the output or state that is its rate}, as far as the plant has one. Default: none."""
+        return {}
+
+    @cached_property
+    def repeated(self) -> tuple[str, ...]:
+        """States that an output repeats, under whatever name."""
+        y, x = self.expressions[1], self.symbols[1]
+        given = {y[i].element_hash() for i in range(y.shape[0]) if y[i].nnz()}
+        return tuple(s.name for i, s in enumerate(self.states) if x[i].element_hash() in given)
+
+    @property
+    def prescribed(self) -> tuple[str, ...]:
+        """Coordinates whose acceleration is an input. Default: none."""
+        return ()
+
+    @property
+    def lockable(self) -> tuple[str, ...]:
+        """Coordinates that a goal which names them holds, so that natural frequencies are told with them locked."""
+        return tuple(name for name in self.rates if name not in self.prescribed)
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """For each input that drives one coordinate: the input, the coordinate and its rate, in the inputs' order.
+
+        Default: where the cheapest fidelity has one coordinate for each input, that which it accelerates most (for
+        B = inverse of a mass matrix the matching with the largest product is the true one, as b_ij^2 <= b_ii b_jj).
+        """
+        rigid: Any = self.ladder()[0]
+        known, nu = {*names(self.states), *names(self.outputs)}, len(self.inputs)
+        pairs = tuple(rigid.rates.items())
+        if len(pairs) != nu or len(rigid.states) != 2 * nu or not {n for pair in pairs for n in pair} <= known:
+            return ()
+        order: tuple[int, ...] = tuple(range(nu))
+        if 1 < nu <= MOST_MATCHED:
+            rows = [names(rigid.states).index(rate) for _, rate in pairs]
+            B = np.abs(rigid.jacobians(rigid.consistent(np.zeros(2 * nu)))[1][rows])
+            order = max(itertools.permutations(order), key=lambda p: math.prod(B[i, k] for k, i in enumerate(p)))
+        return tuple(Joint(s.name, *pairs[i]) for s, i in zip(self.inputs, order, strict=True))
+
+    def rest_to_rest(self, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
+        """u(t) (nu,) that takes this plant from the rest state `begin` (nx,) to `end` (nx,) in `time` [s].
+
+        Default: every coordinate (or, where there are fewer inputs, every joint, the rest standing still) makes a
+        minimum-jerk motion, by inverse dynamics. ValueError where the inputs do not reach them.
+        """
+        return _inverse_dynamics(self, begin, end, time)
+
+    def statics(self) -> ca.SX | None:
+        """Net generalised forces (n,) on the coordinates, in the order of `rates`, in the plant's symbols.
+
+        With all rates zero their zeros are the plant's rests. Default: None, not known as forces.
+        """
+        return None
+
+    def natural_frequencies(self, x0: Any = None, *, locked: tuple[str, ...] = (), p: Any = None) -> Array | None:
+        """Undamped natural frequencies [rad/s] about a rest x0 with the `locked` coordinates held. Default: None,
+        not known, as a mass matrix is needed.
+        """
+        return None
+
+    # --- measurement ---------------------------------------------------------------------------------------------
+    def sensors(self) -> tuple[Sensed, ...]:
+        """What such a machine carries, as on its data sheets. Default: an encoder at every joint (of a length, on a
+        pinion of PINION).
+        """
+        units = {s.name: s.unit for s in (*self.states, *self.outputs)}
+        positions = tuple(joint.position for joint in self.joints)
+        return tuple(Sensed("encoder", n, scale=PINION if units[n] == "m" else 1.0) for n in positions)
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        """Outputs that tell how far the bodies bend, each by one number [m]. Default: none."""
+        return ()
+
+    @property
+    def attitude_states(self) -> tuple[str, ...]:
+        """The states of a unit quaternion, scalar first, which mean nothing one by one. Default: none.
+
+        A plant that has them linearises in them with `linearize(.., attitude="quaternion")`.
+        """
+        return ()
+
+    @property
+    def attitude_outputs(self) -> tuple[str, ...]:
+        """The outputs that tell the attitude, in the place of `attitude_states`. Default: none."""
+        return ()
+
+    @property
+    def small_states(self) -> tuple[str, ...]:
+        """States that stay within centimetres where expressions are compared at random points, so that mass matrices
+        stay definite. Default: lengths and their rates.
+        """
+        return tuple(s.name for s in self.states if s.unit in ("m", "m/s"))
+
+    # --- what is not certain -------------------------------------------------------------------------------------
+    @property
+    def uncertain(self) -> tuple[str, ...]:
+        """Parameters that a robustness study varies, by dotted names. Default: every `quantity(.., uncertain=True)`:
+        of the library's parts the payload's mass, E and damping.
+        """
+        return parameters.quantities(self, uncertain=True)
+
+    @property
+    def stiffening(self) -> tuple[Self, Self] | None:
+        """This plant without and with geometric stiffening, same states. Default: None, there is no such choice."""
+        return None
+
+    @property
+    def unfelt(self) -> Unfelt:
+        """States that may have no part in the stability of the rest. Default: none."""
+        return Unfelt()
+
+    # --- drawing -------------------------------------------------------------------------------------------------
+    @property
+    def drawn_as(self) -> str:
+        """Which renderer draws it: "links" (default), lines in the plane by `outline`, or "spacecraft"."""
+        return "links"
+
+    def outline(self, x: Array, points: int = 30) -> Array | list[Array]:
+        """The bodies as lines (links, points, 2) [m], root first, at a state x (nx,). Default: nothing to draw."""
+        return np.zeros((0, points, 2))
+
+    @property
+    def seen_from(self) -> str | None:
+        """A state, the angle of a hub that the whole machine turns with; pictures may be seen from there."""
+        return None
+
+    @property
+    def cycle(self) -> str | None:
+        """A state, the angle after whose full turn the machine has gone through all its shapes."""
+        return None
+
+
+def _inverse_dynamics(plant: Any, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
+    """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s].
+
+    Moved are all coordinates where there are as many inputs, else those of the joints, with the others held at `begin`:
+    the inputs are then right while the others do not move. ValueError where the inputs and the moved do not match.
+    """
+    known = names(plant.states)
+    moved = tuple(plant.rates) if len(plant.rates) == plant.nu else tuple(j.position for j in plant.joints)
+    if len(moved) != plant.nu or not set(moved) <= set(plant.rates):
+        raise ValueError(
+            f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) drive "
+            f"{', '.join(moved) or 'none'}; give the inputs as functions of time instead"
+        )
+    q = [known.index(name) for name in moved]
+    v = [known.index(plant.rates[name]) for name in moved]
+    start, way = np.array(begin, dtype=float), np.asarray(end, dtype=float)[q] - np.asarray(begin, dtype=float)[q]
+    still, held = np.zeros(plant.nu), list[Array]()  # held: the input at the end, once it is known
+
+    def drive(t: float) -> Array:
+        if t >= time and held:
+            return held[0].copy()
+        s, ds, dds = minimum_jerk(t / time)
+        x = start.copy()
+        x[q], x[v] = start[q] + way * s, way * ds / time
+        wanted = way * dds / time**2
+        free = plant.dynamics(x, still)[v]
+        B = plant.jacobians(x, still)[1][v]
+        u = np.linalg.solve(B, wanted - free)
+        if t >= time:
+            held.append(u.copy())
+        return u
+
+    return drive

@@ -1,0 +1,160 @@
+"""What a beam of large deflection is: its parameters, its signals and the fields that its coordinates turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from pliant.plants.beams.payload import Payload
+from pliant.plants.beams.section import Beam
+from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
+from pliant.plants.core.signals import Sensed, Signal
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
+
+from . import tangent_field
+from .fields import Fields, of_chain, of_rotations
+from .sub_beam_chain import FRAMES, Chain
+
+ROOTS = ("clamped", "hinged", "driven")
+KINEMATICS = ("strain", "substructured")
+BASES = {"modes": 30, "polynomial": 20}  # basis: most shapes
+MOST_SEGMENTS = 32
+
+
+@dataclass(frozen=True, kw_only=True)
+class LargeBeamDeclaration(LagrangianPlant):
+    """A beam, its root and its payload; `LargeDeflectionBeam` adds their energies and equations."""
+
+    beam: Beam
+    root: str = "clamped"
+    gravity: tuple[float, float, float] = quantity("m/s^2", "finite", (0.0, -9.8, 0.0))
+    payload: Payload = field(default_factory=Payload)
+    kinematics: str = "strain"
+    segments: int = 1  # sub-beams ("substructured")
+    modes: int = 3  # shapes, of each sub-beam if "substructured"
+    frame: str = "mean-axis"  # of each sub-beam ("substructured")
+    basis: str = "modes"  # of the rotations ("strain")
+    planar: bool = True
+    twists: int = 1  # torsion shapes (planar=False)
+    points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
+
+    def __post_init__(self) -> None:
+        validate(self)
+        owner = "LargeDeflectionBeam"
+        for name, choices in (
+            ("root", ROOTS),
+            ("kinematics", KINEMATICS),
+            ("frame", FRAMES),
+            ("basis", tuple(BASES)),
+            ("planar", (True, False)),
+        ):
+            require_choice(owner, name, getattr(self, name), choices)
+        if not isinstance(self.gravity, tuple) or len(self.gravity) != 3:
+            raise ValueError(f"{owner}.gravity = {self.gravity!r} must be a tuple of 3 numbers [m/s^2]")
+        require_count(owner, "modes", self.modes, 1, BASES[self.basis] if self.kinematics == "strain" else 12)
+        require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
+        require_count(owner, "twists", self.twists, 0, 12)
+        if self.points is not None:
+            require_count(owner, "points", self.points, 2, 64)
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        turning = {"clamped": (), "hinged": ("root_angle",), "driven": ("hub_angle",)}[self.root]
+        kinds = (("bend", self.modes), ("flap", self.modes), ("twist", self.twists))
+        bent = []
+        for kind, count in kinds[: 1 if self.planar else 3]:
+            own = [str(k + 1) for k in range(count)]
+            if self.kinematics == "substructured":
+                own = [f"{i + 1}_{k}" for i in range(self.segments) for k in own]
+            bent += [kind + k for k in own]
+        return tuple(Signal(name, "rad") for name in (*turning, *bent))
+
+    @property
+    def _tip_force(self) -> tuple[Signal, ...]:
+        return tuple(Signal(f"tip_force_{axis}", "N") for axis in ("xy" if self.planar else "xyz"))
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        return (Signal("hub_acceleration", "rad/s^2"),) if self.root == "driven" else self._tip_force
+
+    @property
+    def driven(self) -> dict[int, int]:
+        return {0: 0} if self.root == "driven" else {}
+
+    @property
+    def disturbances(self) -> tuple[Signal, ...]:
+        return self._tip_force if self.root == "driven" else ()
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        turning = () if self.root == "clamped" else (self.coordinates[0],)
+        return (
+            *turning,
+            Signal("tip_x", "m"),
+            Signal("tip_y", "m"),
+            Signal("tip_u", "m"),
+            Signal("tip_v", "m"),
+            Signal("tip_u_rate", "m/s"),
+            Signal("tip_v_rate", "m/s"),
+            Signal("tip_angle", "rad"),
+            Signal("tip_deflection", "m"),
+            Signal("tip_deflection_rate", "m/s"),
+            Signal("tip_angle_rate", "rad/s"),
+            Signal("root_curvature", "1/m"),
+            *((Signal("tip_z", "m"), Signal("tip_z_rate", "m/s"), Signal("tip_twist", "rad")) * (not self.planar)),
+        )
+
+    def sensors(self) -> tuple[Sensed, ...]:
+        """An encoder of a root that turns, a strain gauge at one that does not hinge, a gyro at the tip."""
+        turning = () if self.root == "clamped" else (Sensed("encoder", self.coordinates[0].name),)
+        gauge = Sensed("strain gauge", "root_curvature", scale=1 / self.beam.half_depth)
+        return (*turning, *(() if self.root == "hinged" else (gauge,)), Sensed("gyro", "tip_angle_rate"))
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return ("tip_deflection",)
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        moving = ("tip_u", "tip_v", "tip_angle", "tip_deflection", *(() if self.planar else ("tip_z",)))
+        return {name: f"{name}_rate" for name in moving}
+
+    @property
+    def seen_from(self) -> str | None:
+        return "hub_angle" if self.root == "driven" else None
+
+    @property
+    def label(self) -> str:
+        space = "" if self.planar else f", spatial, twists {self.twists}"
+        if self.kinematics == "strain":
+            return f"strain, {self.basis} {self.modes}{space}"
+        return f"substructured, {self.segments} x {self.modes}, {self.frame}{space}"
+
+    @cached_property
+    def fields(self) -> Fields:
+        """What the coordinates turn, shapes from the nominal parameters."""
+        if self.kinematics == "substructured":
+            chain = Chain(self.segments, self.modes, self.frame, self.root != "clamped")
+            return of_chain(self.beam, self.payload, chain, self.points or self.modes + 3, self._twists)
+        own = self.nominal
+        assert isinstance(own, LargeBeamDeclaration)
+        at, loads = tangent_field.points(self.points or 2 * self.modes + 1), own.load_ratios
+        bend = tangent_field.rotations(self.root, self.basis, self.modes, *loads)
+        flap = bend if self.planar else tangent_field.rotations("clamped", self.basis, self.modes, *loads)
+        return of_rotations(self.beam, self.payload, bend, flap, at, self._twists)
+
+    @property
+    def shapes(self) -> tangent_field.Rotations | Chain:
+        """What the bending coordinates turn."""
+        return self.fields.shapes
+
+    @property
+    def _twists(self) -> int | None:
+        return None if self.planar else self.twists
+
+    @property
+    def load_ratios(self) -> tuple[float, float]:
+        """Payload mass and inertia about the tip, against the beam's m and m L^2."""
+        mass, load = self.beam.mass, self.payload
+        about_tip = load.inertia_z + load.mass * (load.offset[0] ** 2 + load.offset[1] ** 2)
+        return load.mass / mass, about_tip / (mass * self.beam.length**2)

@@ -1,0 +1,206 @@
+"""What the commands share: a progress bar on stderr, plain errors, settings by name."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import shutil
+import sys
+import textwrap
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from pliant.envs import scenes
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import PliantError
+from pliant.plants.core import parameters
+from pliant.studies.common.atomic_files import dumps
+from pliant.studies.common.reference_motions import Progress
+
+BORDERS = 3  # characters of a table beside each column
+SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
+
+
+class Commands(TyperGroup):
+    """Bad input ends with its message and exit code 2, any other failure that a plant reports with 1."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:  # the reader, such as `head`, has seen enough
+            raise
+        except (ValueError, OSError) as error:
+            complain(str(error))
+            raise typer.Exit(2) from None
+        except PliantError as error:
+            complain(f"{type(error).__name__}: {error}")
+            raise typer.Exit(1) from None
+
+
+def print_json(value: Any) -> None:
+    """JSON on stdout."""
+    print(dumps(value))
+
+
+def complain(message: str) -> None:
+    """One line on stderr."""
+    print(f"error: {message}", file=sys.stderr)
+
+
+@contextmanager
+def bar(title: str) -> Iterator[Progress]:
+    """A progress bar on stderr; where that is no terminal, a line now and then."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _lines(title)
+        return
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[doing]}"),
+    )
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task(title, total=1.0, doing="")
+        yield lambda fraction, doing: progress.update(task, completed=fraction, doing=doing)
+
+
+def _lines(title: str) -> Progress:
+    last = -1
+
+    def tell(fraction: float, doing: str) -> None:
+        nonlocal last
+        tenth = int(10 * fraction + 1e-9)
+        if tenth > last:
+            last = tenth
+            print(f"{title} {10 * tenth:3d} %  {doing}", file=sys.stderr, flush=True)
+
+    return tell
+
+
+def show(
+    title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], *, caption: str = "", whole: Sequence[int] = (0,)
+) -> None:
+    """A table on stdout; numbers to four digits, set right.
+
+    Cells of the columns `whole` (names) stay on one line, others break between words: where the terminal is too narrow
+    for that, the table is wider than it.
+    """
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    cells = [[_text(value) for value in row] for row in rows]
+    columns = [[name, *(row[i] for row in cells)] for i, name in enumerate(head)]
+    console = Console()
+    widths = column_widths(columns, console.width, whole)
+    wide = max(console.width, sum(widths) + BORDERS * len(widths) + 1)
+    table = Table(title=Text(title), title_justify="left", caption_justify="left")
+    table.caption = Text(caption) if caption else None
+    numeric = [any(isinstance(row[i], (int, float)) for row in rows) for i in range(len(head))]
+    for name, right, width in zip(head, numeric, widths):
+        table.add_column(Text(name), justify="right" if right else "left", width=width)
+    for line in cells:
+        table.add_row(*(Text(text) for text in line))
+    Console(width=wide).print(table)
+
+
+def column_widths(columns: Sequence[Sequence[str]], room: int, whole: Sequence[int]) -> list[int]:
+    """Characters of each column of texts in `room` characters, borders not counted.
+
+    At least the longest word, of the columns `whole` the longest text; what is left goes where most lines are saved.
+    """
+    full = [max(map(len, texts)) for texts in columns]
+    least = [max((len(word) for text in texts for word in text.split()), default=1) for texts in columns]
+    widths = [full[i] if i in whole else max(1, least[i]) for i in range(len(columns))]
+    for _ in range(room - sum(widths) - BORDERS * len(widths) - 1):
+        wanting = [i for i in range(len(widths)) if widths[i] < full[i]]
+        if not wanting:
+            break
+        widths[max(wanting, key=lambda i: full[i] / widths[i])] += 1
+    return widths
+
+
+def listed(title: str, entries: Sequence[tuple[Sequence[str], str, Sequence[str]]]) -> None:
+    """Entries on stdout: names, a sentence, facts. The sentence breaks between words, names and facts never break."""
+    room = shutil.get_terminal_size().columns
+    print(title)
+    for names, sentence, facts in entries:
+        lines = [*_joined(names, "  ", room), *_wrapped(sentence, room - 2), *_joined(facts, "; ", room - 2)]
+        head = len(_joined(names, "  ", room))
+        print("\n".join(["", *lines[:head], *(f"  {line}" for line in lines[head:])]))
+
+
+def say(text: str) -> None:
+    """Sentences on stdout, broken between words."""
+    print("\n".join(_wrapped(text, shutil.get_terminal_size().columns)))
+
+
+def _wrapped(text: str, room: int) -> list[str]:
+    return textwrap.wrap(text, room, break_long_words=False, break_on_hyphens=False)
+
+
+def _joined(parts: Sequence[str], between: str, room: int) -> list[str]:
+    """The parts on as few lines as hold each of them whole."""
+    lines = [parts[0]]
+    for k, part in enumerate(parts[1:], 2):
+        longer = f"{lines[-1]}{between}{part}"
+        if len(longer) + (len(between.rstrip()) if k < len(parts) else 0) <= room:
+            lines[-1] = longer
+        else:
+            lines[-1] += between.rstrip()
+            lines.append(part)
+    return lines
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def scene_with(name: str, settings: Sequence[str]) -> Scene:
+    """A named scene with NAME=VALUE settings: keywords of its own, parameters or fields of its plant, or fields of it.
+
+    ValueError for a scene, name or value that is not known or out of range.
+    """
+    parts = [setting.partition("=") for setting in settings]
+    for setting, (path, equals, _) in zip(settings, parts):
+        if not equals or not path:
+            raise ValueError(f"--set {setting!r} must be NAME=VALUE")
+    scene = scenes.get(name)
+    own = {key: p.default for key, p in inspect.signature(scenes.SCENES[name]).parameters.items()}
+    given = {path: _value(path, text, own[path]) for path, _, text in parts if path in own}
+    scene = scenes.get(name, **given) if given else scene
+    for path, _, text in parts:
+        if path in own:
+            continue
+        if path in SCENE_FIELDS:
+            scene = dataclasses.replace(scene, **{path: _value(path, text, getattr(scene, path))})
+        else:
+            before = parameters.get(scene.plant, path)
+            scene = scene.with_plant(parameters.put(scene.plant, path, _value(path, text, before)))
+    return scene
+
+
+def _value(path: str, text: str, before: Any) -> Any:
+    """The text as a value of the kind that it replaces."""
+    if isinstance(before, str):
+        return text
+    try:
+        value = ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        raise ValueError(f"--set {path}={text} must be a value like {before!r}") from None
+    if isinstance(before, float) and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(before, tuple) and isinstance(value, list):
+        return tuple(value)
+    return value

@@ -1,0 +1,81 @@
+"""`pliant chart` and `pliant choose`: speed against accuracy, and the smallest model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pliant.studies.common.formatting import measured
+from pliant.studies.fidelity.choice import choose as climb
+from pliant.studies.fidelity.speed_accuracy import chart as measure
+from pliant.studies.figures.speed_accuracy import ladder
+from pliant.studies.figures.speed_accuracy import save as save_chart
+from pliant.studies.figures.style import save
+
+from .console import bar, complain, print_json, say, scene_with, show
+from .options import AsJson, Budget, Picture, SceneName, Settings
+
+
+def chart(
+    scene: SceneName,
+    settings: Settings = None,
+    budget: Budget = 15.0,
+    out: Annotated[Path | None, typer.Option(help="Save the table as json.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure speed against accuracy: every variant of the plant, by every method, at several steps."""
+    chosen = scene_with(scene, settings or [])
+    with bar(f"chart {chosen.name}") as tell:
+        found = measure(chosen, budget=budget, progress=tell)
+    if out is not None:
+        found.save(out)
+    if plot is not None:
+        save_chart(found, plot)
+    if as_json:
+        print_json(found.to_json())
+        return
+    front = sorted((r for r in found.measured if r.pareto), key=lambda r: r.error or 0.0)
+    rows = [(r.variant, r.setting, (r.seconds or 0.0) * 1e3, r.error, r.step_error) for r in front]
+    caption = (
+        f"{len(found.measured)} settings measured, {len(found.failed)} without a result (see --json). "
+        f"Errors are from {found.reference.variant}, confirmed by {found.reference.nearest} to "
+        f"{measured(found.reference.difference, found.unit)}."
+    )
+    head = ("variant", "method", "ms per simulated s", f"error [{found.unit}]", f"of it by the step [{found.unit}]")
+    show(f"{chosen.name}, the Pareto front", head, rows, caption=caption)
+
+
+def choose(
+    scene: SceneName,
+    settings: Settings = None,
+    tolerance: Annotated[float | None, typer.Option(help="Largest error [m]; the scene's own if not given.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the smallest model that a scene needs. Exit code 1 where none is shown to be good enough."""
+    chosen = scene_with(scene, settings or [])
+    with bar(f"choose {chosen.name}") as tell:
+        found = climb(chosen, tolerance, progress=tell)
+    if plot is not None:
+        save(ladder(found), plot)
+    if as_json:
+        print_json(found.to_json())
+    else:
+        rows = [
+            (
+                r.variant,
+                r.states,
+                measured(r.change, found.unit) if r.change is not None else "-",
+                measured(r.error, found.unit),
+                "chosen" if r.chosen else r.note,
+            )
+            for r in found.rungs
+        ]
+        show(f"{chosen.name}, the ladder", ("variant", "states", "from the next", "from the finest", ""), rows)
+        say(found.text)
+    if not found.met:
+        complain("no variant is shown to keep the tolerance")
+        raise typer.Exit(1)

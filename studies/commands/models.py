@@ -1,0 +1,96 @@
+"""`pliant simulate` and `pliant linearize`: one scene's motion, and its linear model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import Trajectory
+from pliant.studies.closed_loop.closed_loop import regulator
+from pliant.studies.common.operating_point import words
+from pliant.studies.figures.linear_models import eigenvalues
+from pliant.studies.figures.motion import histories
+from pliant.studies.figures.style import save
+from pliant.studies.report.json_tables import linear_table, motion_table
+
+from .console import bar, print_json, scene_with, show
+from .options import AsJson, Picture, SceneName, Settings
+
+
+def simulate(
+    scene: SceneName,
+    settings: Settings = None,
+    lqr: Annotated[bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal inputs.")] = False,
+    method: Annotated[
+        str, typer.Option(help="dop853, radau, cvodes (with --lqr), rk4, rk8, midpoint, rosenbrock")
+    ] = "dop853",
+    step: Annotated[float | None, typer.Option(help="Step [s] of rk4, rk8, midpoint and rosenbrock.")] = None,
+    rtol: Annotated[float, typer.Option(help="Relative tolerance of the adaptive methods.")] = 1e-8,
+    out: Annotated[Path | None, typer.Option(help="Save the motion as npz.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Play a scene: its nominal inputs, or its LQR."""
+    chosen = scene_with(scene, settings or [])
+    if not 0 < rtol < 1:
+        raise ValueError(f"--rtol {rtol} must be within (0, 1)")
+    motion = _simulated(chosen, lqr, {"method": method, "step": step, "rtol": rtol, "atol": rtol / 100})
+    if out is not None:
+        motion.save(out)
+    if plot is not None:
+        save(histories(chosen, [(chosen.plant.label, motion)], title=chosen.name), plot)
+    if as_json:
+        print_json(motion_table(chosen, motion))
+        return
+    rows = []
+    for kind in ("outputs", "inputs"):
+        for signal in getattr(motion, kind):
+            values = motion[signal.name]
+            rows.append(
+                (
+                    signal.name,
+                    signal.unit,
+                    *(float(v) for v in (values[0], values[-1], values.min(), values.max())),
+                )
+            )
+    took = motion.stats["seconds"]
+    caption = (
+        f"{chosen.plant.label}, {method}, {motion.t[-1]:g} s simulated in {took:.3g} s, cost {chosen.cost(motion):.5g}"
+    )
+    show(chosen.name, ("signal", "unit", "start", "end", "least", "most"), rows, caption=caption)
+
+
+def _simulated(scene: Scene, lqr: bool, options: dict[str, Any]) -> Trajectory:
+    title = f"simulate {scene.name}"
+    with bar(title) as tell:
+
+        def progress(t: float) -> None:
+            tell(t / scene.duration, f"{t:.2f} s")
+
+        if not lqr:
+            return scene.open_loop(progress=progress, **options)
+        return scene.plant.simulate(scene.initial[0], regulator(scene), scene.times, progress=progress, **options)
+
+
+def linearize(
+    scene: SceneName,
+    settings: Settings = None,
+    at: Annotated[Literal["goal", "start"], typer.Option(help="Where to linearise.")] = "goal",
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """The exact linear model of a scene's plant at its goal or start: modes, matrices with --json."""
+    chosen = scene_with(scene, settings or [])
+    model = chosen.plant.linearize(*(chosen.target if at == "goal" else chosen.initial))
+    if plot is not None:
+        save(eigenvalues([(chosen.plant.label, model.eigenvalues)], title=f"Eigenvalues at the {at}"), plot)
+    if as_json:
+        print_json({"scene": chosen.name, "plant": chosen.plant.label, "at": at, **linear_table(model)})
+        return
+    rows = [(m.number, m.frequency_hz, m.damping_ratio, f"{m.eigenvalue:.4g}", m.dominant_state) for m in model.modes()]
+    caption = f"{chosen.plant.label}, {words(model, chosen.plant)}; matrices with --json"
+    head = ("mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "mostly in")
+    show(f"{chosen.name}, modes at the {at}", head, rows, caption=caption)

@@ -1,0 +1,42 @@
+"""`pliant report` and `pliant figures`: folders of pictures and tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pliant.studies.papers import registry
+from pliant.studies.report.report import report as write
+
+from .console import bar, scene_with
+from .options import AsJson, SceneName, Settings
+
+
+def report(
+    scene: SceneName,
+    settings: Settings = None,
+    out: Annotated[Path | None, typer.Option(help="Folder to write; reports/SCENE if not given.")] = None,
+    budget: Annotated[float | None, typer.Option(help="Seconds of the chart; as time allows if not given.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Everything about one scene in one folder: report.html, the pictures, the tables."""
+    chosen = scene_with(scene, settings or [])
+    folder = Path("reports") / chosen.name if out is None else out
+    with bar(f"report {chosen.name}") as tell:
+        page = write(chosen, folder, progress=tell, budget=budget)
+    if as_json:
+        print((folder / "report.json").read_text(encoding="utf-8"), end="")
+    else:
+        print(page)
+
+
+def figures(
+    paper: Annotated[str, typer.Argument(help="single-link, large-beam or slider-crank.")],
+    out: Annotated[Path | None, typer.Option(help="Folder to write; figures/PAPER if not given.")] = None,
+) -> None:
+    """Draw the figures of the paper that a plant comes from."""
+    with bar(f"figures {paper}") as tell:
+        files = registry.write(paper, Path("figures") / paper if out is None else out, tell)
+    print("\n".join(map(str, files)))

@@ -1,0 +1,48 @@
+"""`pliant stability SCENE`: the verdict along a scene's nominal motion."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from pliant.studies.figures.stability import evidence
+from pliant.studies.figures.style import save
+from pliant.studies.stability.verdicts import left_out, verdict_at_goal, verdict_of
+
+from .console import bar, print_json, say, scene_with, show
+from .options import AsJson, Picture, SceneName, Settings
+
+
+def stability(
+    scene: SceneName,
+    settings: Settings = None,
+    period: Annotated[float | None, typer.Option(help="Period [s] of the nominal; found if not given.")] = None,
+    repeated: Annotated[
+        bool, typer.Option("--repeated/--once", help="Whether a nominal that closes counts as a period.")
+    ] = True,
+    window: Annotated[float | None, typer.Option(help="Window [s] of the growth; a tenth if not given.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say whether deviations from a scene's nominal motion grow, by which method, and where no method can tell."""
+    chosen = scene_with(scene, settings or [])
+    options = {"period": period, "periodic": None if repeated else False, "window": window}
+    with bar(f"stability {chosen.name}") as tell:
+        found, model = verdict_of(chosen, progress=tell, **options)
+    out, goal = left_out(chosen.plant, model), verdict_at_goal(chosen)
+    if plot is not None:
+        save(evidence(found, title=chosen.name), plot)
+    if as_json:
+        told = {"scene": chosen.name, "plant": chosen.plant.label, "left_out": list(out)}
+        print_json({**told, **found.to_json(), "at_the_goal": None if goal is None else goal.to_json()})
+        return
+    caption = f"{chosen.plant.label}; frozen roots in {found.coordinates}"
+    if out:
+        caption += f"; left out, as the rest does not feel them or nothing moves them: {', '.join(out)}"
+    if found.critical_times:
+        caption += "; critical times " + ", ".join(f"{t:.3g}" for t in found.critical_times[:10]) + " s"
+    head = f"{chosen.name}: {found.verdict}" + (f" by {found.method}" if found.method else "")
+    show(head, ("method", "role", "what it says"), found.rows(), caption=caption)
+    if goal is not None:
+        say(f"About the goal alone, which is an equilibrium: {goal.verdict}; {goal.why}.")

@@ -1,0 +1,86 @@
+"""What the report says of speed against accuracy and of the smallest model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pliant.studies.common.formatting import details, measured, paragraph, table
+from pliant.studies.fidelity.speed_accuracy import Row
+
+from .findings import Findings
+
+
+def chart(found: Findings) -> str:
+    """What was measured, against what, and the fastest setting within the tolerance."""
+    chart = found.chart
+    ref = chart.reference
+    text = paragraph(
+        "Each point is one variant by one method at one step. Error: largest difference of "
+        f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
+        f"period) from {ref.variant} at rtol {ref.rtol:g}. That reference is confirmed by {ref.nearest} to "
+        f"{measured(ref.difference, chart.unit)}; what all variants leave out is not in it. Time: integration only, "
+        f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
+    )
+    fast = chart.fastest()
+    if not chart.measured:
+        return text + paragraph("No setting was measured: see below why.", "warning")
+    if fast is None:
+        return text + paragraph(f"No setting is within {measured(chart.tolerance, chart.unit)}.", "warning")
+    return text + paragraph(
+        f"Fastest within the tolerance of {measured(chart.tolerance, chart.unit)}: {fast.variant} by {fast.setting}, "
+        f"{(fast.seconds or 0) * 1e3:.3g} ms a simulated second."
+    )
+
+
+def front(found: Findings) -> str:
+    """The tables: the Pareto front, all rows, what has no result."""
+    chart = found.chart
+
+    def line(row: Row) -> tuple[Any, ...]:
+        return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
+
+    head = (
+        "variant",
+        "method",
+        "ms per simulated second",
+        f"error [{chart.unit}]",
+        f"of it by the step [{chart.unit}]",
+    )
+    best = sorted((r for r in chart.measured if r.pareto), key=lambda r: r.error or 0.0)
+    marked = [i for i, r in enumerate(chart.measured) if r.pareto]
+    text = paragraph("The Pareto front:") + table(head, [line(r) for r in best])
+    everything = table(head, [line(r) for r in chart.measured], marked=marked)
+    text += details(f"All {len(chart.measured)} measured rows", everything)
+    if chart.failed:
+        reasons = table(("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed])
+        text += details(f"{len(chart.failed)} settings without a result, and why", reasons)
+    return text
+
+
+def choice(found: Findings) -> str:
+    """The ladder and what each effect is worth."""
+    choice = found.choice
+    text = paragraph(
+        "A rung of the ladder is taken when it agrees with the finest one; agreement of two neighbours is not "
+        "enough, for both may lack the same effect."
+    )
+    rows = [
+        (
+            r.variant,
+            r.states,
+            measured(r.change, choice.unit) if r.change is not None else "–",
+            measured(r.error, choice.unit) if r.error else "–",
+            "chosen" if r.chosen else r.note,
+        )
+        for r in choice.rungs
+    ]
+    marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
+    text += table(("variant", "states", "from the next rung", "from the finest", ""), rows, marked=marked)
+    effects = []
+    for e in choice.effects:
+        change = f"{e.chosen}, not {e.other}" if e.kept else f"{e.other} for {e.chosen}"
+        effects.append((e.name, change, measured(e.change, choice.unit), "kept" if e.kept else "left out"))
+    if effects:
+        text += paragraph("What each effect is worth, changed alone in the chosen model:")
+        text += table(("effect", "change", "worth", ""), effects)
+    return text

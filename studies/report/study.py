@@ -1,0 +1,154 @@
+"""What the report finds out about a scene: it simulates, linearises, judges, closes the loop, charts and chooses."""
+
+from __future__ import annotations
+
+import time as clock
+
+import numpy as np
+
+from pliant.controllers import LQR
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import LTVModel, Plant, PliantError, Trajectory
+from pliant.plants.core.signals import names
+from pliant.studies.closed_loop.closed_loop import Loop, closed_loop, dearer
+from pliant.studies.closed_loop.comparison import compare
+from pliant.studies.common import operating_point
+from pliant.studies.common.reference_motions import Motions, Progress, share, silent
+from pliant.studies.fidelity.choice import choose
+from pliant.studies.fidelity.speed_accuracy import chart
+from pliant.studies.stability.judgement import judge
+
+from .findings import Findings
+
+CHART_BUDGET = 8.0  # [s] beside the reference, less on a machine so slow or busy that the whole would take long
+WHOLE = 40.0  # [s] that a report should take at most
+AFTER = 0.4  # what comes after the chart, as a share of what comes before it
+RTOL = 1e-9
+FINER, NODES = 10, 4_000  # times a control period, and in all, of the motion that is linearised along
+PERTURBATIONS = (0.03, 0.003)  # of a coordinate [its unit], to test the LTV model
+FELT = 1e-6  # change of a compared output per unit of a coordinate above which it feels it
+
+
+def study(scene: Scene, *, progress: Progress | None = None, budget: float | None = None) -> Findings:
+    """Simulate, linearise, judge, close the loop, compare, chart and choose."""
+    told, motions, began = progress or silent, Motions(scene), clock.perf_counter()
+    told(0.0, "open loop")
+    nominal = _nominal(scene)
+    open_loop = _every(nominal, _finer(scene), scene.plant)
+    told(0.08, "linear models")
+    goal = scene.goal_model
+    along = scene.plant.linearize_along(nominal)
+    perturbed = _felt(scene, along)
+    ltv_errors = _ltv_errors(scene, nominal, along, perturbed)
+    told(0.12, "frequencies")
+    frequencies = _frequencies(scene)
+    law: LQR | None = None
+    no_law, loops = "", tuple[Loop, ...]()
+    try:
+        law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.22))
+    except PliantError as failure:
+        no_law = f"{type(failure).__name__}: {failure}"
+    told(0.22, "stability")
+    judgement = judge(scene, progress=share(progress, 0.22, 0.27))
+    contests = compare(scene, law, loops, progress=share(progress, 0.27, 0.35)) if scene.plant.nu else ()
+    told(0.35, "reference")
+    _ = motions.shown_convergence  # before the chart, whose budget is for what it measures
+    if budget is None:
+        spent = clock.perf_counter() - began
+        budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
+    measured = chart(scene, budget=budget, motions=motions, progress=share(progress, 0.4, 0.85))
+    choice = choose(scene, measured=measured, motions=motions, progress=share(progress, 0.85, 1.0))
+    return Findings(
+        scene=scene,
+        nominal=nominal,
+        open_loop=open_loop,
+        goal=goal,
+        along=along,
+        perturbed=along.states[perturbed],
+        ltv_errors=ltv_errors,
+        frequencies=frequencies,
+        law=law,
+        no_law=no_law,
+        loops=loops,
+        judgement=judgement,
+        contests=contests,
+        chart=measured,
+        choice=choice,
+        scene_error=motions.difference(scene.plant, motions.reference),
+    )
+
+
+def _nominal(scene: Scene) -> Trajectory:
+    """The open-loop motion at several times a control period: its modes must be followed."""
+    k = _finer(scene)
+    t = scene.dt / k * np.arange(k * scene.steps + 1)
+    return scene.plant.simulate(scene.initial[0], scene.nominal_input, t, rtol=RTOL, atol=RTOL / 100)
+
+
+def _finer(scene: Scene) -> int:
+    """Times a control period: fewer where there are many periods."""
+    return max(1, min(FINER, NODES // scene.steps))
+
+
+def _every(motion: Trajectory, k: int, plant: Plant) -> Trajectory:
+    """Every k-th time of a motion."""
+    assert motion.dx is not None
+    return Trajectory.from_arrays(
+        motion.t[::k], motion.x[::k], motion.u[::k], plant=plant, y=motion.y[::k], dx=motion.dx[::k]
+    )
+
+
+def _picks(scene: Scene) -> list[int]:
+    """Where the compared signals stand among the outputs."""
+    known = names(scene.plant.outputs)
+    return [known.index(name) for name in scene.compare]
+
+
+def _felt(scene: Scene, model: LTVModel) -> int:
+    """The first coordinate that the compared outputs feel: not the angle of a hub seen from the hub.
+
+    Where it stands among the model's states.
+    """
+    nx = len(model.states)
+    known, coordinates = names(model.states), operating_point.coordinates(scene.plant)
+    for name in coordinates:
+        i = known.index(name)
+        change = model.simulate(np.eye(nx)[i])[1] - model.simulate(np.zeros(nx))[1]
+        if np.abs(change[:, _picks(scene)]).max() > FELT:
+            return i
+    return known.index(coordinates[0])
+
+
+def _ltv_errors(
+    scene: Scene, nominal: Trajectory, model: LTVModel, coordinate: int
+) -> tuple[tuple[float, float, float], ...]:
+    """Start off the nominal by each perturbation; largest error and size of the predicted compared outputs."""
+    picks, rows = _picks(scene), []
+    for size in PERTURBATIONS:
+        dx0, x0 = np.zeros(len(model.states)), nominal.x[0].copy()
+        dx0[coordinate] = size
+        x0[names(scene.plant.states).index(model.states[coordinate].name)] += size
+        _, dy = model.simulate(dx0)
+        predicted = float(np.abs(dy[:, picks]).max())
+        try:
+            moved = scene.plant.simulate(x0, scene.nominal_input, nominal.t, rtol=RTOL, atol=RTOL / 100)
+        except PliantError:
+            rows.append((size, float("nan"), predicted))
+            continue
+        rows.append((size, float(np.abs(moved.y - nominal.y - dy)[:, picks].max()), predicted))
+    return tuple(rows)
+
+
+def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray], ...]:
+    """Natural frequencies [Hz] at the goal, the coordinates that it names and driven ones locked, by variant."""
+    rows: list[tuple[str, np.ndarray]] = []
+    plants: list[Plant] = [*scene.plant.ladder(), scene.plant, dearer(scene.plant)]
+    for plant in dict.fromkeys(plants):
+        x = scene.with_plant(plant).target[0]
+        locked = tuple(name for name, _ in scene.goal if name in plant.lockable)
+        if not plant.attitude_states and set(plant.rates) <= {*locked, *plant.prescribed}:
+            continue  # nothing is left that could swing
+        found = plant.natural_frequencies(x, locked=locked)
+        if found is not None:
+            rows.append((plant.label, found / (2 * np.pi)))
+    return tuple(rows)

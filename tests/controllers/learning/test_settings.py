@@ -1,0 +1,15 @@
+"""Settings are frozen and stand by the names that `train` takes."""
+
+import dataclasses
+
+import pytest
+
+from pliant.controllers import rl
+from pliant.controllers.learning.settings import SETTINGS, PPOSettings, SACSettings
+
+
+def test_names():
+    assert {"ppo": PPOSettings, "sac": SACSettings} == SETTINGS and rl.PPOSettings is PPOSettings
+    assert PPOSettings().num_envs * PPOSettings().n_steps % PPOSettings().batch_size == 0  # batches leave no rest
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        PPOSettings().gamma = 0.5

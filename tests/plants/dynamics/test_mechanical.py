@@ -1,0 +1,68 @@
+"""M a = r of Lagrangian plants and of the spacecraft alike: slopes, accelerations along a nominal, ends."""
+
+import dataclasses
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from pliant.plants import FlexibleSpacecraft, MassMatrixError, SingleLinkArm, TwoLinkArm
+from pliant.plants.dynamics.mechanical import MechanicalPlant
+
+PLANTS = (TwoLinkArm.textbook(), SingleLinkArm.textbook(), FlexibleSpacecraft.textbook())
+PLANTS = tuple(p.ladder()[0] if isinstance(p, FlexibleSpacecraft) else p for p in PLANTS)
+
+
+def point(plant):
+    rng = np.random.default_rng(5)
+    x = plant.consistent(0.02 * rng.normal(size=plant.nx))
+    return x, rng.normal(size=plant.nu)
+
+
+@pytest.mark.parametrize("plant", PLANTS, ids=lambda p: type(p).__name__)
+def test_slopes_are_central_differences_of_the_rate(plant):
+    x, u = point(plant)
+    J = ca.Function("J", list(plant.symbols), [plant.slopes()])
+    found = np.array(J(0.0, x, u, np.zeros(plant.nw), []))
+    z, h = np.append(x, u), 1e-6
+    for k in range(len(z)):
+        d = np.zeros(len(z))
+        d[k] = h
+        ahead, back = (plant.dynamics((z + s * d)[: plant.nx], (z + s * d)[plant.nx :]) for s in (1, -1))
+        wanted = (ahead - back) / (2 * h)
+        np.testing.assert_allclose(found[:, k], wanted, atol=1e-6 * max(1.0, np.abs(wanted).max()))
+
+
+@pytest.mark.parametrize("plant", PLANTS, ids=lambda p: type(p).__name__)
+def test_positions_come_first_and_move_at_rates_that_are_states(plant):
+    """dx/dt of what is in coordinates_slice depends on no input, whatever the state."""
+    x, _ = point(plant)
+    B = plant.jacobians(x)[1]
+    assert not B[plant.coordinates_slice].any()
+    assert B[plant.coordinates_slice.stop :].any()
+
+
+@pytest.mark.parametrize("plant", PLANTS[:2], ids=lambda p: type(p).__name__)
+def test_rest_residual_is_forces(plant):
+    """M a is what the inputs push with: the columns of B become the generalised forces, which have unit entries."""
+    x, _ = point(plant)
+    n = plant.coordinates_slice.stop
+    pushed = plant.rest_residual(x, plant.jacobians(x)[1])
+    assert np.abs(pushed[:n]).max() == 0.0
+    np.testing.assert_allclose(pushed[n:].sum(axis=0).max(), 1.0, atol=1e-9)
+
+
+def test_a_stop_is_explained_where_the_mass_matrix_is_lost_and_not_elsewhere():
+    """Without the inertia that deflection adds, the arm bent at its elbow loses definiteness near 0.6 mm; see
+    tests/failures/test_reduction.py.
+    """
+    arm = dataclasses.replace(PLANTS[0], modes=(2, 2), reduction="rigid-inertia")
+    assert isinstance(arm, MechanicalPlant)
+    rest, bent = np.zeros(arm.nx), np.zeros(arm.nx)
+    rest[1] = bent[1] = np.pi / 2
+    bent[[2, 4]] = -0.4e-3
+    assert arm.explain_stop(rest[None], rest, None, None) is None
+    for passed, last in ((bent[None], bent), (rest[None], bent)):
+        with pytest.raises(MassMatrixError, match="rigid-inertia is not positive definite"):
+            arm.explain_stop(passed, last, None, None)
+    assert arm.explain_stop(rest[None], np.full(arm.nx, np.nan), None, None) is None

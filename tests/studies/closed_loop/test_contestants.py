@@ -1,0 +1,43 @@
+"""Who plays, what is played, and what a controller is told."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pliant.controllers import LQR, MPC, Policy
+from pliant.envs import scenes
+from pliant.plants import PliantError
+from pliant.studies.closed_loop.contestants import CONTESTANTS, MARGIN, designed, playable
+
+SLEW = scenes.get("single-link-slew")
+
+
+def test_all_scenes_with_inputs_are_played():
+    named = {s.name for s in playable()}
+    assert set(scenes.names()) <= named
+    assert {"single-link-slew-gentle", "two-link-reach-weak"} <= named
+    assert len({s.name for s in playable()}) == len(playable())
+    assert {"LQR", "MPC", "trained policy"} < set(CONTESTANTS)
+
+
+def test_it_is_told_bounds_inside_those_that_end_a_run():
+    seen = []
+    designed(SLEW, lambda scene: seen.append(scene) or LQR.for_scene(scene))
+    assert MARGIN == 0.1
+    assert dict(seen[0].bounds) == pytest.approx({"tip_deflection": 0.27, "hub_angle_rate": 10.8})
+    assert dataclasses.replace(seen[0], bounds=SLEW.bounds) == SLEW
+    assert isinstance(designed(SLEW, MPC.for_scene), MPC)
+
+
+def test_why_there_is_none_in_one_line():
+    def refuse(scene):
+        raise PliantError("no law\nsecond line")
+
+    assert designed(SLEW, refuse) == "PliantError: no law"
+    half = dataclasses.replace(SLEW, limits=(20.0,))
+    assert "it was trained for limits of [40.]" in designed(half, CONTESTANTS["trained policy"])
+    fast = dataclasses.replace(SLEW, dt=0.01)
+    assert designed(fast, lambda scene: LQR.for_scene(SLEW)).endswith("acts every 0.02 s, the scene's period is 0.01 s")
+    policy = designed(SLEW, CONTESTANTS["trained policy"])
+    assert isinstance(policy, Policy) and np.array_equal(policy.limits, [40.0])

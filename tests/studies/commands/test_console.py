@@ -1,0 +1,65 @@
+"""What the commands share: names that never break, settings by name, JSON."""
+
+import pytest
+from typer.testing import CliRunner
+
+from pliant.envs import environment_id, scenes
+from pliant.studies.commands.cli import app
+from pliant.studies.commands.console import BORDERS, column_widths, listed, say, scene_with, show
+
+LADDER = ("rigid", "stiffened, payload 4", "linear, 2 appendages, 2 modes, rotation only")
+
+
+@pytest.mark.parametrize("columns", ["80", "60", None])
+def test_scenes_breaks_no_name(columns, monkeypatch):
+    """At 80 columns, at 60, and into a pipe."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+    if columns:
+        monkeypatch.setenv("COLUMNS", columns)
+    done = CliRunner().invoke(app, ["scenes"])
+    lines = done.stdout.splitlines()
+    assert done.exit_code == 0 and max(map(len, lines)) <= int(columns or 80)
+    for name in scenes.names():
+        for whole in (name, environment_id(name), scenes.get(name).plant.label):
+            assert any(whole in line for line in lines), whole
+        assert scenes.get(name).about in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize("columns", ["80", "60", "30"])
+def test_tables_keep_names_and_words_whole(columns, monkeypatch, capsys):
+    """Wider than the terminal where it must be."""
+    monkeypatch.setenv("COLUMNS", columns)
+    rows = [(label, 1.25, "agrees with the next rung, not with the finest") for label in LADDER]
+    show("Ladder [m]", ("variant", "error [m]", "note"), rows, caption="confirmed [to a digit]")
+    lines = capsys.readouterr().out.splitlines()
+    assert all(any(label in line for line in lines) for label in LADDER)
+    words = {word for line in lines for word in line.replace("│", " ").split()}
+    assert {"agrees", "finest", "1.25", "[m]", "digit]"} <= words
+    if columns == "80":
+        assert max(map(len, lines)) <= 80
+
+
+def test_column_widths():
+    """Room goes where it saves lines; whole columns have what they need."""
+    columns = [["ab cd", "ef"], ["one two three four", "x"]]
+    assert column_widths(columns, 100, (0,)) == [5, 18]
+    assert column_widths(columns, 5 + 10 + 2 * BORDERS + 1, (0,)) == [5, 10]
+    assert column_widths(columns, 1, (0,)) == [5, 5] and column_widths(columns, 1, ()) == [2, 5]
+
+
+def test_lists_and_sentences_break_between_words(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "20")
+    listed("Title", [(("a-name", "its/identifier-v0"), "some words in a sentence", ("one", "two", "a-long-last-fact"))])
+    assert capsys.readouterr().out.splitlines() == [
+        *("Title", "", "a-name", "its/identifier-v0", "  some words in a", "  sentence", "  one; two;"),
+        "  a-long-last-fact",
+    ]
+    say("a two-link-reach-weak-long-name stays")
+    assert "two-link-reach-weak-long-name" in capsys.readouterr().out.splitlines()
+
+
+def test_settings_change_keywords_parameters_and_fields():
+    scene = scene_with("spin-up", ["speed=4", "link.E=8e10", "duration=30"])
+    assert dict(scene.goal)["hub_angle_rate"] == 4.0 and scene.plant.link.E == 8e10 and scene.duration == 30.0
+    with pytest.raises(ValueError, match="must be NAME=VALUE"):
+        scene_with("spin-up", ["speed"])

@@ -1,0 +1,21 @@
+"""`pliant scoreboard`: json, the folder, bad input."""
+
+import json
+
+from typer.testing import CliRunner
+
+from pliant.studies.commands.cli import app
+
+
+def test_command(tmp_path):
+    arguments = ["scoreboard", "single-link-slew", "--controllers", "LQR", "--seeds", "2", "--bounds", "1"]
+    done = CliRunner().invoke(app, [*arguments, "--jobs", "1", "--json", "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    table = json.loads(done.stdout)
+    assert [r["case"] for r in table["rows"]] == ["exact", "finer", "varied", "delayed"]
+    assert table["command"].startswith("pliant scoreboard single-link-slew --seeds 2 --controllers LQR --bounds 1")
+    assert (tmp_path / "scoreboard.md").is_file() and "100 %" in done.stderr
+    done = CliRunner().invoke(app, ["scoreboard", "nowhere"])
+    assert done.exit_code == 2 and "scoreboard.scene = 'nowhere' must be one of" in done.stderr
+    done = CliRunner().invoke(app, ["scoreboard", "--controllers", "magic"])
+    assert done.exit_code == 2 and "scoreboard.controller = 'magic' must be one of" in done.stderr

@@ -1,0 +1,145 @@
+"""The check of the house finds what is planted in a small tree, and nothing in the tree as it is without that."""
+
+import importlib
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+HOUSE = ROOT / "docs" / "house"
+
+
+@pytest.fixture
+def check(monkeypatch):
+    """docs/house/check.py, imported from its folder and forgotten afterwards."""
+    monkeypatch.syspath_prepend(str(HOUSE))
+    yield importlib.import_module("check")
+    for name in ("check", "import_graph"):
+        sys.modules.pop(name, None)
+
+
+RULES = """
+[limits]
+files = 3
+lines = 40
+class_lines = 20
+[lazy]
+packages = ["matplotlib"]
+[[room]]
+name = "plants.core"
+what = "words"
+[[room]]
+name = "plants.arms"
+what = "arms"
+[[room]]
+name = "envs.scenes"
+what = "scenes"
+"""
+TREE = {
+    "plants/__init__.py": "from pliant.plants.arms.arm import Arm\n",
+    "plants/core/__init__.py": "",
+    "plants/core/words.py": "import numpy\n",
+    "plants/arms/__init__.py": "from .arm import Arm\n",
+    "plants/arms/arm.py": "from pliant.plants.core.words import name\n\ndef draw():\n    import matplotlib\n",
+    "envs/__init__.py": "from pliant.envs import scenes\n",
+    "envs/scenes/__init__.py": "from pliant.plants import Arm\nfrom pliant.plants.core import words\n",
+    "tests/plants/core/test_words.py": "",
+    "tests/plants/arms/test_arm.py": "",
+    "CONTRIBUTING.md": "# How\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path):
+    for name, text in TREE.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    (tmp_path / "rooms.toml").write_text(RULES)
+    return tmp_path
+
+
+def test_a_tree_in_order_has_no_fault(check, tree):
+    assert check.faults(tree, tree) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("plants/core/words.py", "from pliant.plants.arms import arm\n", "order: plants.core.words:1"),
+        ("plants/core/words.py", "from ..arms.arm import Arm\n", "order: plants.core.words:1"),
+        (
+            "plants/core/words.py",
+            "def f():\n    import pliant.plants.arms.arm\n",
+            "order: plants.core.words:2",
+        ),
+        (
+            "plants/core/words.py",
+            "if TYPE_CHECKING:\n    from pliant.plants.arms.arm import Arm\n",
+            "order: plants.core.words:2 imports plants.arms.arm (for types)",
+        ),
+        ("plants/arms/arm.py", "import pliant.envs.scenes\n", "folder: plants.arms.arm:1"),
+        ("plants/arms/arm.py", "from pliant.plants import Arm\n", "order: plants.arms.arm:1"),
+        ("plants/arms/arm.py", "def f():\n    from pliant.plants.core import words\n", "late: plants.arms.arm:2"),
+        ("plants/arms/arm.py", "f = lambda: 1\ndef g():\n    import numpy\n", "late: plants.arms.arm:3 imports numpy"),
+        ("plants/arms/arm.py", "class A:\n" + "    x = 1\n" * 20, "size: class plants.arms.arm.A has 21 lines"),
+        ("plants/arms/arm.py", "x = 1\n" * 41, "size: plants.arms.arm has 41 lines"),
+        ("plants/arms/leg.py", "", "test: plants.arms.leg has no test file"),
+        ("plants/legs/__init__.py", "x = 1\nimport numpy\n", "room plants.legs: not in rooms.toml"),
+        ("CONTRIBUTING.md", "## Modules without a test file\n\n- `plants.arms.arm`: why\n", "which has one"),
+        ("CONTRIBUTING.md", "## Modules without a test file\n\n- `plants.arms.gone`: why\n", "which is no module"),
+    ],
+)
+def test_what_is_planted_is_found(check, tree, name, text, said):
+    (tree / name).parent.mkdir(exist_ok=True)
+    (tree / name).write_text(text)
+    found = check.faults(tree, tree)
+    assert any(said in fault for fault in found), found
+
+
+def test_circles_and_full_rooms_are_found(check, tree):
+    for name, other in (("one", "two"), ("two", "one")):
+        (tree / f"plants/core/{name}.py").write_text(f"from .{other} import x\n")
+    found = check.faults(tree, tree)
+    assert "circle: plants.core.one <-> plants.core.two" in found
+    assert "size: room plants.core has 4 files, more than 3" in found
+
+
+def test_a_reason_excuses_what_it_names(check, tree):
+    (tree / "plants/arms/leg.py").write_text("x = 1\n" * 41)
+    (tree / "CONTRIBUTING.md").write_text(
+        "## Modules without a test file\n\n- `plants.arms.leg`: drawn\n  by hand\n\n"
+        "## Larger than the limits\n\n- `plants.arms.leg`: a table\n"
+    )
+    assert check.faults(tree, tree) == []
+    (tree / "CONTRIBUTING.md").write_text("## Modules without a test file\n\n- `plants.arms.leg`\n")
+    assert len(check.faults(tree, tree)) == 2  # a name without a reason excuses nothing
+
+
+def test_an_upward_import_in_the_real_tree_is_found(check, tmp_path):
+    for folder in ("plants", "controllers", "envs", "studies"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    before = set(check.faults(tmp_path))
+    path = tmp_path / "plants" / "core" / "errors.py"
+    path.write_text(
+        path.read_text() + "\n\ndef late() -> None:\n    from pliant.plants.arms.two_link import TwoLinkArm\n"
+    )
+    new = set(check.faults(tmp_path)) - before
+    assert any(f.startswith("order: plants.core.errors:") and "plants.arms stands below" in f for f in new)
+    assert any(f.startswith("late: plants.core.errors:") for f in new)
+
+
+def test_the_rooms_are_those_of_the_tree(check):
+    listed = {room["name"] for room in check.settings()["room"]}
+    folders = ("plants", "controllers", "envs", "studies")
+    there = {f"{path.parts[-3]}.{path.parts[-2]}" for f in folders for path in (ROOT / f).glob("*/*.py")}
+    assert listed == there
+
+
+def test_contributing_lists_the_rooms(check):
+    listed = importlib.import_module("rooms_list")
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    sys.modules.pop("rooms_list")
+    assert listed.written(text) == text
