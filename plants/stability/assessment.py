@@ -8,8 +8,8 @@ Frozen-time eigenvalues alone never decide.
 
 stable      every deviation decays; on a nominal that is not periodic: ends smaller than it began, or falls in the
             measure V of slow variation
-unstable    some deviation grows; on a nominal that is not periodic: by GROWN, and so that growth builds on growth, which
-            drift (a power of time, however late it starts) does not
+unstable    some deviation grows; on a nominal that is not periodic: by GROWN, and so that growth builds on growth,
+            which drift (a power of time, however late it starts) does not
 marginal    the slowest cannot be told from one that neither decays nor grows, to within a small error that is said:
             undamped, or free to drift. `Verdict.growth` tells drift (polynomial) from what stays bounded
 undecided   none of these is shown
@@ -27,8 +27,7 @@ import numpy as np
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
-from .eigenvalue_bounds import bounds, degree, rounding
-from .floquet import CLEAR, Floquet, floquet
+from .floquet import Floquet, floquet
 from .frozen_time import (
     FrozenTime,
     SlowVariation,
@@ -43,7 +42,7 @@ from .periodicity import varying
 from .state_matrix_path import Model, Path, as_pieces, kept, scaling
 from .transition_error import transition
 from .transition_growth import Growth, grown, growth
-from .verdict import METHODS, Verdict
+from .verdict import METHODS, Verdict, degree, of_constant
 
 GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable, if it compounds
 POINTS, MOST_POINTS = 200, 2000  # times at which frozen roots are taken, of a period at which growth is, at most
@@ -78,7 +77,7 @@ def assess(
             raise ValueError(f"assess.window = {window:g} s: a LinearModel has no nominal to take windows of")
         if period is not None and (model.dt is not None or not 0 < period < np.inf):
             raise ValueError(f"assess.period = {period!r} must be > 0 [s], and a sampled model has none")
-        return _constant(model, states, coordinates)
+        return of_constant(model, states, coordinates)
     joined = as_pieces(model)
     if len(joined.pieces) == 1 and not varying(joined.pieces[0])[0].shape[1]:
         span = float(joined.pieces[0].t[-1] - joined.pieces[0].t[0])
@@ -86,7 +85,7 @@ def assess(
             raise ValueError(f"floquet.period = {period!r} must be > 0 and at most {span:.6g} s")
         if window is not None and not 0 < window <= span * (1 + 1e-9):
             raise ValueError(f"growth.window = {window:.6g} must be > 0 and at most {span:.6g} s")
-        return _constant(joined.pieces[0].at(0), states, coordinates)
+        return of_constant(joined.pieces[0].at(0), states, coordinates)
     said: dict[str, str] = {"eigenvalues": "A varies"}
     evidence: dict[str, Any] = {}
     cycle = None
@@ -126,45 +125,6 @@ def assess(
         joined, states=states, coordinates=coordinates, points=None if thorough else POINTS
     )
     return _open(joined, states, evidence, said)
-
-
-def _constant(model: LinearModel, states: Sequence[str] | None, coordinates: str | None) -> Verdict:
-    keep = kept(model, states)
-    A = model.A[np.ix_(keep, keep)]
-    scale = scaling(A[None])
-    A = A * scale / scale[:, None]
-    line = model.dt is None
-    b = bounds(A, rounding(A), line=line)
-
-    def rate(size: float) -> float:
-        return size if line else float(np.log(max(size, 1e-300)) / model.dt) if size < np.inf else np.inf
-
-    sizes = b.values.real if line else np.abs(b.values)
-    edge, unit = (0.0, float(np.abs(A).max(initial=0.0))) if line else (1.0, 1.0)
-    near = np.abs(sizes - edge) <= b.errors
-    found = rate(float(sizes.max(initial=-np.inf if line else 0.0)))
-    power = 0
-    if b.outside:
-        verdict, kind, words = "unstable", "exponential", f"the fastest grows at {found:.4g} 1/s"
-    elif b.inside:
-        verdict, kind, words = "stable", "decays", f"the slowest decays at {-found:.4g} 1/s"
-    else:
-        error = float(b.errors[near].max(initial=0.0))
-        verdict = "marginal" if near.any() and error <= CLEAR * unit else "undecided"
-        power = degree(A, b.values, b.errors, near)
-        kind = "unknown" if verdict == "undecided" else "polynomial" if power else "bounded"
-        where = "on the imaginary axis" if line else "on the unit circle"
-        words = f"{int(near.sum())} of {len(sizes)} eigenvalues {where}, the others decay; not to be told from it to "
-        words += f"within {error:.2g}" + (" 1/s" if line else "")
-        if power:
-            words += f"; they share directions: deviations may grow like t^{power}, a power of time and no exponential"
-        found = found if verdict == "undecided" else 0.0
-    reasons = dict.fromkeys(METHODS[1:], "the model is constant: its eigenvalues decide")
-    evidence: dict[str, Any] = {"eigenvalues": b.values}
-    said, decided = coordinates or said_coordinates(model, states), "" if verdict == "undecided" else "eigenvalues"
-    if not decided:
-        reasons["eigenvalues"] = words
-    return Verdict(verdict, decided, -found, (), words, reasons, evidence, said, -rate(b.most), kind)
 
 
 def _beside(
@@ -221,8 +181,8 @@ def _periodic(cycle: Floquet, evidence: dict[str, Any], said: dict[str, str]) ->
         f"decays at {margin:.4g} 1/s",
         "unstable": f"{int(cycle.outside.sum())} multipliers outside the unit circle, the largest "
         f"{sizes.max(initial=0.0):.6g}, at least {cycle.least:.6g}",
-        "marginal": f"{int(near.sum())} of {len(sizes)} multipliers on the unit circle, none outside; not to be told from "
-        f"it to within {error:.2g}",
+        "marginal": f"{int(near.sum())} of {len(sizes)} multipliers on the unit circle, none outside; not to be told "
+        f"from it to within {error:.2g}",
         "undecided": f"the largest multiplier, {sizes.max(initial=0.0):.6g}, is known to "
         f"{cycle.error[sizes.argmax()]:.2g} only: more nodes in a period would help",
     }

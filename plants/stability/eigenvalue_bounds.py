@@ -21,10 +21,13 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy.linalg as sla
 
+from .state_matrix_path import parts_of
+
 EPS = float(np.finfo(float).eps)
 TESTS = 3000  # of a curve, at most ..
 WORK = 2e8  # .. and so many multiplications
 ROUNDING = 1e-6  # of a quotient
+SMALL = 1e-8  # by which what is shown of a curve is widened, far below what separates its eigenvalues
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,20 +42,6 @@ class Bounds:
     outside: bool  # every member has one outside it
     least: float  # the largest size (real part) of any member is this at least ..
     most: float  # .. and this at most
-
-
-def parts_of(A: np.ndarray) -> list[np.ndarray]:
-    """States (positions) that depend on each other both ways, from the nonzero entries of A (n, n)."""
-    n = len(A)
-    reach = (A != 0) | np.eye(n, dtype=bool)
-    for _ in range(max(1, n.bit_length())):
-        reach = (reach.astype(np.float32) @ reach.astype(np.float32)) > 0
-    both, rest, found = reach & reach.T, np.ones(n, dtype=bool), []
-    for k in range(n):
-        if rest[k]:
-            found.append(np.flatnonzero(both[k]))
-            rest[both[k]] = False
-    return found
 
 
 def bounds(
@@ -94,31 +83,6 @@ def bounds(
     return Bounds(values, errors, vectors, tuple(groups), inside, outside, least, most)
 
 
-def rounding(A: np.ndarray) -> np.ndarray:
-    """What rounding leaves open (n, n) in a matrix that came out of a computation; zeros are taken as meant."""
-    size = np.abs(A)
-    row, column = size.sum(axis=1, keepdims=True), size.sum(axis=0, keepdims=True)
-    return EPS * (2 * len(A) * size + 4 * np.minimum(row, column)) * (size > 0)
-
-
-def degree(M: np.ndarray, values: np.ndarray, errors: np.ndarray, near: np.ndarray) -> int:
-    """The power of time with which motions of the eigenvalues `near` the boundary may grow: 0 where each has its own
-    direction. Equal ones are as many as M - mean has fewer directions that it sends to zero.
-    """
-    size = max(float(np.abs(M).sum(axis=1).max(initial=0.0)), 1e-300)
-    rest, found = list(np.flatnonzero(near)), 0
-    while rest:
-        k = rest[0]
-        same = [j for j in rest if abs(values[j] - values[k]) <= errors[j] + errors[k] + 64 * EPS * size]
-        rest = [j for j in rest if j not in same]
-        if len(same) > 1:
-            mean = values[same].mean()
-            least = np.linalg.svd(M - mean * np.eye(len(M)), compute_uv=False)[-len(same) :]
-            zero = 1e3 * EPS * size + 2 * float(np.abs(values[same] - mean).max())
-            found = max(found, int((least > zero).sum()))
-    return found
-
-
 def _size(z: np.ndarray, line: bool) -> np.ndarray:
     return z.real if line else np.abs(z)
 
@@ -148,14 +112,14 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
     if not inside and not outside and np.isfinite(D).all():
         if (size < edge).all():
             inside = separated(M, ball, edge, line)
-            most = min(most, edge) if inside else most
+            most = min(most, edge - SMALL) if inside else most
         elif size.max() > edge:
             far = size.max()
             outside = not line and _grows(M, ball)
             radii = edge + (far - edge) * np.array([0.0, 0.06, 0.25, 0.5, 0.75, 0.9]) if not outside else []
             for r in radii:
                 if separated(M, ball, r, line):
-                    outside, least = True, max(least, r)
+                    outside, least = True, max(least, r + SMALL)
                     break
     return Bounds(lam, errors, V * scale[:, None], groups, bool(inside), bool(outside), least, most)
 

@@ -2,9 +2,9 @@
 
 Phi(t0 + T, t0) v = lambda v; exponents sigma = ln(lambda) / T; every motion is a sum of e^(sigma t) p(t), p periodic.
 
-What A(t) does between its nodes is known within bounds only (`interpolation`), and so is the matrix (`transition_error`)
-and what its multipliers can be (`eigenvalue_bounds`): `error` is a bound for every matrix that the data allow, and the
-verdict holds for all of them. Multipliers that cannot be told apart are judged as a group, by its mean and radius.
+What A(t) does between its nodes is known within bounds only (`interpolation`), and so are the matrix
+(`transition_error`) and its multipliers (`eigenvalue_bounds`): `error` is a bound for every matrix that the data allow,
+and the verdict holds for all of them. Multipliers that cannot be told apart are judged as a group: mean and radius.
 Undamped models have multipliers in pairs lambda, 1/lambda. That is a finding here (`undamped`) and takes nothing from
 the error: data that are known to 1e-3 do not put a multiplier onto the circle.
 """
@@ -23,10 +23,14 @@ from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 from . import periodicity as periods
 from .eigenvalue_bounds import bounds
 from .state_matrix_path import Model, Path, as_pieces, kept, scaling
-from .transition_error import transition
+from .transition_error import monodromy, transition
+from .verdict import CLEAR
 
+FLOOR = 1e-9  # a multiplier this near the unit circle is on it
 MOST_POINTS = 2**11  # of a mode's shape
-CLEAR = 1e-4  # error of a multiplier from which on "cannot be told from the circle" is no finding
+
+
+__all__ = ["Floquet", "floquet", "monodromy", "periodic_path", "periodic_paths"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +47,6 @@ class Floquet:
     groups: tuple[np.ndarray, ...] = field(repr=False)  # positions of multipliers that cannot be told apart
     least: float  # the largest |lambda| is this at least ..
     most: float  # .. and this at most
-    inside: bool  # every multiplier that the data allow is inside the unit circle
-    beyond: bool  # whatever the data allow, one is outside
     undamped: bool  # trace A = 0, and multipliers in pairs lambda, 1/lambda within their errors
     steps: int  # in a period
     states: tuple[str, ...]
@@ -71,26 +73,27 @@ class Floquet:
 
     @property
     def outside(self) -> np.ndarray:
-        """Which multipliers (nx,) are outside the unit circle: by more than their error, or the largest where the data
-        allow none that are all inside."""
+        """Which multipliers (nx,) are outside the unit circle by more than their error; the largest where its bound
+        says so."""
         sizes = np.abs(self.multipliers)
-        return (sizes - self.error > 1.0) | ((sizes > 1.0) & (sizes == sizes.max(initial=0.0)) & self.beyond)
+        shown = (sizes == sizes.max(initial=0.0)) & (sizes >= self.least) & (self.least > 1.0 + FLOOR)
+        return (sizes - 1.0 > np.maximum(self.error, FLOOR)) | shown
 
     @property
     def on_circle(self) -> np.ndarray:
         """Which multipliers (nx,) cannot be told from ones on the unit circle."""
         sizes = np.abs(self.multipliers)
-        return (np.abs(sizes - 1.0) <= self.error) & ~self.outside & (not self.inside)
+        inside = sizes.max(initial=0.0) <= self.most < 1.0 - FLOOR
+        return (np.abs(sizes - 1.0) <= np.maximum(self.error, FLOOR)) & ~self.outside & (not inside)
 
     @property
     def verdict(self) -> str:
         """stable, unstable, marginal (nothing tells it from the unit circle, and the error is small), undecided."""
-        if self.beyond:
+        if self.outside.any():
             return "unstable"
-        if self.inside:
+        if not self.on_circle.any() and not np.isnan(self.multipliers).any():
             return "stable"
-        near = self.on_circle
-        return "marginal" if near.any() and self.error[near].max() <= CLEAR else "undecided"
+        return "marginal" if self.error[self.on_circle].max(initial=0.0) <= CLEAR else "undecided"
 
     def mode(self, k: int) -> np.ndarray:
         """The periodic shape p(t) (m + 1, nx), complex, of mode k over the period, at m + 1 equidistant times.
@@ -155,8 +158,6 @@ def floquet(
         tuple(np.sort(place[g]) for g in b.groups),
         b.least,
         b.most,
-        b.inside,
-        b.outside,
         paired,
         found.steps,
         tuple(named[i] for i in keep),
@@ -176,7 +177,7 @@ def periodic_paths(
     model: Model, period: float | None, states: Sequence[str] | None
 ) -> tuple[list[Path], list[np.ndarray], float, str]:
     """A(t) over one period in pieces, the jumps between, the period [s] and where it comes from."""
-    if isinstance(model, LinearModel) or isinstance(model, LTVModel):
+    if isinstance(model, LinearModel | LTVModel):
         path, length, source = periodic_path(model, period, states)
         return [path], [], length, source
     joined = as_pieces(model)

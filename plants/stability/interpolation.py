@@ -7,10 +7,10 @@ cubic       Hermite cubic, slopes from five nodes. Its error is w |f[5 nodes]|, 
             half, at a kink twofold, at a jump not at all. So: where that of neighbouring nodes is SMOOTH times smaller
             than that of every other node the cubic is believed; else its error counts ROUGH times: a kink in
             mid-interval makes it 16 w |f[5 nodes]|. An interval much longer than one beside it shows neither.
-linear      Let `left` be the miss at t[k+1] of the line through nodes k-1, k and `right` that at t[k] of the line through
-            k+1, k+2. A kink at a share s of the interval makes them |ds| h (1-s) and |ds| h s, and the area between f
-            and the chord is |ds| h^2 s (1-s)/2 <= h min(left, right)/2; a jump J at any place makes both J and an
-            area of at most h J/2; curvature f'' makes both h^2 f'' and an area of h^3 f''/12.
+linear      Let `left` be the miss at t[k+1] of the line through nodes k-1, k and `right` that at t[k] of the line
+            through k+1, k+2. A kink at a share s of the interval makes them |ds| h (1-s) and |ds| h s, and the area
+            between f and the chord is |ds| h^2 s (1-s)/2 <= h min(left, right)/2; a jump J makes both J, and an area of
+            h J/2 at most; curvature f'' makes both h^2 f'' and an area of h^3 f''/12.
 harmonics   equidistant nodes of a period, where a whole run of the last quarter of them, at least four, is quiet: what
             is beyond is taken as four times that run (it is 1.5 times for coefficients that fall as j^-4). One quiet
             coefficient shows nothing: symmetry makes it zero.
@@ -37,8 +37,10 @@ EPS = float(np.finfo(float).eps)
 
 
 class Interpolant:
-    """f (nt, c) at nodes t (nt,) [s], `periodic`: its last row is its first. Calling it gives (.., c); `area` (nt-1, c) bounds the integral of what is missed
-    over each interval [unit of f times s], `most` (nt-1, c) its largest size; `harmonics` that are kept, 0 where none.
+    """f (nt, c) at nodes t (nt,) [s], as a function of time; `periodic`: the last row is the first.
+
+    `area` (nt-1, c) bounds the integral of what is missed over each interval [unit of f times s], `most` (nt-1, c) its
+    largest size; `harmonics` that are kept, 0 where none; `waves` (c,) the entries that are sums of harmonics.
     """
 
     def __init__(self, t: np.ndarray, f: np.ndarray, *, periodic: bool = False) -> None:
@@ -68,7 +70,7 @@ class Interpolant:
         self.most[k] += miss
 
     def beside(self) -> np.ndarray:
-        """`most` (nt-1, c) of the neighbouring intervals, over the seam too: for a time that rounding puts into them."""
+        """`most` (nt-1, c) of the neighbouring intervals, over the seam too: a time may fall into them by rounding."""
         return np.maximum(np.roll(self.most, 1, axis=0), np.roll(self.most, -1, axis=0))
 
     def __call__(self, times: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from pliant.plants.linear.lti import LinearModel
 
 from .floquet import periodic_path
 from .state_matrix_path import Model, Path, as_pieces, kept, scaling
-from .transition_error import transition
+from .transition_error import monodromy
 from .transition_growth import chain
 
 BETWEEN = (0.25, 0.5, 0.75)
@@ -144,7 +144,7 @@ def _grid(path: Path, length: float, most: int) -> int | None:
 def certified(path: Path, length: float, alpha: float | None = None, most: int = MOST) -> Certificate:
     """The certificate of a periodic A(t) given over one period [s]."""
     keep = list(range(path.n))
-    total = transition([path], (), 1e-9).M
+    _, total, _ = monodromy(path, length, 1e-9)
     margin = -float(np.log(np.abs(np.linalg.eigvals(total)).max()) / length)
     alpha = 0.9 * margin if alpha is None else float(alpha)
     if margin <= 0 or not alpha < margin:

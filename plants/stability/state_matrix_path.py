@@ -1,7 +1,7 @@
 """A(t) of a linear model as a function of time, in coordinates scaled once for all times.
 
-Between the nodes each entry is a cubic, a chord or, over a period of equidistant nodes, a sum of harmonics, whichever is
-known best there, with a bound on what it misses: `interpolation`. A nominal with known jumps is a `PiecewiseLTV`.
+Between the nodes each entry is a cubic, a chord or, over a period of equidistant nodes, a sum of harmonics, whichever
+is known best there, with a bound on what it misses: `interpolation`. A nominal with known jumps is a `PiecewiseLTV`.
 """
 
 from __future__ import annotations
@@ -90,6 +90,20 @@ def _given(felt: np.ndarray, j: int, found: list[int]) -> bool:
         and np.linalg.matrix_power(felt[np.ix_(inner, inner)].astype(float), len(inner)).any()
     )
     return not reached & set(found) and not loops
+
+
+def parts_of(A: np.ndarray) -> list[np.ndarray]:
+    """States (positions) that depend on each other both ways, from the nonzero entries of A (n, n)."""
+    n = len(A)
+    reach = (A != 0) | np.eye(n, dtype=bool)
+    for _ in range(max(1, n.bit_length())):
+        reach = (reach.astype(np.float32) @ reach.astype(np.float32)) > 0
+    both, rest, found = reach & reach.T, np.ones(n, dtype=bool), []
+    for k in range(n):
+        if rest[k]:
+            found.append(np.flatnonzero(both[k]))
+            rest[both[k]] = False
+    return found
 
 
 def scaling(A: np.ndarray) -> np.ndarray:

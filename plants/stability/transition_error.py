@@ -51,13 +51,30 @@ def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]
     if need > MOST_STEPS:
         need = 1 << (need - 1).bit_length()
         raise ValueError(
-            f"a period of {path.t[-1] - path.t[0]:.6g} s and modes of up to {fastest:.4g} 1/s need {need:,} steps, more "
-            f"than {MOST_STEPS:,}: leave out the fastest modes"
+            f"a period of {path.t[-1] - path.t[0]:.6g} s and modes of up to {fastest:.4g} 1/s need {need:,} steps, "
+            f"more than {MOST_STEPS:,}: leave out the fastest modes"
         )
     begin = np.concatenate([[0], np.cumsum(parts)])
     k = np.repeat(np.arange(len(h)), parts)
     inner = path.t[k] + h[k] * (np.arange(need) - begin[k]) / parts[k]
     return np.append(inner, path.t[-1]), begin
+
+
+def monodromy(path: Path, length: float, tolerance: float) -> tuple[int, np.ndarray, float]:
+    """How many equal steps, Phi (n, n) over `length` [s], relative error of the steps alone, which are halved until Phi
+    stands still."""
+    m = 1 if path.constant else max(32, 2 * path.harmonics + 2, int(path.fastest() * length / 2))
+    m, before = 1 << (m - 1).bit_length(), None
+    while True:
+        total = path.over(length, m)
+        floor = 4 * EPS * m**0.5
+        if path.constant:
+            return m, total, floor
+        if before is not None:
+            change = float(np.linalg.norm(total - before) / np.linalg.norm(total))
+            if change <= max(63 * tolerance, floor) or m >= MOST_STEPS:
+                return m, total, max(change / 63, floor)
+        before, m = total, 2 * m
 
 
 @np.errstate(over="ignore", invalid="ignore")  # beyond the range of numbers D is not finite: nothing is known
@@ -176,7 +193,7 @@ def _first_order(
 
 
 def _higher(P: np.ndarray, E: np.ndarray, F: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """Orders beyond the first, from stretches (m, n, n): transition, error of A, largest |Phi(t, 0)| and |Phi(T, t)|."""
+    """Orders beyond the first, from stretches (m, n, n): transition, error of A, |Phi(t, 0)| and |Phi(T, t)|."""
     m, n, one = len(P), P.shape[-1], np.eye(P.shape[-1])
     rest, moved = np.zeros((n, n)), one[None]  # Phi(t_k, t_j), j = 0 .. k
     sources = np.empty_like(P)  # E_j (|F_j| + dF_j)

@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -144,7 +145,7 @@ def monodromy(A: Callable[[float], np.ndarray], n: int, w: Wave) -> np.ndarray:
     """Over [0, 1] for A(t) with the wave's corners."""
     cuts = np.unique(np.clip(np.r_[0.0, np.sort(w.corners), 1.0], 0.0, 1.0))
     M = np.eye(n)
-    for a, b in zip(cuts[:-1], cuts[1:]):
+    for a, b in pairwise(cuts):
         if b - a < 1e-13:
             continue
         if w.steps:
