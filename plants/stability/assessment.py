@@ -156,6 +156,8 @@ def _beside(
         Phi = magnus.grouped(cycle.transitions, edges)
         evidence["growth"] = grown(cycle.times[edges], Phi, path.scale, window)
     except ValueError as failure:
+        if window is not None:
+            raise
         said["growth"] = str(failure)
     if cycle.verdict != "stable":
         said["lyapunov"] = f"no certificate where Floquet says {cycle.verdict}"

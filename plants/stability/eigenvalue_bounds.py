@@ -103,15 +103,14 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
     errors, groups = _disks(lam, G)
     size = _size(lam, line)
     ball = D + 4 * EPS * np.abs(M)
-    for g in groups:
-        if len(g) > 1 or not np.isfinite(errors[g]).all():
-            _group(M, ball, lam, g, errors)
+    if np.isfinite(ball).all() and not (len(groups) == n and np.isfinite(errors).all()):
+        groups = tuple(_clusters(*_triangular(M, ball), lam, errors, edge, line))
     most = float((size + errors).max())
     least = max(float((size[g] - errors[g]).min()) for g in groups)
     inside, outside = most < edge, least > edge
     if not inside and not outside and np.isfinite(D).all():
         if (size < edge).all():
-            inside = separated(M, ball, edge, line)
+            inside = separated(M, ball, edge, line) or separated(*_triangular(M, ball), edge, line)
             most = min(most, edge - SMALL) if inside else most
         elif size.max() > edge:
             far = size.max()
@@ -136,7 +135,7 @@ def _two(M: np.ndarray, D: np.ndarray, volume: tuple[float, ...] | None, known_t
     off += 8 * EPS * float(size[0, 0] * size[1, 1] + size[0, 1] * size[1, 0])
     low, high = det - off, det + off
     if volume is not None and np.isfinite(volume[1]) and abs(volume[0]) + volume[1] < 600:
-        known = np.exp(volume[0] + volume[1] * np.array([-1.0, 1.0])) * (1 + 4 * EPS * np.array([-1.0, 1.0]))
+        known = np.exp(volume[0] + volume[1] * np.array([-1.0, 1.0])) * (1 + 64 * EPS * np.array([-1.0, 1.0]))
         if known[1] - known[0] < high - low:
             low, high = float(known[0]), float(known[1])
     if not np.isfinite([trace, slack, low, high]).all():
@@ -240,21 +239,39 @@ def _disks(lam: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray
     return errors, groups
 
 
-def _group(M: np.ndarray, D: np.ndarray, lam: np.ndarray, g: np.ndarray, errors: np.ndarray) -> None:
-    """A smaller disk about a group's mean that its eigenvalues do not leave, where there is one."""
-    mean = lam[g].mean()
-    if abs(mean.imag) < 1e-9 * abs(mean):
-        mean = complex(mean.real)
-    others = np.delete(np.abs(lam - mean), g)
-    low = 1.1 * float(np.abs(lam[g] - mean).max()) + 16 * EPS * abs(mean)
-    high = min(float(errors[g].max()), 0.9 * float(others.min(initial=np.inf)))
-    if not np.isfinite(high):
-        high = 4 * (float(np.abs(lam - mean).max()) + float(np.linalg.norm(D)) + EPS * float(np.linalg.norm(M)))
-    radii = np.geomspace(low, high, 12) if 0 < low < high else []
-    for r in radii:
-        if separated(M, D, float(r), centre=mean, most=400):
-            errors[g] = np.abs(lam[g] - mean) + r
-            return
+def _triangular(M: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """M and D in Schur coordinates, where (z - M)^-1 of a cluster is triangular: |z - lambda| alone counts in rho."""
+    T, Q = sla.schur(M, output="complex")
+    return T, np.abs(Q).T @ D @ np.abs(Q) + 8 * EPS * len(M) * np.linalg.norm(M)
+
+
+def _clusters(M: np.ndarray, D: np.ndarray, lam: np.ndarray, errors: np.ndarray, edge: float, line: bool) -> list:
+    """Smaller disks about the means of clusters that no eigenvalue leaves, for those whose own are not known well.
+
+    Clusters are what lies nearer to each other than a distance, which grows until each of them stands alone; those
+    near the boundary come first. Returns the groups of all.
+    """
+    n, left = len(lam), int(max(100, WORK / len(lam) ** 3))
+    gap = np.abs(lam[:, None] - lam[None, :])
+    rest, groups = np.ones(n, dtype=bool), []
+    size = max(float(np.abs(lam).max()), float(np.linalg.norm(M)), 1e-300)
+    for reach in size * np.geomspace(1e-10, 1.0, 11):
+        clusters = [c for c in parts_of(gap <= reach) if rest[c].all()]
+        for c in sorted(clusters, key=lambda c: float(np.abs(_size(lam[c], line) - edge).min())):
+            mean = complex(lam[c].mean())
+            mean = complex(mean.real) if abs(mean.imag) < 1e-9 * size and len(c) > 1 else mean
+            low = max(1.1 * float(np.abs(lam[c] - mean).max()), 64 * EPS * size)
+            high = 0.5 * float(np.delete(np.abs(lam - mean), c).min(initial=4 * size))
+            if not low < high or left <= 0:
+                continue
+            for r in np.geomspace(low, high, 7):
+                left -= 32
+                if separated(M, D, float(r), centre=mean, most=100):
+                    errors[c] = np.minimum(errors[c], np.abs(lam[c] - mean) + r)
+                    rest[c] = False
+                    groups.append(c)
+                    break
+    return groups + ([np.flatnonzero(rest)] if rest.any() else [])
 
 
 def separated(

@@ -201,15 +201,11 @@ def pieced(joined: PiecewiseLTV, period: float, keep: list[int]) -> tuple[list[P
     begin, end = joined.pieces[0].t[0], joined.pieces[-1].t[-1]
     turns = round((end - begin) / period)
     if turns < 1 or abs(turns * period - (end - begin)) > 1e-9 * (end - begin):
-        raise ValueError(
-            f"floquet.period = {period:.6g} s: the pieces cover {end - begin:.6g} s, must be a whole number"
-        )
+        raise ValueError(f"floquet.period = {period:.6g} s: the pieces cover {end - begin:.6g} s, no whole number")
     stops = np.array([piece.t[-1] for piece in joined.pieces])
     count = int(np.argmin(np.abs(stops - begin - period))) + 1
     if abs(stops[count - 1] - begin - period) > 1e-9 * (end - begin) or count * turns != len(joined.pieces):
-        raise ValueError(
-            f"floquet.period = {period:.6g} s: a period must begin where a piece does, with as many pieces"
-        )
+        raise ValueError(f"floquet.period = {period:.6g} s: a period must begin where a piece does")
     A = [piece.A[:, keep][:, :, keep] for piece in joined.pieces]
     scale = scaling(np.concatenate(A[:count]))
     paths = [Path(p.t, a, scale) for p, a in zip(joined.pieces[:count], A[:count])]

@@ -67,6 +67,8 @@ def lyapunov(
     """
     if alpha is not None and not np.isfinite(alpha):
         raise ValueError(f"lyapunov.alpha = {alpha} must be finite [1/s]")
+    if period is not None and (periodic is False or isinstance(model, LinearModel)):
+        raise ValueError(f"lyapunov.period = {period:g} s of a model that is constant or not repeated, must be None")
     if isinstance(model, LinearModel):
         return _constant(model, alpha, states)
     pieces = as_pieces(model).pieces

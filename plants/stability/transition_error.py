@@ -246,7 +246,7 @@ def _over_one(
     S[np.diag_indices(n)] += 4 * EPS * steps.sum() * np.abs(np.diagonal(before @ after)).max()
     most = STRETCHES if n <= 12 else STRETCHES // 4
     few = np.unique(np.linspace(0, len(E), min(len(E), most) + 1).astype(int))
-    P = magnus.grouped(Phi, own[few])
+    P = magnus.grouped(Phi, own[few]).copy()
     return D, S, (P, np.add.reduceat(E, few[:-1], axis=0), *(np.maximum.reduceat(x, few[:-1], axis=0) for x in (F, B)))
 
 

@@ -161,6 +161,8 @@ def compounds(Phi: np.ndarray) -> bool:
 
 def _timed(model: Any, duration: float | None) -> Any:
     if not isinstance(model, LinearModel):
+        if duration is not None:
+            raise ValueError(f"growth.duration = {duration:g} s: the nominal has its own, must be None")
         return model
     if model.dt is not None or duration is None or not 0 < duration < np.inf:
         raise ValueError(f"growth.duration = {duration!r} must be > 0 [s] for a LinearModel, and its dt None")
