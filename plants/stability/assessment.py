@@ -85,7 +85,10 @@ def assess(
             raise ValueError(f"floquet.period = {period!r} must be > 0 and at most {span:.6g} s")
         if window is not None and not 0 < window <= span * (1 + 1e-9):
             raise ValueError(f"growth.window = {window:.6g} must be > 0 and at most {span:.6g} s")
-        return of_constant(joined.pieces[0].at(0), states, coordinates)
+        spread = np.ptp(joined.pieces[0].A, axis=0)  # rounding, or what units make small
+        still = of_constant(joined.pieces[0].at(0), states, coordinates, spread)
+        if still.verdict != "undecided" or not spread.any():
+            return still
     said: dict[str, str] = {"eigenvalues": "A varies"}
     evidence: dict[str, Any] = {}
     cycle = None

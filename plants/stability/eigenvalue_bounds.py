@@ -206,8 +206,7 @@ def diagonalised(M: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     np.fill_diagonal(off, 0.0)
     V, W = V.astype(complex), W.astype(complex)
     spread = np.abs(W) @ (D @ np.abs(V)) * (1 + 1e-9)
-    left = np.abs(W).sum(axis=1)[:, None] * np.abs(V).max(axis=0)  # rounding of the products in extended precision
-    extra = 1e-19 * n * np.abs(M).max() * left
+    extra = 2e-19 * n * (np.abs(W) @ np.abs(M) @ np.abs(V))  # rounding of the products in extended precision
     return lam.astype(complex), V, off + spread + extra + np.diag(2 * EPS * np.abs(lam).astype(float))
 
 
@@ -315,6 +314,7 @@ def _free(M: np.ndarray, D: np.ndarray, z: np.ndarray, d: np.ndarray) -> np.ndar
     if not len(z):
         return np.zeros(0, dtype=bool)
     n, found = len(M), np.zeros(len(z), dtype=bool)
+    D = D + EPS * np.abs(M)
     at_once = max(1, int(4e6 / n**2))
     for k in range(0, len(z), at_once):
         zk, dk = z[k : k + at_once], d[k : k + at_once]

@@ -67,14 +67,22 @@ class Verdict:
         }
 
 
-def of_constant(model: LinearModel, states: Sequence[str] | None, coordinates: str | None) -> Verdict:
-    """The verdict on a LinearModel, continuous or sampled: its eigenvalues decide, rounding considered."""
+def of_constant(
+    model: LinearModel, states: Sequence[str] | None, coordinates: str | None, spread: np.ndarray | None = None
+) -> Verdict:
+    """The verdict on a LinearModel, continuous or sampled: its eigenvalues decide, rounding considered.
+
+    `spread` (nx, nx): what else its entries may be off.
+    """
     keep = kept(model, states)
     A = model.A[np.ix_(keep, keep)]
     scale = scaling(A[None])
     A = A * scale / scale[:, None]
     line = model.dt is None
-    b = bounds(A, rounding(A), line=line)
+    D = rounding(A)
+    if spread is not None:
+        D = D + spread[np.ix_(keep, keep)] * scale / scale[:, None]
+    b = bounds(A, D, line=line)
 
     def rate(size: float) -> float:
         return size if line else float(np.log(max(size, 1e-300)) / model.dt) if size < np.inf else np.inf

@@ -33,13 +33,13 @@ from pliant.plants.stability import Verdict, assess
 
 EXACT = 1e-9  # of the truth
 FAMILIES = {
-    "constant": 5,
-    "sampled": 3,
+    "constant": 6,
+    "sampled": 4,
     "chain": 2,
-    "pieces": 4,
+    "pieces": 6,
     "oscillator": 9,
-    "undamped": 4,
-    "mixed": 3,
+    "undamped": 3,
+    "mixed": 2,
     "cluster": 2,
     "drift": 2,
 }

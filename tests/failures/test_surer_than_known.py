@@ -121,7 +121,7 @@ def test_equal_modes_that_do_not_share_a_direction_stay_bounded():
 @pytest.mark.parametrize("onset", (2.0, 5.0, 7.0, 9.0))
 @pytest.mark.parametrize("rate", (5.0, 40.0))
 def test_a_drift_that_starts_late_is_drift(onset, rate):
-    """x' = g(t) v, v' = 0: bounded for bounded v. The slope of ln|Phi| says growth, over half the window as over all."""
+    """x' = g(t) v, v' = 0: bounded for bounded v. ln|Phi| rises, but as much over half the window as over all."""
     t = np.linspace(0, 10, 401)
     A = np.zeros((401, 2, 2))
     A[:, 0, 1] = rate / (1 + np.exp(-5 * (t - onset)))
