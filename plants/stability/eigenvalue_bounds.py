@@ -10,8 +10,6 @@ curves      a closed curve on which rho(|(z - M)^-1| D) < 1 is crossed by no eig
 two states  the trace within its D and the determinant e^(integral of trace A), which Liouville's formula gives to what
             the trace of A alone leaves open: |lambda| of a complex pair hangs on that only; Jury's conditions decide
 Entries are compared with entries, so that scaling a state, or time, changes nothing.
-
-References: Wilkinson 1965 (disks scaled by rows); Varga 2004; Trefethen and Embree 2005 (pseudospectra).
 """
 
 from __future__ import annotations
@@ -20,6 +18,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.linalg as sla
+
+from pliant.plants.linear.modal_analysis import refined
 
 from .state_matrix_path import parts_of
 
@@ -99,7 +99,9 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
     if not np.isfinite(scale).all() or (scale <= 0).any():
         scale = np.ones(n)
     M, D = M * scale / scale[:, None], D * scale / scale[:, None]
-    lam, V, G = diagonalised(M, D)
+    lam, V, W, G = refined(M)
+    if np.isfinite(G).all():
+        G = G + np.abs(W) @ (D @ np.abs(V)) * (1 + 1e-9) + np.diag(2 * EPS * np.abs(lam))
     errors, groups = _disks(lam, G)
     size = _size(lam, line)
     ball = D + 4 * EPS * np.abs(M)
@@ -175,39 +177,6 @@ def _grows(M: np.ndarray, D: np.ndarray) -> bool:
             return True
         P, E = P @ M, E @ (np.abs(M) + D) + np.abs(P) @ D
     return False
-
-
-def diagonalised(M: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Eigenvalues, eigenvectors and G; refined in extended precision, so that 1 beside 1e15 keeps its digits."""
-    lam, V = np.linalg.eig(M)
-    n, extended = len(M), np.longdouble if np.isrealobj(lam) else np.clongdouble
-    unknown = lam.astype(complex), V.astype(complex), np.full((n, n), np.inf)
-    try:
-        W = np.linalg.inv(V).astype(extended)
-    except np.linalg.LinAlgError:
-        return unknown
-    V, A, one = V.astype(extended), M.astype(np.longdouble), np.eye(n)
-    for last in (False, False, True):
-        W = W @ (2 * one - V @ W)
-        T = W @ (A @ V)
-        if not np.isfinite(T.astype(complex)).all() or np.abs(W @ V - one).max() > 1e-6:
-            return unknown
-        lam = np.diagonal(T).copy()
-        if last:
-            break
-        gap = lam[None, :] - lam[:, None]
-        np.fill_diagonal(gap, 1)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            X = np.where(np.abs(T) < 0.1 * np.abs(gap), T / gap, 0)
-        np.fill_diagonal(X, 0)
-        V = V @ (one + X)
-        W = (one - X) @ W
-    off = np.abs(T).astype(float)
-    np.fill_diagonal(off, 0.0)
-    V, W = V.astype(complex), W.astype(complex)
-    spread = np.abs(W) @ (D @ np.abs(V)) * (1 + 1e-9)
-    extra = 2e-19 * n * (np.abs(W) @ np.abs(M) @ np.abs(V))  # rounding of the products in extended precision
-    return lam.astype(complex), V, off + spread + extra + np.diag(2 * EPS * np.abs(lam).astype(float))
 
 
 def _disks(lam: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:

@@ -27,7 +27,7 @@ import numpy as np
 SMOOTH, ROUGH = 9.0, 32.0
 LONE = 0.3  # of an interval's length: one beside it that is shorter does not help to judge it
 FEW = 12  # intervals below which nothing is measured, and the steps between the nodes count too, ..
-STEP = 0.3  # .. so much of them
+STEP = 0.5  # .. so much of them
 FEWEST = 9  # intervals with harmonics enough for a run of four beside the first
 GHOSTS = 8  # nodes of the neighbouring periods that are looked at
 QUIET = 1e-3  # of an entry's range

@@ -88,13 +88,15 @@ def of_constant(
         return size if line else float(np.log(max(size, 1e-300)) / model.dt) if size < np.inf else np.inf
 
     sizes = b.values.real if line else np.abs(b.values)
-    edge, unit = (0.0, float(np.abs(A).max(initial=0.0))) if line else (1.0, 1.0)
+    edge, unit = 1.0, 1.0
+    if line:  # the Perron root of |A|, which no scaling of states changes
+        edge, unit = 0.0, float(np.abs(np.linalg.eigvals(np.abs(A))).max(initial=0.0))
     near = np.abs(sizes - edge) <= b.errors
     found = rate(float(sizes.max(initial=-np.inf if line else 0.0)))
     power = 0
     if b.outside:
         verdict, kind, words = "unstable", "exponential", f"the fastest grows at {found:.4g} 1/s"
-    elif b.inside:
+    elif b.inside and (spread is None or b.most - sizes.max() <= 0.1 * abs(sizes.max() - edge)):
         verdict, kind, words = "stable", "decays", f"the slowest decays at {-found:.4g} 1/s"
     else:
         error = float(b.errors[near].max(initial=0.0))

@@ -17,7 +17,8 @@ import json
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import linear_sum_assignment
 
-from pliant.plants import LTVModel
+from pliant.plants import LTVModel, SingleLinkArm
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.stability import Verdict, assess
 
@@ -42,6 +43,7 @@ FAMILIES = {
     "mixed": 2,
     "cluster": 2,
     "drift": 2,
+    "plant": 1,
 }
 
 
@@ -236,6 +238,18 @@ def pieces(rng: np.random.Generator) -> System:
     return System("pieces", "levels", count, made, {"period": float(length.sum())}, np.linalg.eigvals(M))
 
 
+@cache
+def arm(friction: float, modes: int, angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """A of an arm of the library at rest, and what gravity has in it."""
+    found = []
+    for gravity in (9.81, 4.905):
+        one = replace(
+            SingleLinkArm.textbook(), gravity=gravity, hub_friction=friction, basis="clamped-free", modes=modes
+        )
+        found.append(one.linearize(*one.equilibrium(hub_angle=angle)).A)
+    return found[0], 2 * (found[0] - found[1])
+
+
 def varying(rng: np.random.Generator, family: str) -> System | None:
     w = wave(rng)
     m = _nodes(rng)
@@ -246,7 +260,14 @@ def varying(rng: np.random.Generator, family: str) -> System | None:
         return None
     exact = False
     period = 2 * np.pi if family in ("oscillator", "undamped") else rng.uniform(0.5, 3.0)
-    if family in ("oscillator", "undamped", "cluster", "drift"):
+    if family == "plant":
+        period *= 0.3
+    if family == "plant":  # its gravity pulsates, as on a table that shakes
+        mean, pump = arm(
+            float(rng.choice([0.02, 0.3])), int(rng.integers(1, 3)), float(rng.choice([-1, 1])) * np.pi / 2
+        )
+        pump = pump * rng.uniform(0.1, 3.0)
+    elif family in ("oscillator", "undamped", "cluster", "drift"):
         k, depth = rng.uniform(0.05, 3.0), 0.0
         depth = rng.uniform(0.02, 0.95) * k
         d = 0.0 if family == "undamped" else float(rng.choice([-1, 1], p=[0.2, 0.8])) * 10.0 ** rng.uniform(-3, -0.3)

@@ -69,7 +69,7 @@ def test_steps_are_halved_no_further_than_the_data_deserve():
     smooth[:, 1, 0] = -40 * (1 + 0.5 * np.cos(2 * np.pi * t))
     path = Path(t, smooth, np.ones(2), periodic=True)
     fine = transition([path])
-    steps, M, error = monodromy(path, 1.0, 1e-11)
+    _, M, error = monodromy(path, 1.0, 1e-11)
     assert (np.abs(fine.M - M) <= fine.D + error * np.abs(M).max()).all() and fine.D.max() < 1e-9
 
 
