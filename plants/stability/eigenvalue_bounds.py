@@ -26,7 +26,6 @@ from .state_matrix_path import parts_of
 EPS = float(np.finfo(float).eps)
 TESTS = 3000  # of a curve, at most ..
 WORK = 2e8  # .. and so many multiplications
-ROUNDING = 1e-6  # of a quotient
 SMALL = 1e-8  # by which what is shown of a curve is widened, far below what separates its eigenvalues
 
 
@@ -96,8 +95,7 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
             lam, error, np.ones((1, 1)), (np.zeros(1, int),), size + e < edge, size - e > edge, size - e, size + e
         )
     _, (scale, _) = sla.matrix_balance(np.abs(M) + D, permute=False, separate=True)
-    if not np.isfinite(scale).all() or (scale <= 0).any():
-        scale = np.ones(n)
+    scale = scale if np.isfinite(scale).all() and (scale > 0).all() else np.ones(n)
     M, D = M * scale / scale[:, None], D * scale / scale[:, None]
     lam, V, W, G = refined(M)
     if np.isfinite(G).all():
@@ -298,5 +296,5 @@ def _free(M: np.ndarray, D: np.ndarray, z: np.ndarray, d: np.ndarray) -> np.ndar
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
                 least = np.fmin(least, (y / x).max(axis=1))
                 x = y / y.max(axis=1, keepdims=True) + 1e-12
-        found[k : k + at_once] = least < 1 - ROUNDING
+        found[k : k + at_once] = least < 1 - 1e-6
     return found

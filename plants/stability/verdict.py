@@ -114,7 +114,7 @@ def of_constant(
     said, decided = coordinates or said_coordinates(model, states), "" if verdict == "undecided" else "eigenvalues"
     if not decided:
         reasons["eigenvalues"] = words
-    return Verdict(verdict, decided, -found, (), words, reasons, evidence, said, -rate(b.most), kind)
+    return Verdict(verdict, decided, 0.0 - found, (), words, reasons, evidence, said, -rate(b.most), kind)
 
 
 def rounding(A: np.ndarray) -> np.ndarray:
