@@ -96,7 +96,7 @@ def of_constant(
     power = 0
     if b.outside:
         verdict, kind, words = "unstable", "exponential", f"the fastest grows at {found:.4g} 1/s"
-    elif b.inside and (spread is None or b.most - sizes.max() <= 0.1 * abs(sizes.max() - edge)):
+    elif b.inside and (spread is None or not spread.any() or b.most - sizes.max() <= 0.1 * abs(sizes.max() - edge)):
         verdict, kind, words = "stable", "decays", f"the slowest decays at {-found:.4g} 1/s"
     else:
         error = float(b.errors[near].max(initial=0.0))
