@@ -37,6 +37,7 @@ bench: $(VENV)/bench
 
 # Long hunts for faults that no test has time for, each a script that exits non-zero when it finds one.
 campaign: $(VENV)/ready-to-learn
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m campaign
 	@set -e; for script in $(wildcard tests/campaigns/*.py); do echo "$$script" >&2; $(BIN)/python $$script; done
 
 check: $(VENV)/ready-to-learn

@@ -24,7 +24,8 @@ from harness import sampling, table, targets
 from peers import cantilever, peers
 
 from pliant.plants.native import compiler, kernel_loader
-from pliant.studies.common import console, machine
+from pliant.studies.commands import console
+from pliant.studies.common import machine
 
 HERE = Path(__file__).parent
 PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {

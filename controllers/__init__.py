@@ -25,7 +25,7 @@ from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.nmpc.nmpc import NMPC
 from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
-from pliant.plants.core import moved
+from pliant.plants.core import imports
 
 __all__ = [
     "LQG",
@@ -60,7 +60,7 @@ __all__ = [
     "spillover",
 ]
 
-moved.serve(
+imports.serve(
     __name__,
     {
         "": "rl=learning",

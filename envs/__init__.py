@@ -6,13 +6,13 @@ if __name__ != "pliant.envs":
 from pliant.envs import scenes
 from pliant.envs.environments import PlantEnv, environment_id, register
 from pliant.envs.scenes.scene import Scene
-from pliant.plants.core import moved
+from pliant.plants.core import imports
 
 register()
 
 __all__ = ["PlantEnv", "Scene", "environment_id", "scenes"]
 
-moved.serve(
+imports.serve(
     __name__,
     {
         "scenes": "scene scene_checks=checks nominal=nominal_inputs arm_scenes=arms beam_scenes=beams "

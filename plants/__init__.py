@@ -9,7 +9,7 @@ from pliant.plants.arms.two_link import TwoLinkArm
 from pliant.plants.arms.two_link_paper_terms import Terms, paper_terms
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam, Material
-from pliant.plants.core import moved
+from pliant.plants.core import imports
 from pliant.plants.core.errors import (
     EquilibriumError,
     InfeasibleError,
@@ -30,10 +30,10 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.slider_crank.plant import SliderCrank
-from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
-from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
 
 __all__ = [
     "Appendage",
@@ -74,7 +74,7 @@ __all__ = [
     "step_limit",
 ]
 
-moved.serve(
+imports.serve(
     __name__,
     {
         "core": "errors parameters signals functions=casadi_functions trajectory rotations=quaternions "
@@ -82,7 +82,7 @@ moved.serve(
         "linear": "ltv modal=modal_analysis second_order magnus piecewise=piecewise_ltv",
         "beams": "basis=shape_functions modes=euler_bernoulli_modes ritz=legendre_ritz rotating=rotating_beam "
         "offset_payload=offset_payload_roots payload_modes=offset_payload_modes "
-        "beam_elements=reference_finite_elements planar=elastic_link frame_elements=pinned_rod",
+        "planar=elastic_link frame_elements=pinned_rod",
         "native": "cache=kernel_cache compiler codegen=scalar_codegen sums=expression_graph packing=slp_packing "
         "wide=slp_codegen kernels=kernel_templates threads=thread_pool batch=batch_kernels",
         "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation "
@@ -97,7 +97,8 @@ moved.serve(
         "slider_crank": "slider_crank_rigid=rigid_kinematics cycles=steady_cycles",
         "modal_data": "structural=component_modes",
         "spacecraft": "spacecraft_equations=equations spacecraft_linear=linearisation "
-        "spacecraft_feedback=feedback_model hub appendage environment_loads=environment",
+        "spacecraft_feedback=feedback_model",
+        "spacecraft_parts": "hub appendage environment_loads=environment",
         "spacecraft_perturbation": "perturbation perturbation_fields=position_fields perturbation_printed="
         "printed_equations",
     },

@@ -3,7 +3,7 @@
 if __name__ != "pliant.studies":
     raise ImportError("this folder is installed as pliant.studies: write `import pliant.studies`")
 
-from pliant.plants.core import moved
+from pliant.plants.core import imports
 from pliant.studies.fidelity.choice import choose
 
 # Eager, because these functions share the names of their modules: a later import would put the module
@@ -14,7 +14,7 @@ from pliant.studies.scoreboard.scoreboard import scoreboard
 
 __all__ = ["chart", "choose", "report", "scoreboard"]
 
-moved.serve(
+imports.serve(
     __name__,
     {
         "common": "files=atomic_files machine motions=reference_motions points=operating_point markup=formatting",

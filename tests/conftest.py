@@ -21,10 +21,10 @@ import numpy as np
 import pytest
 
 from pliant.plants import LargeDeflectionBeam, Payload, SingleLinkArm, SliderCrank, TwoLinkArm
-from pliant.plants.spacecraft.appendage import Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit
-from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Hinge
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit
+from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
 
 ROOT = Path(__file__).parents[1]
 ARM = TwoLinkArm.textbook()

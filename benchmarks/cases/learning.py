@@ -27,8 +27,9 @@ from pliant.controllers import rl
 from pliant.controllers.learning.policy import FOLDER, Policy
 from pliant.envs import Scene, scenes
 from pliant.envs.environments.env import PlantEnv
-from pliant.studies.commands.train import lqr_cost, train
-from pliant.studies.common import console, machine
+from pliant.studies.commands import console
+from pliant.studies.commands.train import draw, lqr_cost
+from pliant.studies.common import machine
 
 GROUP, SCENE, LANES = "learning", "two-link-reach", 1024
 PLIANT, SYNC = "PPO on Pliant's vector environment", "PPO on Gymnasium's SyncVectorEnv of the same environment"
@@ -142,7 +143,10 @@ def run(scene: Scene, seed: int, steps: int, folder: Path) -> dict[str, Any]:
     path = folder / rl.CURVE
     have = json.loads(path.read_text())["curve"][-1]["steps"] if path.is_file() else -1
     if have < steps:
-        train(scene, seed=seed, steps=steps, threads=1, folder=folder, resume=have >= 0, command=words)
+        with console.bar(f"train {scene.name}") as tell:
+            options = {"seed": seed, "steps": steps, "threads": 1, "folder": folder, "resume": have >= 0}
+            found = rl.train(scene, **options, command=words, progress=tell)
+        draw(scene, "ppo", found, folder)
     policy, curve = Policy.load(folder / rl.POLICY), json.loads(path.read_text())["curve"]
     twice = 2 * (lqr_cost(scene) or np.inf)
     reached = next((p["seconds"] for p in curve if p["cost"] <= twice), None)

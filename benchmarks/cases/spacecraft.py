@@ -10,9 +10,9 @@ import numpy as np
 from harness.sampling import TIME, Case, Row, Sampler, time_of
 
 from pliant.plants import Beam
-from pliant.plants.spacecraft.appendage import Appendage
-from pliant.plants.spacecraft.hub import Hub
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Appendage
+from pliant.plants.spacecraft_parts.hub import Hub
 
 GROUP = "spacecraft"
 COUNTS = (1, 2, 5, 10, 20)

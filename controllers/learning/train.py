@@ -41,7 +41,7 @@ def train(
               Nothing in the folder is a pickle
     num_envs  lanes; the algorithm's own number where not given
     threads   of torch; where not given, one on a busy machine, else as many as measure fastest
-    progress  told a share in [0, 1] and a few words; pliant.studies.train shows them as a bar
+    progress  told a share in [0, 1] and a few words; `pliant train` shows them as a bar
     command   kept in the policy, for whoever wants to make it again
 
     With `steps` the same seed gives the same policy on the same machine with the same `threads`. Global generators

@@ -6,7 +6,7 @@ outputs; of the end its bounded outputs that no input enters, then x_N - x_goal 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import casadi as ca
@@ -64,14 +64,7 @@ class Transcription:
         self._low, self._high = (np.array([pair[i] for pair in wanted.values()], dtype=float) for i in (0, 1))
         entered = np.array(ca.DM(ca.jacobian(outputs, plant.symbols[2]).sparsity(), 1)).reshape(len(wanted), plant.nu)
         self._last_rows = np.flatnonzero(~entered.any(axis=1))
-        for k, values in self._at.items():
-            require_count("optimal", "at step", k, 1, N)
-            for name, value in values.items():
-                if not np.isfinite(value):
-                    raise ValueError(f"optimal.at[{k}][{name!r}] = {value!r} must be finite")
-            for name in values if k == N else ():
-                if self._output_names.index(name) not in self._last_rows:
-                    raise ValueError(f"optimal.at[{N}]: {name} depends on the input, which ends before")
+        _check_at(self._at, N, [self._output_names[i] for i in self._last_rows])
         self._memo: dict[str, tuple[bytes, Any]] = {}
         self._sizes()
 
@@ -229,6 +222,18 @@ class Transcription:
             last = self.outputs.curvature(self.t[-1:], x[-1:], np.zeros((1, self.nu)), *self._given, m)
             end = end + last[0, : self.nx, : self.nx]
         return self.hessian_pattern.fill([blocks, end])
+
+
+def _check_at(at: Mapping[int, Mapping[str, float]], N: int, at_the_end: Sequence[str]) -> None:
+    """ValueError unless every step is one of the plan's and every value finite, at the end of signals known there."""
+    for k, values in at.items():
+        require_count("optimal", "at step", k, 1, N)
+        for name, value in values.items():
+            if not np.isfinite(value):
+                raise ValueError(f"optimal.at[{k}][{name!r}] = {value!r} must be finite")
+        for name in values if k == N else ():
+            if name not in at_the_end:
+                raise ValueError(f"optimal.at[{N}]: {name} depends on the input, which ends before")
 
 
 def _shift(objective: Objective, reference: Mapping[str, Any], N: int) -> Array:

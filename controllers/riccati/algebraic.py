@@ -1,15 +1,7 @@
-"""Linear-quadratic design: pure functions of arrays.
+"""Linear-quadratic design by algebraic Riccati equations: lqr, dlqr, lqi, sampled, kalman, dkalman; see the room.
 
-lqr      min int x'Qx + u'Ru + 2 x'Nu dt, dx/dt = A x + B u      u = -K x, K = R^-1 (B'P + N'), cost x0'P x0
-dlqr     min sum x'Qx + u'Ru + 2 x'Nu,    x+ = A x + B u         u = -K x, K = (R + B'PB)^-1 (B'PA + N')
-lqi      lqr with the integrals of y = C x + D u as extra states
-sampled  the discrete problem that is the continuous one with u held over each step
-kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L (y - C z), L = P C' V^-1
-dkalman  x+ = A x + E w, y = C x + v                             z+ = A z + L (y - C z), L = A P C' (C P C' + V)^-1
-tvlqr    lqr over a finite time along an LTVModel, its affine term included; dtvlqr the same in discrete time
-
-Riccati equations by SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay
-must be reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
+SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay must be reached by the input
+and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
 """
 
 from __future__ import annotations
@@ -29,24 +21,6 @@ from .checks import known_names as _names
 from .checks import require_reached as _require_reached
 from .checks import system as _system
 from .checks import weight_matrix as _weight
-from .ltv_discretisation import SampledLTV, sampled_along
-from .time_varying import TimeVaryingRegulator, dtvlqr, tvlqr
-
-__all__ = [
-    "Regulator",
-    "Sampled",
-    "SampledLTV",
-    "TimeVaryingRegulator",
-    "dkalman",
-    "dlqr",
-    "dtvlqr",
-    "kalman",
-    "lqi",
-    "lqr",
-    "sampled",
-    "sampled_along",
-    "tvlqr",
-]
 
 LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
 NEWTON_STEPS = 6  # at most, of Kleinman (1968), each from a stabilising gain

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from import_graph import FOLDERS, HERE, ROOT, Import, circles, imports, modules, room_of, settings
 
+OPTIONAL = {"stable_baselines3", "torch"}  # installed with an extra only
 MAY = {"plants": {"plants"}, "controllers": {"plants", "controllers"}, "envs": {"plants", "envs"}}
 
 
@@ -54,9 +55,13 @@ def wrong_order(arrows: Sequence[Import], order: Mapping[str, int]) -> Iterator[
 
 
 def wrong_lazy(arrows: Sequence[Import], allowed: Sequence[str]) -> Iterator[str]:
-    """Imports inside functions of what has no reason to be late."""
+    """Imports inside functions of what has no reason to be late. A module of the same room that subclasses an optional
+    package's classes, and so imports it at its top, is as late as the package.
+    """
+    optional = {a.source for a in arrows if not (a.own or a.lazy or a.typing) and a.target.split(".")[0] in OPTIONAL}
     for a in arrows:
         known = not a.own and a.target.split(".")[0] in {*allowed, *sys.stdlib_module_names}
+        known |= a.own and a.target in optional and room_of(a.target) == room_of(a.source)
         if a.lazy and not known:
             yield f"late: {a.source}:{a.line} imports {'pliant.' * a.own}{a.target} inside a function"
 

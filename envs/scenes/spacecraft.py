@@ -13,7 +13,7 @@ import numpy as np
 from pliant.plants import FlexibleSpacecraft, Plant
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import require_choice
-from pliant.plants.spacecraft.appendage import Hinge
+from pliant.plants.spacecraft_parts.appendage import Hinge
 
 from .scene import Scene
 from .spacecraft_parts import AXES, FLAT, UPRIGHT, panels, turned

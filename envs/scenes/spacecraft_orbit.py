@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pliant.plants import FlexibleSpacecraft
-from pliant.plants.spacecraft.appendage import Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
-from pliant.plants.spacecraft.hub import Hub, Wheel
+from pliant.plants.spacecraft_parts.appendage import Hinge
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft_parts.hub import Hub, Wheel
 
 from .nominal_inputs import let_go
 from .scene import Scene

@@ -10,8 +10,8 @@ import numpy as np
 
 from pliant.plants import Beam
 from pliant.plants.modal_data.modal_data import ModalData
-from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.environment import Surface
+from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
+from pliant.plants.spacecraft_parts.environment import Surface
 
 LINE = Beam(length=6.0, area=1e-3, I_y=9.3e-8, I_z=1e-5, J=1e-6, density=1000.0, E=1e9, G=4e8)  # half a panel: 6 kg
 WIDTH, ROOT, DAMPING = 2.0, 1.0, 0.005  # [m], [m] off the hub's centre, ratio of every mode

@@ -19,11 +19,11 @@ from typing import Protocol
 
 import casadi as ca
 import numpy as np
-import scipy.linalg
 
 from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.imports import linalg
 
 FRAMES = ("clamped", "pinned", "pinned-pinned")
 
@@ -55,14 +55,14 @@ def to_clamped(held: ClampedArm, frame: str) -> np.ndarray:
     M = (shift.T @ held.mass_matrix(np.zeros(held.nx)) @ shift)[1:, 1:]
     q = ca.SX.sym("q", n)
     K = np.array(ca.evalf(ca.hessian(held.elastic.strain_energy(q), q)[0]))
-    _, modes = scipy.linalg.eigh(K, M)
+    _, modes = linalg.eigh(K, M)
     L, R, basis = held.link.length, held.hub_radius, held.elastic.basis
     # int (phi - (R + x) a)^2 over the link, from the integrals of the basis
     cross = np.outer(R * basis.first + L * basis.moment, a)
     square = basis.mass - cross - cross.T + (R**2 + R * L + L**2 / 3) * np.outer(a, a)
     modes /= np.sqrt(np.einsum("ik,ij,jk->k", modes, square, modes))
     modes *= np.where(a @ modes > 0, -1.0, 1.0)  # positive slope at the hub
-    return shift @ scipy.linalg.block_diag(1.0, modes)
+    return shift @ linalg.block_diag(1.0, modes)
 
 
 def turn(arm: ClampedArm, frame: str) -> np.ndarray:

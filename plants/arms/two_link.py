@@ -12,57 +12,24 @@ Source   "Coupled-Nonlinear Elastic Structure", Eqs (5)-(27). Departures: the st
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from typing import Self
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants import beams
-from pliant.plants.beams.elastic_link import ElasticLink, payload_energy, payload_position, second_derivative
+from pliant.plants.beams.elastic_link import payload_energy, payload_position, second_derivative
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
-from pliant.plants.core.signals import Sensed, Signal
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.core.parameters import is_symbolic
 
-REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
-KINEMATICS = ("linear", "stiffened")
-BASES = {"clamped-free": 40, "payload": 40, "polynomial": 20}  # basis: most modes a link
+from .two_link_declaration import TwoLinkDeclaration
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwoLinkArm(LagrangianPlant):
+class TwoLinkArm(TwoLinkDeclaration):
     """M(q) q'' + h(q, q') + K q + g(q) = B tau, with the paper's staged reduction to the rigid arm."""
-
-    link1: Beam
-    link2: Beam
-    joint_mass: float = quantity("kg", "nonnegative", 0.0)  # point mass at joint 2
-    payload: Payload = field(default_factory=Payload)
-    hub_inertia: tuple[float, float] = quantity("kg m^2", "nonnegative", (0.0, 0.0))  # turns with the link's root
-    joint_friction: tuple[float, float] = quantity("N m s/rad", "nonnegative", (0.0, 0.0))
-    gravity: float = quantity("m/s^2", "finite", 9.81)  # along -y
-    tip_slope: bool = True  # the slope of link 1's tip turns link 2 (the paper leaves it out)
-    reduction: str = "full"
-    kinematics: str = "linear"
-    basis: str = "clamped-free"
-    modes: tuple[int, int] = (2, 2)
-
-    def __post_init__(self) -> None:
-        validate(self)
-        for name, choices in (
-            ("tip_slope", (True, False)),
-            ("reduction", REDUCTIONS),
-            ("kinematics", KINEMATICS),
-            ("basis", tuple(BASES)),
-        ):
-            require_choice("TwoLinkArm", name, getattr(self, name), choices)
-        for name in ("hub_inertia", "joint_friction", "modes"):
-            if not isinstance(getattr(self, name), tuple) or len(getattr(self, name)) != 2:
-                raise ValueError(f"TwoLinkArm.{name} = {getattr(self, name)!r} must be a tuple of 2 numbers")
-        for i, n in enumerate(self.modes):
-            require_count("TwoLinkArm", f"modes[{i}]", n, 0, BASES[self.basis])
 
     @classmethod
     def textbook(cls) -> Self:
@@ -74,75 +41,11 @@ class TwoLinkArm(LagrangianPlant):
         return cls(link1=strip, link2=strip, joint_mass=1.0, payload=Payload(mass=0.5, inertia=0.002))
 
     @property
-    def mode_counts(self) -> tuple[int, int]:
-        """Elastic coordinates of each link."""
-        return (0, 0) if self.reduction == "rigid" else self.modes
-
-    @property
-    def coordinates(self) -> tuple[Signal, ...]:
-        n1, n2 = self.mode_counts
-        return (
-            Signal("theta1", "rad"),
-            Signal("theta2", "rad"),
-            *(Signal(f"q1{i + 1}", "m") for i in range(n1)),
-            *(Signal(f"q2{i + 1}", "m") for i in range(n2)),
-        )
-
-    @property
-    def inputs(self) -> tuple[Signal, ...]:
-        return Signal("tau1", "N m"), Signal("tau2", "N m")
-
-    @property
-    def disturbances(self) -> tuple[Signal, ...]:
-        return Signal("tip_force_x", "N"), Signal("tip_force_y", "N")
-
-    @property
-    def outputs(self) -> tuple[Signal, ...]:
-        return (
-            Signal("theta1", "rad"),
-            Signal("theta2", "rad"),
-            Signal("tip1_deflection", "m"),
-            Signal("tip2_deflection", "m"),
-            Signal("tip1_deflection_rate", "m/s"),
-            Signal("tip2_deflection_rate", "m/s"),
-            Signal("tip_x", "m"),
-            Signal("tip_y", "m"),
-            Signal("root1_curvature", "1/m"),
-            Signal("root2_curvature", "1/m"),
-            Signal("tip_acceleration", "m/s^2"),
-        )
-
-    def sensors(self) -> tuple[Sensed, ...]:
-        return (
-            Sensed("encoder", "theta1"),
-            Sensed("encoder", "theta2"),
-            Sensed("strain gauge", "root1_curvature", scale=1 / self.link1.half_depth),
-            Sensed("strain gauge", "root2_curvature", scale=1 / self.link2.half_depth),
-            Sensed("accelerometer", "tip_acceleration"),
-        )
-
-    @property
-    def deflections(self) -> tuple[str, ...]:
-        return "tip1_deflection", "tip2_deflection"
-
-    @property
-    def output_rates(self) -> dict[str, str]:
-        return {name: f"{name}_rate" for name in self.deflections}
-
-    @property
     def stiffening(self) -> tuple[Self, Self]:
         return self._of("linear"), self._of("stiffened")
 
     def _of(self, kinematics: str) -> Self:
         return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
-
-    @property
-    def label(self) -> str:
-        if self.reduction == "rigid" or self.modes == (0, 0):
-            return "rigid"
-        stage = "" if self.reduction == "full" else f", {self.reduction}"
-        slope = "" if self.tip_slope else ", no tip slope"
-        return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{stage}{slope}"
 
     def ladder(self) -> tuple[Self, ...]:
         """From the rigid arm through one and two modes to four polynomials a link, with and without shortening."""
@@ -164,19 +67,6 @@ class TwoLinkArm(LagrangianPlant):
                 )
             )
         return tuple(steps)
-
-    # --- shape functions -----------------------------------------------------------------------------------------
-    @cached_property
-    def links(self) -> tuple[ElasticLink, ElasticLink]:
-        """Both links with their shape functions, which come from the nominal parameters."""
-        own = self.nominal
-        n1, n2 = own.mode_counts
-        stiffened = self.kinematics == "stiffened"
-        a, b, load = own.link1, own.link2, own.payload
-        carried = own.joint_mass + b.mass + load.mass
-        shapes1 = beams.basis(self.basis, n1, **_ratios(self.basis, a, carried, 0.0))
-        shapes2 = beams.basis(self.basis, n2, **_ratios(self.basis, b, load.mass, load.inertia_z))
-        return ElasticLink(self.link1, shapes1, stiffened), ElasticLink(self.link2, shapes2, stiffened)
 
     def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         n1 = self.mode_counts[0]
@@ -288,10 +178,3 @@ class TwoLinkArm(LagrangianPlant):
         first = link1.centreline(q1, points) @ np.array([[c1, s1], [-s1, c1]])
         second = link2.centreline(x[2 + n1 : n], points) @ np.array([[c2, s2], [-s2, c2]])
         return np.stack([first, first[-1] + second])
-
-
-def _ratios(basis: str, link: Beam, mass: float, inertia: float) -> dict[str, float]:
-    """What the loaded link's modes depend on; the other bases need nothing."""
-    if basis != "payload":
-        return {}
-    return {"tip_mass_ratio": mass / link.mass, "tip_inertia_ratio": inertia / (link.mass * link.length**2)}

@@ -11,7 +11,6 @@ offset_payload_roots       frequencies of bending and torsion coupled by an offs
 offset_payload_modes       their shapes
 elastic_link               energies of one elastic link of an arm
 pinned_rod                 energies of one elastic rod between two pins
-reference_finite_elements  beam elements: a check by other means
 """
 
 from .euler_bernoulli_modes import BOUNDARIES, ModeShapes, count_loaded, loaded_roots, roots, shapes

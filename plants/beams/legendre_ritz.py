@@ -16,8 +16,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count
 
 from .euler_bernoulli_modes import checked_position
@@ -147,7 +147,7 @@ def modes(n: int, rotary: float, shear: float, tip_mass: float, tip_inertia: flo
     M = found.mass + rotary * found.rotary + tip_mass * np.outer(tip, tip) + tip_inertia * np.outer(turn, turn)
     stiffness = np.concatenate([np.ones(size), np.full(size, 1 / shear)])
     scale = 1 / np.sqrt(stiffness)
-    _, vectors = scipy.linalg.eigh(M * scale * scale[:, None])
+    _, vectors = linalg.eigh(M * scale * scale[:, None])
     return normalised(trial.combined(scale[:, None] * vectors[:, ::-1][:, :n]))
 
 

@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import scipy.linalg
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_choice, require_count
 
 from . import legendre_ritz
@@ -90,7 +90,7 @@ def _lowest(K: np.ndarray, M: np.ndarray, n: int) -> np.ndarray:
     shift = 0.0
     while True:
         try:
-            above = 1 / scipy.linalg.eigh(M, K + shift * M, eigvals_only=True)[::-1][:n]
+            above = 1 / linalg.eigh(M, K + shift * M, eigvals_only=True)[::-1][:n]
             return above - shift
         except np.linalg.LinAlgError:
             shift = 4 * shift if shift else 1.0

@@ -14,6 +14,7 @@ from collections.abc import Collection
 from typing import Any, TypeVar
 
 import casadi as ca
+import numpy as np
 
 T = TypeVar("T")
 
@@ -73,8 +74,6 @@ def require_count(owner: str, name: str, value: object, lowest: int, highest: in
 
 def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
     """`value` as a float array; ValueError unless it has `shape` and is finite (a single -1 means any length)."""
-    import numpy as np
-
     array = np.asarray(value, dtype=float)
     if array.ndim != len(shape) or any(want not in (-1, have) for want, have in zip(shape, array.shape)):
         raise ValueError(f"{name} has shape {array.shape}, must be {shape}")

@@ -22,8 +22,9 @@ def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearMod
     (_, x, u, w, p), _ = plant._arguments(x0, u0, w, p, t)
     if x.ndim != 1:
         raise ValueError(f"{type(plant).__name__}.x has shape {x.shape}, must be ({plant.nx},) to linearise")
+    A, B, E, C, D, F = plant.jacobians(x, u, w=w, p=p, t=t)
     return LinearModel(
-        *plant.jacobians(x, u, w=w, p=p, t=t),
+        *(A, B, E, C, D, F),
         states=plant.states,
         inputs=plant.inputs,
         disturbances=plant.disturbances,
@@ -51,9 +52,9 @@ def along(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
     check_signals(plant, nominal)
     w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), plant.nw))
     rate = plant.dynamics(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
+    A, B, E, C, D, F = plant._jacobians_along(nominal, w, p)
     return LTVModel(
-        nominal.t,
-        *plant._jacobians_along(nominal, w, p),
+        *(nominal.t, A, B, E, C, D, F),
         c=rate - nominal.derivative(),
         x=nominal.x,
         u=nominal.u,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import casadi as ca
 import numpy as np
@@ -42,7 +42,7 @@ class ResidualJacobians:
 
     def slopes(self) -> ca.SX:
         """[A, B] (nx, nx + nu) at the plant's own accelerations, sparse."""
-        return ca.horzcat(*self.blocks(*self.plant.symbols, self.accelerations)[:2])
+        return cast(ca.SX, ca.horzcat(*self.blocks(*self.plant.symbols, self.accelerations)[:2]))
 
     @cached_property
     def solved(self) -> NumericFunction:

@@ -25,6 +25,7 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
 
+from .cross_sections import PlanarSections
 from .declaration import LargeBeamDeclaration
 from .tangent_field import Array, Tangents
 
@@ -121,7 +122,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return M, r, ca.bilin(M, v, v) / 2, self.potential_energy(q)
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
         at = self.fields.tangents.at(q, v)
         tip, rate = self._tip(at), self.beam.length * at.sum_rate(self.fields.tangents.points.weight)
@@ -134,7 +135,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         turned = sections.tip_rotation(q)
         bent = ca.dot(ca.DM(self.fields.root_curvature), q) / self.beam.length
         out = [*turning, tip[:2], *moved, turned, across, across_rate, ca.jtimes(turned, q, v), bent]
-        if not self.planar:
+        if not isinstance(sections, PlanarSections):
             out += [tip[2], rate[2], sections.tip_twist(q)]
         return ca.vertcat(*out)
 
@@ -147,6 +148,6 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         values, batch = self._arguments(x)
         if batch is not None:
             raise ValueError(f"positions takes one state ({self.nx},), not a batch of {batch}")
-        t = self.fields.tangents.values(values[1][: self.nx // 2])
+        t = self.fields.tangents.values(values[1][self.coordinates_slice])
         own: Any = self.nominal
         return own.beam.length * self.fields.tangents.points.cumulative(xi) @ t

@@ -18,9 +18,9 @@ from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
-import scipy.linalg
 
 from pliant.plants import beams
+from pliant.plants.core.imports import linalg
 
 from .tangent_field import Array, TangentField, points
 
@@ -43,7 +43,7 @@ class SubBeamModes:
         xi, w = (1 + xi) / 2, w / 2
         value, curvature = self._raw(xi, 0), self._raw(xi, 2)
         M, K = value.T @ (w[:, None] * value), curvature.T @ (w[:, None] * curvature)
-        _, vectors = scipy.linalg.eigh(K, M)
+        _, vectors = linalg.eigh(K, M)
         vectors = vectors[:, 2 : 2 + self.n]
         # Rounding leaves a trace of rigid motion in the shapes.
         rigid = np.column_stack([np.ones_like(xi), np.sqrt(12) * (xi - 0.5)])

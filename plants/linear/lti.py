@@ -13,19 +13,20 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.linalg as sla
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import InputLike, Signal, as_signals, names, read_only, read_only_times, sample
+from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 
 from . import modal_analysis
+from .model_signals import ModelSignals
 
 if TYPE_CHECKING:
     import control
 
 
 @dataclass(frozen=True, eq=False)
-class LinearModel:
+class LinearModel(ModelSignals):
     """A, B, E, C, D, F about (x0, u0, w0). Arrays are write-protected copies, sized as the signals."""
 
     A: np.ndarray = field(repr=False)  # (nx, nx)
@@ -48,14 +49,11 @@ class LinearModel:
 
     def __post_init__(self) -> None:
         n, m, k, p = (len(s) for s in (self.states, self.inputs, self.disturbances, self.outputs))
-        shapes: dict[str, tuple[int, ...]] = {"A": (n, n), "B": (n, m), "E": (n, k)}
-        shapes |= {"C": (p, n), "D": (p, m), "F": (p, k)}
-        shapes |= {"x0": (n,), "u0": (m,), "w0": (k,), "y0": (p,), "f0": (n,)}
+        shapes: dict[str, tuple[int, ...]] = {"x0": (n,), "u0": (m,), "w0": (k,), "y0": (p,), "f0": (n,)}
+        shapes |= self._matrix_shapes()
         for name, shape in shapes.items():
             object.__setattr__(self, name, read_only(f"LinearModel.{name}", getattr(self, name), shape))
-        for kind in ("states", "inputs", "disturbances", "outputs"):
-            signals = getattr(self, kind)
-            object.__setattr__(self, kind, as_signals(f"LinearModel.{kind}", signals, len(signals), ""))
+        self._check_signals()
         if self.dt is not None:
             _require_step("LinearModel.dt", self.dt)
 
@@ -106,22 +104,6 @@ class LinearModel:
             f0=np.zeros(n),
             dt=dt,
         )
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        return names(self.states)
-
-    @property
-    def input_names(self) -> tuple[str, ...]:
-        return names(self.inputs)
-
-    @property
-    def disturbance_names(self) -> tuple[str, ...]:
-        return names(self.disturbances)
-
-    @property
-    def output_names(self) -> tuple[str, ...]:
-        return names(self.outputs)
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
@@ -261,5 +243,5 @@ def held_response(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarr
     M[:, :n, :n] = A * h[:, None, None]
     M[:, :n, n : n + k] = G * h[:, None, None]
     M[:, n : n + k, n + k :] = np.eye(k)
-    P = sla.expm(M)
+    P = linalg.expm(M)
     return P[:, :n, :n], P[:, :n, n : n + k], P[:, :n, n + k :]

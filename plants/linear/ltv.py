@@ -18,13 +18,14 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg as sla
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
-from pliant.plants.core.signals import GAUSS, InputLike, Signal, as_signals, names, read_only, read_only_times, sample
+from pliant.plants.core.signals import GAUSS, InputLike, Signal, read_only, read_only_times, sample
 
 from .lti import LinearModel
 from .magnus import exponent
+from .model_signals import ModelSignals
 from .second_order import SecondOrderModel, from_ltv
 
 
@@ -41,7 +42,7 @@ class DiscreteLTV(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class LTVModel:
+class LTVModel(ModelSignals):
     """Matrices at the nodes t of a nominal motion; the arrays are write-protected copies."""
 
     t: np.ndarray = field(repr=False)  # (nt,) [s], strictly increasing
@@ -64,39 +65,12 @@ class LTVModel:
     def __post_init__(self) -> None:
         n, m, k, p = (len(s) for s in (self.states, self.inputs, self.disturbances, self.outputs))
         object.__setattr__(self, "t", read_only_times("LTVModel.t", self.t))
-        shapes: dict[str, tuple[int, ...]] = {"A": (n, n), "B": (n, m), "E": (n, k)}
-        shapes |= {
-            "C": (p, n),
-            "D": (p, m),
-            "F": (p, k),
-            "c": (n,),
-            "x": (n,),
-            "u": (m,),
-            "y": (p,),
-            "w": (k,),
-        }
+        shapes: dict[str, tuple[int, ...]] = {"c": (n,), "x": (n,), "u": (m,), "y": (p,), "w": (k,)}
+        shapes |= self._matrix_shapes()
         for name, shape in shapes.items():
             given = np.zeros((len(self.t), k)) if name == "w" and self.w is None else getattr(self, name)
             object.__setattr__(self, name, read_only(f"LTVModel.{name}", given, (len(self.t), *shape)))
-        for kind in ("states", "inputs", "disturbances", "outputs"):
-            signals = getattr(self, kind)
-            object.__setattr__(self, kind, as_signals(f"LTVModel.{kind}", signals, len(signals), ""))
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        return names(self.states)
-
-    @property
-    def input_names(self) -> tuple[str, ...]:
-        return names(self.inputs)
-
-    @property
-    def disturbance_names(self) -> tuple[str, ...]:
-        return names(self.disturbances)
-
-    @property
-    def output_names(self) -> tuple[str, ...]:
-        return names(self.outputs)
+        self._check_signals()
 
     def at(self, k: int) -> LinearModel:
         """The model frozen at node k; its f0 is c[k], the rate of a deviation from the moving nominal."""
@@ -190,5 +164,5 @@ def _magnus(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np
     N = np.concatenate([A, G], axis=-1)
     Omega = np.zeros((len(A), N.shape[-1], N.shape[-1]))
     Omega[:, :n] = exponent(N, h)
-    P = sla.expm(Omega)
+    P = linalg.expm(Omega)
     return P[:, :n, :n], P[:, :n, n:]

@@ -12,7 +12,8 @@ import math
 from itertools import pairwise
 
 import numpy as np
-import scipy.linalg as sla
+
+from pliant.plants.core.imports import linalg
 
 GAUSS3 = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])  # three-point Gauss-Legendre nodes on [0, 1]
 TAYLOR = [1.0 / math.factorial(k) for k in range(13)]
@@ -97,7 +98,7 @@ def with_cost(F: np.ndarray, M: np.ndarray, N: np.ndarray, j: int) -> tuple[np.n
     n = F.shape[-1]
     big = np.zeros((*F.shape[:-2], 2 * n, 2 * n))
     big[..., :n, :n], big[..., :n, n:], big[..., n:, n:] = N, M, F
-    parts = sla.expm(big / 2**j)
+    parts = linalg.expm(big / 2**j)
     step = parts[..., n:, n:]
     cost = np.swapaxes(step, -1, -2) @ parts[..., :n, n:]
     for _ in range(j):

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as sla
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_choice, require_count
 
@@ -62,8 +62,8 @@ def eigen(A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray
 
     An eigenvalue is known to 10 eps |A| / |left' right|, a double one to sqrt(10 eps) |A| (Wilkinson 1965).
     """
-    scaled, _ = sla.matrix_balance(A, permute=False)
-    lam, left, right = sla.eig(scaled, left=True, right=True)
+    scaled, _ = linalg.matrix_balance(A, permute=False)
+    lam, left, right = linalg.eig(scaled, left=True, right=True)
     size, eps = np.linalg.norm(scaled), 10 * np.finfo(float).eps
     cosine = np.abs(np.sum(left.conj() * right, axis=0))
     return lam.astype(complex), left.conj(), right, size * np.minimum(eps / np.maximum(cosine, eps), eps**0.5)
@@ -135,7 +135,7 @@ def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tupl
 
 def _gramian_root(A: np.ndarray, B: np.ndarray, discrete: bool) -> np.ndarray:
     """S (nx, nx) with S S^T the reachability Gramian of (A, B)."""
-    W = sla.solve_discrete_lyapunov(A, B @ B.T) if discrete else sla.solve_continuous_lyapunov(A, -B @ B.T)
+    W = linalg.solve_discrete_lyapunov(A, B @ B.T) if discrete else linalg.solve_continuous_lyapunov(A, -B @ B.T)
     return semidefinite_root(W)
 
 
@@ -206,10 +206,10 @@ def _modal(
         distance = np.abs(lam - (complex(re) + 1j * im))
         return bool(distance[kept].min() <= distance[~kept].min())
 
-    T, Z, count = sla.schur(A, output="real", sort=wanted)
+    T, Z, count = linalg.schur(A, output="real", sort=wanted)
     if count != order:
         raise ValueError(f"LinearModel.reduce: order = {order} splits a cluster of equal modes; {count} does not")
-    X = sla.solve_sylvester(T[:order, :order], -T[order:, order:], -T[:order, order:])
+    X = linalg.solve_sylvester(T[:order, :order], -T[order:, order:], -T[:order, order:])
     L, R = Z[:, :order].T - X @ Z[:, order:].T, Z[:, :order]
     if undamped[~kept].any():
         return L, R, np.inf

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.quaternions import skew
 
@@ -57,7 +57,7 @@ def clamped_modes(
     require_count("from_matrices", "modes", modes, 0, len(free))
     if not modes:
         return masses, np.zeros((0, nodes, 3)), np.zeros(0)
-    squares, vectors = scipy.linalg.eigh(
+    squares, vectors = linalg.eigh(
         (Kff + Kff.T) / 2, np.diag(np.repeat(masses[free_nodes], 3)), subset_by_index=[0, modes - 1]
     )
     if squares[0] <= 1e-9 * np.abs(np.diag(Kff)).max() / masses[free_nodes].max():

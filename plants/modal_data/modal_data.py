@@ -16,15 +16,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import read_only
 
 from .component_modes import clamped_modes
 from .from_beams import boom, panel
-from .integrals import integrals
+from .integrals import nodal
 from .nastran import read_nastran
 
 Array = np.ndarray
@@ -110,7 +110,7 @@ class ModalData:
         """Natural frequencies clamped (n,) [rad/s], ascending."""
         if not self.n:
             return np.zeros(0)
-        return np.sqrt(np.maximum(scipy.linalg.eigh(self.stiffness, self.modal_mass, eigvals_only=True), 0.0))
+        return np.sqrt(np.maximum(linalg.eigh(self.stiffness, self.modal_mass, eigvals_only=True), 0.0))
 
     @cached_property
     def pi(self) -> Array:
@@ -183,39 +183,7 @@ class ModalData:
         `frequencies` (n,) [rad/s] of orthogonal modes, or `stiffness` (n, n) [N/m]. `damping`: a ratio for every
         mode, or (n, n) [N s/m]. `shortening` g_kl (n, n, N, 3) [1/m]. `tip`: the node that the outputs watch.
         """
-        r = read_only("ModalData.positions", positions, (-1, 3))
-        dm = read_only("ModalData.masses", masses, (len(r),))
-        phi = read_only("ModalData.shapes", shapes, (-1, len(r), 3))
-        n = len(phi)
-        if (dm < 0).any():
-            raise ValueError(f"ModalData.masses[{int(np.argmin(dm))}] = {dm.min()} must be >= 0 [kg]")
-        require_count("ModalData", "tip", tip, -len(r), len(r) - 1)
-        g = (
-            np.zeros((n, n, len(r), 3))
-            if shortening is None
-            else read_only("shortening", shortening, (n, n, len(r), 3))
-        )
-        found = integrals(r, dm, phi, g)
-        modal_mass = np.einsum("klii->kl", found["overlaps"])
-        if (frequencies is None) == (stiffness is None):
-            raise ValueError("ModalData: exactly one of frequencies [rad/s] and stiffness [N/m] must be given")
-        if stiffness is None:
-            omega = read_only("ModalData.frequencies", frequencies, (n,))
-            stiffness = np.diag(omega**2 * np.diag(modal_mass))
-        K = read_only("ModalData.stiffness", stiffness, (n, n))
-        if np.ndim(damping) == 0:
-            if not 0 <= damping < np.inf:
-                raise ValueError(f"ModalData.damping = {damping!r} must be >= 0 (a ratio)")
-            damping = np.diag(2 * damping * np.sqrt(np.diag(K) * np.diag(modal_mass)))
-        return cls(
-            **found,
-            stiffness=K,
-            damping=damping,
-            tip=r[tip],
-            tip_shapes=phi[:, tip],
-            outline=r,
-            outline_shapes=phi,
-        )
+        return cls(**nodal(positions, masses, shapes, frequencies, stiffness, damping, shortening, tip))
 
     @classmethod
     def boom(cls, beam: Beam, modes: tuple[int, int] = (1, 1)) -> ModalData:

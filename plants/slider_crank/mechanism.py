@@ -140,7 +140,7 @@ class SliderCrankMechanism(LagrangianPlant):
     def state(self, angle: float = 0.0, speed: float | None = None) -> np.ndarray:
         """x (nx,) with the rod straight, the crank at `angle` [rad] and `speed` [rad/s] (None: crank_speed, or 0)."""
         x = np.zeros(self.nx)
-        x[0], x[self.nx // 2] = angle, (self.crank_speed or 0.0) if speed is None else speed
+        x[0], x[self.coordinates_slice.stop] = angle, (self.crank_speed or 0.0) if speed is None else speed
         return x
 
     @cached_property
@@ -186,7 +186,7 @@ class SliderCrankMechanism(LagrangianPlant):
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Crank and bent rod at a state x (nx,): inertial positions (2, points, 2) [m]."""
-        n, q = self.counts[0], x[: self.nx // 2]
+        n, q = self.counts[0], x[self.coordinates_slice]
         pin, frame = (
             np.array(ca.evalf(e)).ravel() for e in (self.pin(ca.SX(q)), ca.vertcat(*self.direction(ca.SX(q))))
         )

@@ -85,7 +85,7 @@ class SliderCrank(SliderCrankMechanism):
         return force
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        n = x.shape[0] // 2
+        n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
         M, r, _, _ = self.equations(t, x, u, w)
         a = self.acceleration(M, r, u)[0]

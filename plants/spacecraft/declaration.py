@@ -17,10 +17,10 @@ from pliant.plants.core.quaternions import matrix
 from pliant.plants.core.signals import Signal, index
 from pliant.plants.dynamics.mechanical import MechanicalPlant
 from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.spacecraft_parts.appendage import Appendage, constant
+from pliant.plants.spacecraft_parts.environment import Environment
+from pliant.plants.spacecraft_parts.hub import Hub
 
-from .appendage import Appendage, constant
-from .environment import Environment
-from .hub import Hub
 from .layout import Layout
 
 KINEMATICS = ("rigid", "linear", "stiffened")

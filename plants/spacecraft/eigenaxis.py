@@ -12,9 +12,9 @@ import numpy as np
 
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.quaternions import product
+from pliant.plants.spacecraft_parts.environment import Environment
 
 from .declaration import SpacecraftDeclaration
-from .environment import Environment
 
 Array = np.ndarray
 

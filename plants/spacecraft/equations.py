@@ -13,8 +13,8 @@ from typing import NamedTuple
 import casadi as ca
 
 from pliant.plants.core.quaternions import cross, matrix, rates
+from pliant.plants.spacecraft_parts.appendage import Appendage, Inertia
 
-from .appendage import Appendage, Inertia
 from .block_arrow import Share, accelerations
 from .declaration import SpacecraftDeclaration
 

@@ -12,9 +12,9 @@ import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from pliant.plants.core import parameters
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.linear_models import check_signals
@@ -235,7 +235,7 @@ def natural_frequencies(craft: SpacecraftDeclaration, x0: Any, p: Any) -> Array:
     both = np.ix_(free, free)
     M = craft.mass_matrix(x, p=p)[both]
     try:
-        squares = scipy.linalg.eigh(K[both], M, eigvals_only=True)
+        squares = linalg.eigh(K[both], M, eigvals_only=True)
     except np.linalg.LinAlgError:
         craft.dynamics(x, p=p)  # says which motion has no inertia
         raise

@@ -28,29 +28,14 @@ from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
-from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.spacecraft_parts.appendage import Appendage
+from pliant.plants.spacecraft_parts.hub import Hub
 
 from . import energies, equations, linearisation
-from .appendage import Appendage, Hinge
 from .contract import SpacecraftContract
-from .environment import Environment, Orbit, Sun, Surface
 from .feedback_model import feedback_model
-from .hub import Hub, Thruster, Wheel
 from .jacobian_blocks import differentiated, residual_function
 
-__all__ = [
-    "Appendage",
-    "Environment",
-    "FlexibleSpacecraft",
-    "Hinge",
-    "Hub",
-    "ModalData",
-    "Orbit",
-    "Sun",
-    "Surface",
-    "Thruster",
-    "Wheel",
-]
 Attitude = Literal["rotation", "quaternion"]
 ATTITUDES = ("rotation", "quaternion")
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable
+from typing import Annotated, Any
 
 import typer
 
@@ -39,7 +40,7 @@ def common(
     """Plants that bend, for people who design controllers."""
 
 
-COMMANDS = {
+COMMANDS: dict[str, Callable[..., Any]] = {
     "scenes": scenes,
     "simulate": models.simulate,
     "linearize": models.linearize,

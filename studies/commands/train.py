@@ -11,7 +11,6 @@ import typer
 
 from pliant.controllers import rl
 from pliant.controllers.learning.evaluation import Training
-from pliant.controllers.learning.settings import PPOSettings, SACSettings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import regulator
@@ -24,39 +23,9 @@ from .options import AsJson, SceneName, Settings
 PICTURE = "curve.png"
 
 
-def train(
-    scene: Scene,
-    algorithm: str = "ppo",
-    *,
-    seed: int = 0,
-    seconds: float | None = None,
-    steps: int | None = None,
-    num_envs: int | None = None,
-    folder: str | Path | None = None,
-    resume: bool = False,
-    threads: int | None = None,
-    settings: PPOSettings | SACSettings | None = None,
-    command: str = "",
-) -> Training:
-    """`pliant.controllers.rl.train` with a bar on stderr, and curve.png in the folder."""
-    with bar(f"train {scene.name}") as tell:
-        found = rl.train(
-            scene,
-            algorithm,
-            seed=seed,
-            seconds=seconds,
-            steps=steps,
-            num_envs=num_envs,
-            folder=folder,
-            resume=resume,
-            threads=threads,
-            settings=settings,
-            command=command,
-            progress=tell,
-        )
-    if folder is not None:
-        style.save(learning_curve(scene, algorithm, found.curve, lqr_cost(scene)), Path(folder) / PICTURE)
-    return found
+def draw(scene: Scene, algorithm: str, found: Training, folder: Path) -> None:
+    """curve.png of a run: its costs beside the scene's LQR."""
+    style.save(learning_curve(scene, algorithm, found.curve, lqr_cost(scene)), folder / PICTURE)
 
 
 def lqr_cost(scene: Scene) -> float | None:
@@ -103,21 +72,24 @@ def command(
     given = {"--seed": seed, "--seconds": seconds, "--steps": steps, "--num-envs": num_envs, "--threads": threads}
     words += [w for key, value in given.items() if value is not None for w in (key, str(value))]
     try:
-        found = train(
-            chosen,
-            algorithm,
-            seed=seed,
-            seconds=seconds,
-            steps=steps,
-            num_envs=num_envs,
-            folder=folder,
-            resume=resume,
-            threads=threads,
-            command=shlex.join(words),
-        )
+        with bar(f"train {chosen.name}") as tell:
+            found = rl.train(
+                chosen,
+                algorithm,
+                seed=seed,
+                seconds=seconds,
+                steps=steps,
+                num_envs=num_envs,
+                folder=folder,
+                resume=resume,
+                threads=threads,
+                command=shlex.join(words),
+                progress=tell,
+            )
     except ImportError as error:
         complain(str(error))
         raise typer.Exit(1) from None
+    draw(chosen, algorithm, found, folder)
     lqr = lqr_cost(chosen)
     if as_json:
         print_json(table(found, lqr))

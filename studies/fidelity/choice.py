@@ -17,7 +17,7 @@ from typing import Any
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant
-from pliant.plants.spacecraft.appendage import Appendage
+from pliant.plants.spacecraft_parts.appendage import Appendage
 from pliant.studies.common.formatting import measured as in_unit
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 

@@ -8,9 +8,9 @@ Lagrange: k1 > k3 > 0.
 import numpy as np
 import pytest
 
-from pliant.plants.spacecraft.environment import Environment, Orbit
-from pliant.plants.spacecraft.hub import Hub
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit
+from pliant.plants.spacecraft_parts.hub import Hub
 
 RATE = 1e-3
 

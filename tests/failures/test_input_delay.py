@@ -57,7 +57,10 @@ def test_it_is_noticed_before_any_simulation(scene, bears):
 
 
 @pytest.mark.parametrize("periods", [1, 2])
-@pytest.mark.parametrize("more", [False, True], ids=["design model", "finer plant"])
+@pytest.mark.parametrize(
+    "more",
+    [pytest.param(False, id="design model"), pytest.param(True, id="finer plant", marks=pytest.mark.campaign)],
+)
 def test_the_predicted_state_holds_near_the_bound(periods, more):
     played = play(REACH, finer(REACH.plant) if more else None)
     law = Predictive.for_scene(REACH, delay=periods)

@@ -9,25 +9,13 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
+from env_cases import IDS, play
 from gymnasium.utils.env_checker import check_env
 
-import pliant.envs
 from pliant.envs import PlantEnv, scenes
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError, StabilityLimitError
 from pliant.plants.core import parameters
-
-IDS = [pliant.envs.environment_id(name) for name in scenes.names()]
-
-
-def play(env: gymnasium.Env, actions: np.ndarray) -> list[tuple]:
-    """Steps until the episode or the actions end."""
-    seen = []
-    for action in actions:
-        seen.append(env.step(action))
-        if seen[-1][2] or seen[-1][3]:
-            break
-    return seen
 
 
 def gentle(scene: Scene, seed: int = 0, size: float = 0.05) -> np.ndarray:

@@ -3,12 +3,12 @@
 import dataclasses
 import math
 
+import beam_elements
 import numpy as np
 import pytest
 import scipy.linalg
 
 from pliant.plants import Beam, Payload, SingleLinkArm, beams
-from pliant.plants.beams import reference_finite_elements
 from pliant.plants.beams.rotating_beam import rotating_frequencies
 
 LOAD = {"tip_mass": 0.7, "tip_inertia": 0.1, "hub_radius": 0.4}
@@ -38,8 +38,8 @@ def test_elements_converge_to_it_at_their_order(plane, stiffened):
     exact = rotating_frequencies(20.0, 3, plane, stiffened, **LOAD)
     meshes, errors = np.array([10, 14, 20, 28]), []
     for n in meshes:
-        squares = reference_finite_elements.lowest(
-            *reference_finite_elements.rotating(20.0, int(n), plane=plane, stiffened=stiffened, **LOAD), 3
+        squares = beam_elements.lowest(
+            *beam_elements.rotating(20.0, int(n), plane=plane, stiffened=stiffened, **LOAD), 3
         )
         errors.append(squares - exact * np.abs(exact))
     slopes = np.polyfit(np.log(meshes), np.log(np.abs(errors)), 1)[0]
@@ -75,9 +75,7 @@ def test_timoshenko_elements_and_limit():
     numbers = {key: THICK[key] for key in ("shear", "rotary", "tip_mass", "tip_inertia")}
     exact = rotating_frequencies(3.0, 3, "lag", **THICK)
     errors = [
-        np.sqrt(reference_finite_elements.lowest(*reference_finite_elements.timoshenko(n, gamma=3.0, **numbers), 3))
-        / exact
-        - 1
+        np.sqrt(beam_elements.lowest(*beam_elements.timoshenko(n, gamma=3.0, **numbers), 3)) / exact - 1
         for n in (6, 12, 24)
     ]
     order = np.log2(np.array(errors)[:-1] / np.array(errors)[1:])
@@ -90,9 +88,9 @@ def test_timoshenko_elements_and_limit():
 def test_timoshenko_flap_keeps_the_spin_of_tilted_sections():
     """d(omega^2)/d(gamma^2) at rest by Rayleigh's quotient with the mode of a mesh: tension less rotary psi^2."""
     shear, rotary, small = 0.05, 0.02, 1e-3
-    K, M = reference_finite_elements.timoshenko(40, shear=shear, rotary=rotary)
+    K, M = beam_elements.timoshenko(40, shear=shear, rotary=rotary)
     squares, vectors = scipy.linalg.eigh(K, M)
-    mesh, mode = reference_finite_elements.Mesh(40), vectors[:, 0]
+    mesh, mode = beam_elements.Mesh(40), vectors[:, 0]
     slope, psi = mesh.cubic(1, False), mesh.quadratic(0)
     dw, turn = slope @ mode[: slope.shape[1]], psi @ mode[slope.shape[1] :]
     tension = (1 - mesh.points**2) / 2

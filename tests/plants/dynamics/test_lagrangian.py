@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pliant.plants import FlexibleSpacecraft, Payload, SingleLinkArm, Trajectory, TwoLinkArm
-from pliant.plants.spacecraft.appendage import Hinge
-from pliant.plants.spacecraft.environment import Environment
+from pliant.plants.spacecraft_parts.appendage import Hinge
+from pliant.plants.spacecraft_parts.environment import Environment
 
 ARM, LINK = TwoLinkArm.textbook(), SingleLinkArm.textbook()
 HUBBED = dataclasses.replace(ARM, modes=(1, 1), hub_inertia=(0.1, 0.02))

@@ -30,8 +30,8 @@ from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import quantity
 from pliant.plants.core.signals import Joint, Signal, Unfelt, per_second
 from pliant.plants.native.batch_kernels import random_points
-from pliant.plants.spacecraft.appendage import Hinge
-from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
+from pliant.plants.spacecraft_parts.appendage import Hinge
+from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
 from pliant.studies.closed_loop.evaluation_scene import play
 from pliant.studies.closed_loop.rollout import rollout

@@ -5,21 +5,10 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
+from chain_cases import BEAM, LOADED, chain
 
-from pliant.plants import LagrangianPlant, LargeDeflectionBeam, Payload, beams
+from pliant.plants import LagrangianPlant, beams
 from pliant.plants.large_deflection.sub_beam_chain import FRAMES, Chain, sub_beam_modes
-
-BEAM = LargeDeflectionBeam.textbook()
-LOADED = dataclasses.replace(
-    BEAM,
-    beam=dataclasses.replace(BEAM.beam, damping=0.01),
-    payload=Payload(mass=0.3, inertia=0.02, offset=(0.1, 0.2, 0.0)),
-    gravity=(1.0, -9.8, 0.0),
-)
-
-
-def chain(segments, modes=2, frame="mean-axis", of=BEAM, **changes):
-    return dataclasses.replace(of, kinematics="substructured", segments=segments, modes=modes, frame=frame, **changes)
 
 
 def released(plant, times):

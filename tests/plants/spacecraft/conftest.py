@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from pliant.plants import Beam
-from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
-from pliant.plants.spacecraft.hub import Hub, Thruster, Wheel
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
 
 BOOM = Beam(length=5.0, area=1e-3, I_y=1e-7, I_z=4e-7, J=4e-7, density=2000.0, E=1e9, G=4e8)
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pliant.plants.spacecraft.energies import conserved
-from pliant.plants.spacecraft.environment import Environment, Sun
-from pliant.plants.spacecraft.hub import Wheel
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.environment import Environment, Sun
+from pliant.plants.spacecraft_parts.hub import Wheel
 
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 

@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from pliant.plants import Beam, MassMatrixError, SingleLinkArm
 from pliant.plants.beams.rotating_beam import rotating_frequencies
 from pliant.plants.modal_data.modal_data import ModalData
-from pliant.plants.spacecraft.appendage import Appendage, Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
-from pliant.plants.spacecraft.hub import Hub
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft_parts.hub import Hub
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "spacecraft.json").read_text())
 BOOM = Beam(length=5.0, area=1e-3, I_y=1e-7, I_z=4e-7, J=4e-7, density=2000.0, E=1e9, G=4e8)

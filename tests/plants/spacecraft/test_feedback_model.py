@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.plants.spacecraft.environment import Environment, Orbit
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit
 
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear", translation=False)
 ORBITING = dataclasses.replace(CRAFT, environment=Environment(orbit=Orbit(rate=1e-3)))

@@ -6,22 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from craft_cases import deviations, motor_hinged, random_nominal, slew
 
 from pliant.plants import MassMatrixError, Trajectory
-from pliant.plants.core.quaternions import matrix_of, product, rates
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
-from pliant.plants.spacecraft.appendage import Hinge
-from pliant.plants.spacecraft.environment import Environment, Orbit
 from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
-from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "spacecraft.json").read_text())
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
-
-
-TEXTBOOK = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 
 
 def nearest(found, wanted):
@@ -69,84 +63,6 @@ def test_a_hinge_that_turns_nothing_has_no_frequency(hinged, axes):
             MassMatrixError, match="no inertia about one of its hinge's axes, or two of these are paral"
         ):
             call()
-
-
-def random_nominal(made, seed=2):
-    """(x, accelerations, RigidNominal of one time) with random rates and accelerations, elastic coordinates zero."""
-    rng, at = np.random.default_rng(seed), made.layout
-    x, a = rng.normal(size=made.nx), rng.normal(size=6 + len(made.coordinates))
-    x[at.quaternion] /= np.linalg.norm(x[at.quaternion])
-    first = at.quaternion.stop - 6
-    for s, r in zip(at.modes, at.mode_rates):
-        x[s] = x[r] = a[s.start - first : s.stop - first] = 0.0
-    R = matrix_of(x[at.quaternion])
-    turns = [a[s.start - first : s.stop - first] for s in at.hinges]
-    nominal = RigidNominal(
-        np.array([0.0]),
-        x[None, at.quaternion],
-        x[None, at.omega],
-        a[None, 3:6],
-        (R @ a[:3])[None],
-        tuple(x[None, s] for s in at.hinges),
-        tuple(x[None, s] for s in at.hinge_rates),
-        tuple(t[None] for t in turns),
-    )
-    return x, a, nominal
-
-
-def quintic(t, end=8.0):
-    """From 0 to 1 with rates and accelerations zero at both ends, and two derivatives."""
-    s = np.asarray(t) / end
-    return (
-        10 * s**3 - 15 * s**4 + 6 * s**5,
-        (30 * s**2 - 60 * s**3 + 30 * s**4) / end,
-        (60 * s - 180 * s**2 + 120 * s**3) / end**2,
-    )
-
-
-def slew(made, t):
-    """A rigid three-axis slew with hinges turning, as another program would give it: the body rates are prescribed."""
-    at, size = made.layout, np.array([1.6, -1.0, 1.2])
-    g, dg, ddg = quintic(t)
-    weights = np.column_stack([1 + 0 * g, 1 + 0.5 * g, 1 - 0.3 * g])  # the axis wanders
-    slopes = np.column_stack([0 * g, 0.5 * dg, -0.3 * dg])
-    omegas, alphas = size * weights * dg[:, None], size * (weights * ddg[:, None] + slopes * dg[:, None])
-
-    def spin(s, q):
-        g, dg, _ = quintic(s)
-        return rates(q) @ (size * np.array([1, 1 + 0.5 * g, 1 - 0.3 * g]) * dg) / 2
-
-    quaternions = solve_ivp(spin, (t[0], t[-1]), [1.0, 0, 0, 0], t_eval=t, rtol=1e-12, atol=1e-14).y.T
-    x, dx = np.zeros((len(t), made.nx)), np.zeros((len(t), made.nx))
-    x[:, at.quaternion] = quaternions / np.linalg.norm(quaternions, axis=1)[:, None]
-    x[:, at.omega], dx[:, at.omega] = omegas, alphas
-    dx[:, at.quaternion] = np.einsum("tij,tj->ti", rates(x[:, at.quaternion]), x[:, at.omega]) / 2
-    for s, r in zip(at.hinges, at.hinge_rates):
-        x[:, s], x[:, r], dx[:, r] = (0.5 * v[:, None] for v in (g, dg, ddg))
-        dx[:, s] = x[:, r]
-    return Trajectory.from_arrays(t, x, np.zeros((len(t), made.nu)), plant=made, dx=dx)
-
-
-def deviations(made, nominal, x):
-    """[y, dy/dt] of states x (nt, nx) from a nominal, not linearised in the turn."""
-    at = made.layout
-    q0, q1 = nominal.x[:, at.quaternion], x[:, at.quaternion]
-    back = q0 * [1, -1, -1, -1]
-    turn = product(back, q1)
-    out = np.delete(x - nominal.x, at.quaternion.start, axis=1)
-    q = 2 * turn[:, 1:] * np.sign(turn[:, :1])
-    out[:, at.quaternion.start : at.quaternion.stop - 1] = q
-    out[:, at.omega.start - 1 : at.omega.stop - 1] -= np.cross(nominal.x[:, at.omega], q)
-    return out
-
-
-def motor_hinged(factor=1.0):
-    hinge = Hinge(axes=((0.0, 1.0, 0.0),), drive="torque", damping=0.5, stiffness=20.0)
-    parts = (
-        dataclasses.replace(TEXTBOOK.appendages[0], hinge=hinge, damping=0.01, stiffness_factor=factor),
-        dataclasses.replace(TEXTBOOK.appendages[1], damping=0.01, stiffness_factor=factor),
-    )
-    return dataclasses.replace(TEXTBOOK, appendages=parts, translation=False)
 
 
 def test_a_jump_in_the_nominal_is_carried():

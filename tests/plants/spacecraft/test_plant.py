@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from pliant.plants.spacecraft.appendage import Hinge
+from pliant.plants.spacecraft_parts.appendage import Hinge
 
 
 def test_varied_parameters(hinged, anywhere):

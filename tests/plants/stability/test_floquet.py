@@ -11,8 +11,8 @@ from scipy.special import mathieu_a, mathieu_b
 
 from pliant.plants import LTVModel, Trajectory
 from pliant.plants.linear.lti import LinearModel
-from pliant.plants.spacecraft.appendage import Hinge
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.appendage import Hinge
 from pliant.plants.stability import assess, floquet
 from pliant.plants.stability.floquet import monodromy, periodic_path
 

@@ -46,7 +46,13 @@ def tip(scene, plant):
     return np.stack([motion[name] for name in scene.compare])
 
 
-@pytest.fixture(scope="module", params=scenes.names())
+SAMPLE = ("single-link-slew", "slider-crank-run")  # of scenes, in `make test`; the others in `make campaign`
+
+
+@pytest.fixture(
+    scope="module",
+    params=[*SAMPLE, *(pytest.param(n, marks=pytest.mark.campaign) for n in scenes.names() if n not in SAMPLE)],
+)
 def case(request):
     scene = scenes.get(request.param, **({"duration": 600.0} if request.param == "spacecraft-orbit" else {}))
     return scene, choose(scene)
@@ -87,6 +93,7 @@ def test_choice_is_json_and_text(case):
     assert choice.plant.label in choice.text and "Left out: " in choice.text
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("case", ["two-link-reach"], indirect=True)
 def test_two_rungs_that_agree_and_are_both_wrong_are_not_taken(case):
     """Linear kinematics with two and with three polynomials agree, but both lack the shortening."""

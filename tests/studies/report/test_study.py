@@ -16,7 +16,9 @@ SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
 PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder"}
 
 
-@pytest.fixture(scope="module", params=SHORT)
+@pytest.fixture(
+    scope="module", params=[pytest.param("spacecraft-spin", marks=pytest.mark.campaign), "spacecraft-orbit"]
+)
 def made(request, tmp_path_factory):
     """A scene, its report's folder and the page's text."""
     scene = scenes.get(request.param, duration=SHORT[request.param])

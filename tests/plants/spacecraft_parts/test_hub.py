@@ -2,7 +2,7 @@
 
 import pytest
 
-from pliant.plants.spacecraft.hub import Hub, Wheel
+from pliant.plants.spacecraft_parts.hub import Hub, Wheel
 
 BAD_HUB = {
     "no body": (

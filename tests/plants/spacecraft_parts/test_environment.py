@@ -6,9 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from pliant.plants.spacecraft.environment import Environment, Orbit, Sun, Surface
-from pliant.plants.spacecraft.hub import Hub
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
+from pliant.plants.spacecraft_parts.hub import Hub
 
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 

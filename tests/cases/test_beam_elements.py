@@ -1,9 +1,9 @@
 """The reference elements converge at their order."""
 
+import beam_elements
 import numpy as np
 import pytest
 
-from pliant.plants.beams import reference_finite_elements
 from pliant.plants.beams.offset_payload_roots import OffsetPayload
 
 CASES = (
@@ -32,11 +32,7 @@ def test_beam_elements_converge_to_the_roots_at_their_order(reference, case):
     roots = s.roots(6)
     meshes = np.array([8, 12, 16, 24])
     errors = np.array(
-        [
-            reference_finite_elements.lowest(*reference_finite_elements.bending_torsion(s, int(n)), 6) ** 0.25 / roots
-            - 1
-            for n in meshes
-        ]
+        [beam_elements.lowest(*beam_elements.bending_torsion(s, int(n)), 6) ** 0.25 / roots - 1 for n in meshes]
     )
     assert np.all(errors > -1e-10) and np.all(errors[-1] < 1e-4)  # from above, as Ritz's do
     seen = errors[-1] > 1e-8

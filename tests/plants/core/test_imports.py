@@ -1,6 +1,8 @@
-"""Modules of 0.1 under their old names are the modules that stand in the rooms."""
+"""Modules of 0.1 under their old names are the modules in the rooms; late modules are imported by their first use."""
 
+import copy
 import importlib
+import pickle
 import subprocess
 import sys
 
@@ -10,9 +12,10 @@ import pliant.controllers
 import pliant.envs
 import pliant.plants
 import pliant.studies  # noqa: F401  (each registers its old names)
-from pliant.plants.core import moved
+from pliant.plants.core import imports
+from pliant.plants.core.imports import Late
 
-OLD = sorted(moved._finder.places.items())
+OLD = sorted(imports._finder.places.items())
 
 
 @pytest.mark.parametrize(("old", "new"), OLD, ids=[old for old, _ in OLD])
@@ -43,3 +46,29 @@ def test_the_script_that_imports_is_the_one_that_is_warned(tmp_path):
     done = subprocess.run([sys.executable, "-W", "default", script], capture_output=True, text=True, timeout=60)
     assert done.stdout.strip() == "StepSensitivities"
     assert "old.py:1: DeprecationWarning: pliant.plants.sensitivities has moved" in done.stderr
+
+
+def test_an_attribute_is_the_modules_own():
+    import fractions
+
+    late = Late("fractions")
+    assert late.Fraction is fractions.Fraction
+    assert vars(late)["Fraction"] is fractions.Fraction  # kept: asked for once
+
+
+def test_what_is_not_there_is_said():
+    with pytest.raises(AttributeError, match="fractions"):
+        _ = Late("fractions").no_such_name
+    with pytest.raises(ModuleNotFoundError, match="no_such_module"):
+        _ = Late("no_such_module").anything
+
+
+def test_copies_and_pickles_import_nothing():
+    twin = pickle.loads(pickle.dumps(copy.deepcopy(Late("no_such_module"))))
+    assert vars(twin) == {"_name": "no_such_module"}
+
+
+def test_plants_import_no_scipy():
+    code = "import sys, pliant.plants; print(sorted(m for m in sys.modules if m.split('.')[0] == 'scipy'))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.stdout.strip() == "[]", done.stdout + done.stderr

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
+from pliant.plants.beams.offset_payload_roots import OffsetPayload
 from pliant.plants.core.parameters import require_count
-
-from .offset_payload_roots import OffsetPayload
 
 _POINT, _WEIGHT = np.polynomial.legendre.leggauss(5)
 _S, _W = (1 + _POINT) / 2, _WEIGHT / 2

@@ -1,8 +1,10 @@
-"""Modules under the names that they had before the rooms: `pliant.plants.sensitivities` is
-`pliant.plants.integration.step_sensitivities`.
+"""Imports of two kinds of their own: modules that are imported when they are first used, and old names of modules.
 
-The old name imports the same module object, with a DeprecationWarning that says the new one. A name that is now a room
-(`pliant.plants.linear`) is not served here: the room exports what the module did.
+Late    `linalg.expm` imports scipy.linalg, which costs as much as half of `import pliant.plants` without it
+serve   modules under the names that they had before the rooms: `pliant.plants.sensitivities` is
+        `pliant.plants.integration.step_sensitivities`. The old name imports the same module object, with a
+        DeprecationWarning that says the new one. A name that is now a room (`pliant.plants.linear`) is not served
+        here: the room exports what the module did.
 """
 
 from __future__ import annotations
@@ -15,6 +17,24 @@ import warnings
 from collections.abc import Mapping, Sequence
 from importlib.machinery import ModuleSpec
 from types import ModuleType
+from typing import Any
+
+
+class Late:
+    """Stands for a module; the first attribute that is asked for imports it."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __getattr__(self, attribute: str) -> Any:
+        if attribute.startswith("__"):  # copy, pickle and inspect ask; no reason to import
+            raise AttributeError(attribute)
+        found = getattr(importlib.import_module(self._name), attribute)
+        setattr(self, attribute, found)
+        return found
+
+
+linalg = Late("scipy.linalg")
 
 
 class _Moved(importlib.abc.MetaPathFinder, importlib.abc.Loader):

@@ -1,0 +1,134 @@
+"""What a planar arm of two flexible links is: its parameters, its signals and its shape functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from pliant.plants import beams
+from pliant.plants.beams.elastic_link import ElasticLink
+from pliant.plants.beams.payload import Payload
+from pliant.plants.beams.section import Beam
+from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
+from pliant.plants.core.signals import Sensed, Signal
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
+
+REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
+KINEMATICS = ("linear", "stiffened")
+BASES = {"clamped-free": 40, "payload": 40, "polynomial": 20}  # basis: most modes a link
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoLinkDeclaration(LagrangianPlant):
+    """Links, joints and payload; `TwoLinkArm` adds their energies and loads."""
+
+    link1: Beam
+    link2: Beam
+    joint_mass: float = quantity("kg", "nonnegative", 0.0)  # point mass at joint 2
+    payload: Payload = field(default_factory=Payload)
+    hub_inertia: tuple[float, float] = quantity("kg m^2", "nonnegative", (0.0, 0.0))  # turns with the link's root
+    joint_friction: tuple[float, float] = quantity("N m s/rad", "nonnegative", (0.0, 0.0))
+    gravity: float = quantity("m/s^2", "finite", 9.81)  # along -y
+    tip_slope: bool = True  # the slope of link 1's tip turns link 2 (the paper leaves it out)
+    reduction: str = "full"
+    kinematics: str = "linear"
+    basis: str = "clamped-free"
+    modes: tuple[int, int] = (2, 2)
+
+    def __post_init__(self) -> None:
+        validate(self)
+        for name, choices in (
+            ("tip_slope", (True, False)),
+            ("reduction", REDUCTIONS),
+            ("kinematics", KINEMATICS),
+            ("basis", tuple(BASES)),
+        ):
+            require_choice("TwoLinkArm", name, getattr(self, name), choices)
+        for name in ("hub_inertia", "joint_friction", "modes"):
+            if not isinstance(getattr(self, name), tuple) or len(getattr(self, name)) != 2:
+                raise ValueError(f"TwoLinkArm.{name} = {getattr(self, name)!r} must be a tuple of 2 numbers")
+        for i, n in enumerate(self.modes):
+            require_count("TwoLinkArm", f"modes[{i}]", n, 0, BASES[self.basis])
+
+    @property
+    def mode_counts(self) -> tuple[int, int]:
+        """Elastic coordinates of each link."""
+        return (0, 0) if self.reduction == "rigid" else self.modes
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        n1, n2 = self.mode_counts
+        return (
+            Signal("theta1", "rad"),
+            Signal("theta2", "rad"),
+            *(Signal(f"q1{i + 1}", "m") for i in range(n1)),
+            *(Signal(f"q2{i + 1}", "m") for i in range(n2)),
+        )
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        return Signal("tau1", "N m"), Signal("tau2", "N m")
+
+    @property
+    def disturbances(self) -> tuple[Signal, ...]:
+        return Signal("tip_force_x", "N"), Signal("tip_force_y", "N")
+
+    @property
+    def outputs(self) -> tuple[Signal, ...]:
+        return (
+            Signal("theta1", "rad"),
+            Signal("theta2", "rad"),
+            Signal("tip1_deflection", "m"),
+            Signal("tip2_deflection", "m"),
+            Signal("tip1_deflection_rate", "m/s"),
+            Signal("tip2_deflection_rate", "m/s"),
+            Signal("tip_x", "m"),
+            Signal("tip_y", "m"),
+            Signal("root1_curvature", "1/m"),
+            Signal("root2_curvature", "1/m"),
+            Signal("tip_acceleration", "m/s^2"),
+        )
+
+    def sensors(self) -> tuple[Sensed, ...]:
+        return (
+            Sensed("encoder", "theta1"),
+            Sensed("encoder", "theta2"),
+            Sensed("strain gauge", "root1_curvature", scale=1 / self.link1.half_depth),
+            Sensed("strain gauge", "root2_curvature", scale=1 / self.link2.half_depth),
+            Sensed("accelerometer", "tip_acceleration"),
+        )
+
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        return "tip1_deflection", "tip2_deflection"
+
+    @property
+    def output_rates(self) -> dict[str, str]:
+        return {name: f"{name}_rate" for name in self.deflections}
+
+    @property
+    def label(self) -> str:
+        if self.reduction == "rigid" or self.modes == (0, 0):
+            return "rigid"
+        stage = "" if self.reduction == "full" else f", {self.reduction}"
+        slope = "" if self.tip_slope else ", no tip slope"
+        return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{stage}{slope}"
+
+    @cached_property
+    def links(self) -> tuple[ElasticLink, ElasticLink]:
+        """Both links with their shape functions, which come from the nominal parameters."""
+        own = self.nominal
+        n1, n2 = own.mode_counts
+        stiffened = self.kinematics == "stiffened"
+        a, b, load = own.link1, own.link2, own.payload
+        carried = own.joint_mass + b.mass + load.mass
+        shapes1 = beams.basis(self.basis, n1, **_ratios(self.basis, a, carried, 0.0))
+        shapes2 = beams.basis(self.basis, n2, **_ratios(self.basis, b, load.mass, load.inertia_z))
+        return ElasticLink(self.link1, shapes1, stiffened), ElasticLink(self.link2, shapes2, stiffened)
+
+
+def _ratios(basis: str, link: Beam, mass: float, inertia: float) -> dict[str, float]:
+    """What the loaded link's modes depend on; the other bases need nothing."""
+    if basis != "payload":
+        return {}
+    return {"tip_mass_ratio": mass / link.mass, "tip_inertia_ratio": inertia / (link.mass * link.length**2)}

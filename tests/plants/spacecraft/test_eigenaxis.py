@@ -1,0 +1,50 @@
+"""A slew about one axis fixed in the body: the rigid spacecraft is brought from rest to rest exactly."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pliant.plants import FlexibleSpacecraft, Wheel
+from pliant.plants.spacecraft.eigenaxis import slew
+
+CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="rigid", translation=False)
+TIME = 20.0
+
+
+def turned(axis, angle):
+    """The state at rest, turned by `angle` [rad] about a unit axis."""
+    q = np.r_[np.cos(angle / 2), np.sin(angle / 2) * np.asarray(axis)]
+    return CRAFT.state({f"quaternion_{k}": float(v) for k, v in enumerate(q)})
+
+
+@pytest.mark.parametrize(
+    ("axis", "angle"), [((1.0, 0.0, 0.0), 0.7), ((0.0, 0.6, 0.8), 2.5), ((0.48, -0.6, 0.64), -1.9)]
+)
+def test_it_ends_where_it_should_at_rest_and_turns_about_one_axis(axis, angle):
+    """The final attitude is the quaternion of the turn (Euler's theorem); on the way the rate keeps its direction."""
+    torque = slew(CRAFT, CRAFT.state(), turned(axis, angle), TIME)
+    motion = CRAFT.simulate(CRAFT.state(), torque, np.linspace(0.0, TIME, 41))
+    at = CRAFT.layout
+    end, want = motion.x[-1, at.quaternion], turned(axis, angle)[at.quaternion]
+    np.testing.assert_allclose(end * np.sign(end @ want), want, atol=1e-8)
+    np.testing.assert_allclose(motion.x[-1, at.omega], 0.0, atol=1e-9)
+    rates = motion.x[1:-1, at.omega]
+    across = rates - np.outer(rates @ axis, axis)
+    assert np.abs(across).max() < 1e-8 * np.abs(rates).max() + 1e-10
+    assert np.sign(rates[20] @ axis) == np.sign(angle)
+
+
+def test_the_shorter_way_round_is_taken():
+    """A turn by 350 degrees is one by -10: its torque is that of the small turn."""
+    far, near = (
+        slew(CRAFT, CRAFT.state(), turned((0.0, 0.0, 1.0), a), TIME) for a in (np.deg2rad(350), np.deg2rad(-10))
+    )
+    np.testing.assert_allclose(far(3.0), near(3.0), atol=1e-9 * np.abs(near(3.0)).max())
+
+
+def test_wheels_are_refused():
+    hub = dataclasses.replace(CRAFT.hub, wheels=(Wheel(axis=(0.0, 0.0, 1.0), inertia=0.1),))
+    craft = dataclasses.replace(CRAFT, hub=hub)
+    with pytest.raises(ValueError, match="without loads and wheels"):
+        slew(craft, craft.state(), craft.state(), TIME)
