@@ -123,7 +123,8 @@ def test_equal_modes_that_do_not_share_a_direction_stay_bounded():
 def test_a_drift_that_starts_late_is_drift(onset, rate):
     """x' = g(t) v, v' = 0: bounded for bounded v. ln|Phi| rises, but as much over half the window as over all."""
     t = np.linspace(0, 10, 401)
-    A = np.zeros((401, 2, 2))
+    A = np.zeros((401, 3, 3))
+    A[:, 2, 2] = -0.3 - 0.1 * np.sin(t)  # beside one that decays
     A[:, 0, 1] = rate / (1 + np.exp(-5 * (t - onset)))
     found = assess(model_of(t, A))
     assert found.verdict == "undecided" and not found.evidence["growth"].compounds

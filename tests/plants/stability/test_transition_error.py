@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 from pliant.plants.stability.state_matrix_path import Path
-from pliant.plants.stability.transition_error import monodromy, transition
+from pliant.plants.stability.transition_error import _higher, monodromy, transition
 
 
 def switched(rng, n=3):
@@ -48,6 +48,18 @@ def test_jumps_of_the_state_and_pieces(seed):
     for Phi in found.Phi:
         product = Phi @ product
     np.testing.assert_allclose(product, wanted, atol=1e-13)
+
+
+@pytest.mark.parametrize("error", (0.1, 1.0, 3.0))
+@pytest.mark.parametrize("m", (8, 64))
+def test_higher_orders_in_closed_form(error, m):
+    """x' = a x with a + e in place of a: e^a (e^e - 1) in all, e^a e of the first order."""
+    a, one = -0.7, np.ones((m, 1, 1))
+    t = np.arange(m + 1)[:, None, None] / m
+    F, B = np.exp(a * t), np.exp(a * (1 - t))
+    rest = _higher(np.exp(a / m) * one, error / m * one, np.maximum(F[:-1], F[1:]), np.maximum(B[:-1], B[1:]))
+    exact = np.exp(a) * (np.expm1(error) - error)
+    assert exact <= rest[0, 0] < (1.3 if m == 64 else 4) * exact
 
 
 def test_zeros_that_are_meant_stay_zero():
