@@ -90,10 +90,8 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
     n, edge = len(M), 0.0 if line else 1.0
     if n == 1:
         lam, error = M[0].astype(complex), D[0] + 2 * EPS * np.abs(M[0])
-        size, e = float(_size(lam, line)[0]), float(error[0])
-        return Bounds(
-            lam, error, np.ones((1, 1)), (np.zeros(1, int),), size + e < edge, size - e > edge, size - e, size + e
-        )
+        at, e = float(_size(lam, line)[0]), float(error[0])
+        return Bounds(lam, error, np.ones((1, 1)), (np.zeros(1, int),), at + e < edge, at - e > edge, at - e, at + e)
     _, (scale, _) = sla.matrix_balance(np.abs(M) + D, permute=False, separate=True)
     scale = scale if np.isfinite(scale).all() and (scale > 0).all() else np.ones(n)
     M, D = M * scale / scale[:, None], D * scale / scale[:, None]
@@ -113,9 +111,9 @@ def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
             inside = separated(M, ball, edge, line) or separated(*_triangular(M, ball), edge, line)
             most = min(most, edge - SMALL) if inside else most
         elif size.max() > edge:
-            far = size.max()
             outside = not line and _grows(M, ball)
-            radii = edge + (far - edge) * np.array([0.0, 0.06, 0.25, 0.5, 0.75, 0.9]) if not outside else []
+            least = max(least, edge + SMALL) if outside else least
+            radii = edge + (size.max() - edge) * np.array([0.0, 0.06, 0.25, 0.5, 0.75, 0.9]) if not outside else []
             for r in radii:
                 if separated(M, ball, r, line):
                     outside, least = True, max(least, r + SMALL)
@@ -171,7 +169,7 @@ def _grows(M: np.ndarray, D: np.ndarray) -> bool:
     """Whether a power of every member has a trace beyond n: its largest eigenvalue is at least |trace|/n."""
     P, E = M, D
     for _ in range(4):
-        if abs(float(np.trace(P))) - float(np.trace(E)) > len(M):
+        if abs(float(np.trace(P))) - float(np.trace(E)) > len(M) * (1 + 1e-6):
             return True
         P, E = P @ M, E @ (np.abs(M) + D) + np.abs(P) @ D
     return False

@@ -131,7 +131,7 @@ def _rates(paths: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
         if path.constant:
             continue
         for column in np.flatnonzero(path.rows == path.columns):
-            whole, area = path.values.integral(column)
+            whole, area = path.values.integral(int(column))
             rate[path.rows[column]] += whole
             error[path.rows[column]] += area
     return rate, error
