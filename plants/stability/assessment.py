@@ -8,9 +8,13 @@ Frozen-time eigenvalues alone never decide.
 
 stable      every deviation decays; on a nominal that is not periodic: ends smaller than it began, or falls in the
             measure V of slow variation
-unstable    some deviation grows; on a nominal that is not periodic: by GROWN and faster than drift does
-marginal    the slowest neither decays nor grows, as far as rounding lets one tell (undamped, or free to drift)
+unstable    some deviation grows; on a nominal that is not periodic: by GROWN, and so that growth builds on growth,
+            which drift (a power of time, however late it starts) does not
+marginal    the slowest cannot be told from one that neither decays nor grows, to within a small error that is said:
+            undamped, or free to drift. `Verdict.growth` tells drift (polynomial) from what stays bounded
 undecided   none of these is shown
+
+Stable and unstable hold for every A(t) that its nodes allow (`interpolation`, `transition_error`, `eigenvalue_bounds`).
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.linear import modal_analysis
+from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
 from .floquet import Floquet, floquet
@@ -35,14 +39,14 @@ from .frozen_time import (
 )
 from .lyapunov_certificate import Certificate, certified, lyapunov
 from .periodicity import varying
-from .state_matrix_path import Model, as_pieces, kept
+from .state_matrix_path import Model, Path, as_pieces, kept, scaling
+from .transition_error import transition
 from .transition_growth import Growth, grown, growth
-from .verdict import METHODS, Verdict
+from .verdict import METHODS, Verdict, degree, of_constant
 
-GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable ..
-LATE = 4.0  # .. if so much of it falls into the second half: drift with time, or its square, does not pass that
-POINTS, MOST_POINTS = 200, 2000  # times of a period at which growth is taken beside Floquet's answer
-SOME = 64  # and times at which frozen roots are
+GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable, if it compounds
+POINTS, MOST_POINTS = 200, 2000  # times at which frozen roots are taken, of a period at which growth is, at most
+SOME, LARGE = 64, 40  # times of a period at which frozen roots are, an eighth of them beyond so many states
 FEW_STEPS = 256  # a certificate beside Floquet's answer is only sought with so many steps ..
 OPEN_STEPS = 2048  # .. and with so many on a nominal that is not periodic
 
@@ -59,25 +63,44 @@ def assess(
 ) -> Verdict:
     """The verdict on a LinearModel, an LTVModel, or pieces joined by jumps.
 
-    `period` [s] of A(t), None: found where there is one; `periodic=False`: the nominal is what it is and not repeated.
-    `states` keeps only those: right where the others do not feel them. `coordinates` says in words what the states are
-    measured in. `window` [s] of the growth. thorough=False stops at the method that decides.
+    `period` [s] of A(t), None: found where there is one; of pieces: all of them, or some that are repeated.
+    `periodic=False`: the nominal is what it is and not repeated; True: ValueError where no period is found, and pieces
+    are taken as one period. `states` keeps only those, a part that does not feel the others (ValueError else).
+    `coordinates` says in words what the states are measured in. `window` [s] of the growth. thorough=False stops at
+    the method that decides. ValueError for what cannot have an effect: a window or a period of a constant model's
+    growth, a period of a nominal that is not repeated.
     """
+    if periodic is False and period is not None:
+        raise ValueError(f"assess.period = {period:g} s of a nominal that is not repeated (periodic=False)")
     if isinstance(model, LinearModel):
-        return _constant(model, states, coordinates)
+        if window is not None:
+            raise ValueError(f"assess.window = {window:g} s: a LinearModel has no nominal to take windows of")
+        if period is not None and (model.dt is not None or not 0 < period < np.inf):
+            raise ValueError(f"assess.period = {period!r} must be > 0 [s], and a sampled model has none")
+        return of_constant(model, states, coordinates)
     joined = as_pieces(model)
     if len(joined.pieces) == 1 and not varying(joined.pieces[0])[0].shape[1]:
-        return _constant(joined.pieces[0].at(0), states, coordinates)
+        span = float(joined.pieces[0].t[-1] - joined.pieces[0].t[0])
+        if period is not None and not 0 < period <= span * (1 + 1e-9):
+            raise ValueError(f"floquet.period = {period!r} must be > 0 and at most {span:.6g} s")
+        if window is not None and not 0 < window <= span * (1 + 1e-9):
+            raise ValueError(f"growth.window = {window:.6g} must be > 0 and at most {span:.6g} s")
+        spread = np.ptp(joined.pieces[0].A, axis=0)  # rounding, or what units make small
+        still = of_constant(joined.pieces[0].at(0), states, coordinates, spread)
+        if still.verdict != "undecided" or not spread.any():
+            return still
     said: dict[str, str] = {"eigenvalues": "A varies"}
     evidence: dict[str, Any] = {}
     cycle = None
     if periodic is False:
         said["floquet"] = "told that the nominal is not repeated"
-    elif len(joined.pieces) > 1:
+    elif len(joined.pieces) > 1 and period is None and not periodic:
         said["floquet"] = "the nominal has jumps"
     else:
+        if len(joined.pieces) > 1 and period is None:
+            period = float(joined.pieces[-1].t[-1] - joined.pieces[0].t[0])
         try:
-            cycle = floquet(joined.pieces[0], period, states=states)
+            cycle = floquet(joined, period, states=states)
         except ValueError as refusal:
             if periodic or period is not None:
                 raise
@@ -104,25 +127,7 @@ def assess(
     evidence["frozen_time"] = frozen_time(
         joined, states=states, coordinates=coordinates, points=None if thorough else POINTS
     )
-    return _open(evidence, said)
-
-
-def _constant(model: LinearModel, states: Sequence[str] | None, coordinates: str | None) -> Verdict:
-    keep = kept(model, states)
-    A = model.A[np.ix_(keep, keep)]
-    lam, _, _, rounding = modal_analysis.eigen(A)
-    size = lam.real if model.dt is None else np.log(np.maximum(np.abs(lam), 1e-300)) / model.dt
-    fuzz = rounding if model.dt is None else rounding / model.dt
-    grows, stays = size > fuzz, np.abs(size) <= fuzz
-    verdict = "unstable" if grows.any() else "marginal" if stays.any() else "stable"
-    rate = float(size[grows].max()) if grows.any() else 0.0 if stays.any() else float(size.max(initial=-np.inf))
-    words = {"unstable": f"the fastest grows at {rate:.4g} 1/s", "stable": f"the slowest decays at {-rate:.4g} 1/s"}
-    count = int(stays.sum())
-    words["marginal"] = f"{count} of {len(lam)} eigenvalues on the imaginary axis, the others decay"
-    reasons = dict.fromkeys(METHODS[1:], "the model is constant: its eigenvalues decide")
-    evidence: dict[str, Any] = {"eigenvalues": lam}
-    said = coordinates or said_coordinates(model, states)
-    return Verdict(verdict, "eigenvalues", -rate, (), words[verdict], reasons, evidence, said)
+    return _open(joined, states, evidence, said)
 
 
 def _beside(
@@ -135,23 +140,33 @@ def _beside(
     said: dict[str, str],
 ) -> None:
     """What the other methods say of a periodic model; they do not decide."""
+    if len(cycle.paths) > 1:
+        evidence["frozen_time"] = frozen_time(joined, states=states, coordinates=coordinates)
+        said["slow_variation"] = said["lyapunov"] = "the nominal has jumps"
+        evidence["growth"] = growth(joined, window, states=states)
+        return
     path, t0 = cycle.path, cycle.path.t[0]
-    few = t0 + np.linspace(0.0, cycle.period, SOME + 1)
+    few = t0 + np.linspace(0.0, cycle.period, (SOME if path.n <= LARGE else SOME // 8) + 1)
     said_in = coordinates or said_coordinates(joined, states)
     evidence["frozen_time"] = frozen_along(path, few, said_in)
     if evidence["frozen_time"].suggests == "stable":
         evidence["slow_variation"] = slow_along(path, few)
     else:
         said["slow_variation"] = "frozen roots are not all in the left half-plane"
-    steps = max(cycle.steps, POINTS)
-    few = min(steps, MOST_POINTS)
-    edges = t0 + np.linspace(0.0, cycle.period, few + 1)
+    m = len(cycle.transitions)
+    edges = np.unique(np.linspace(0, m, min(m, MOST_POINTS) + 1).astype(int))
     try:
-        evidence["growth"] = grown(edges, path.between(edges, -(-steps // few)), path.scale, window)
+        Phi = magnus.grouped(cycle.transitions, edges)
+        evidence["growth"] = grown(cycle.times[edges], Phi, path.scale, window)
     except ValueError as failure:
+        if window is not None:
+            raise
         said["growth"] = str(failure)
     if cycle.verdict != "stable":
         said["lyapunov"] = f"no certificate where Floquet says {cycle.verdict}"
+        return
+    if path.n > LARGE:
+        said["lyapunov"] = f"not needed: Floquet decides, and it costs much with {path.n} states"
         return
     found = certified(path, cycle.period, most=FEW_STEPS)
     if found:
@@ -161,51 +176,92 @@ def _beside(
 
 
 def _periodic(cycle: Floquet, evidence: dict[str, Any], said: dict[str, str]) -> Verdict:
-    sizes = np.abs(cycle.multipliers)
-    margin = 0.0 if cycle.verdict == "marginal" else -cycle.growth
+    sizes, verdict = np.abs(cycle.multipliers), cycle.verdict
+    margin = 0.0 if verdict == "marginal" else -cycle.growth
+    near = cycle.on_circle
+    error = float(cycle.error[near].max(initial=0.0))
+    power = degree(cycle.monodromy, cycle.multipliers, cycle.error, near) if verdict == "marginal" else 0
     words = {
-        "stable": f"the largest multiplier is {sizes[0]:.6g}, the slowest mode decays at {margin:.4g} 1/s",
-        "unstable": f"{int(cycle.outside.sum())} multipliers outside the unit circle, the largest {sizes[0]:.6g}",
-        "marginal": f"{int(cycle.on_circle.sum())} of {len(sizes)} multipliers on the unit circle, none outside",
-        "undecided": f"multipliers are known to {cycle.error.max():.2g} only: more nodes in a period would help",
+        "stable": f"the largest multiplier is {sizes.max(initial=0.0):.6g}, at most {cycle.most:.6g}; the slowest mode "
+        f"decays at {margin:.4g} 1/s",
+        "unstable": f"{int(cycle.outside.sum())} multipliers outside the unit circle, the largest "
+        f"{sizes.max(initial=0.0):.6g}, at least {cycle.least:.6g}",
+        "marginal": f"{int(near.sum())} of {len(sizes)} multipliers on the unit circle, none outside; not to be told "
+        f"from it to within {error:.2g}",
+        "undecided": f"the largest multiplier, {sizes.max(initial=0.0):.6g}, is known to "
+        f"{cycle.error[sizes.argmax()]:.2g} only: more nodes in a period would help",
     }
-    decided = "" if cycle.verdict == "undecided" else "floquet"
-    why = f"{words[cycle.verdict]}; period {cycle.period:.6g} s ({cycle.source})"
-    return _made(cycle.verdict, decided, margin, why, evidence, said)
+    if power:
+        words["marginal"] += f"; they share directions: deviations may grow like t^{power}, no exponential is shown"
+    kinds = {"stable": "decays", "unstable": "exponential", "marginal": "polynomial" if power else "bounded"}
+    decided = "" if verdict == "undecided" else "floquet"
+    why = f"{words[verdict]}; period {cycle.period:.6g} s ({cycle.source})"
+    bound = -cycle.growth_bound
+    return _made(verdict, decided, margin, why, evidence, said, bound, kinds.get(verdict, "unknown"))
 
 
-def _open(evidence: dict[str, Any], said: dict[str, str]) -> Verdict:
+def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], said: dict[str, str]) -> Verdict:
     """The verdict over the span of a nominal that is not periodic."""
     slow: SlowVariation = evidence["slow_variation"]
     shown: Certificate | None = evidence.get("lyapunov")
     grown: Growth | None = evidence.get("growth")
-    if slow:
+    duration = float(joined.pieces[-1].t[-1] - joined.pieces[0].t[0])
+    paths, jumps = _paths(joined, states)
+    hidden = sum(float(np.linalg.norm(path.area(), axis=(1, 2)).sum()) for path in paths)
+    why = ""
+    if slow and slow.decay * duration > 4 * hidden:
         why = f"A varies slowly enough for its frozen roots to decide: {slow.why}; V proves {slow.decay:.4g} 1/s"
-        return _made("stable", "slow_variation", slow.decay, why, evidence, said)
+        return _made("stable", "slow_variation", slow.decay, why, evidence, said, slow.decay, "decays")
     if shown is not None and shown and shown.contraction < 1:
-        duration = float(shown.t[-1] - shown.t[0])
-        margin = -float(np.log(shown.contraction)) / duration
-        why = f"{shown.why}; over {duration:.4g} s every deviation shrinks to {shown.contraction:.3g} of itself or less"
-        return _made("stable", "lyapunov", margin, why, evidence, said)
+        left = shown.contraction * float(np.exp(min(shown.overshoot * hidden, 700.0)))
+        if left < 1:
+            margin, bound = (-float(np.log(x)) / duration for x in (shown.contraction, left))
+            why = f"{shown.why}; over {duration:.4g} s every deviation shrinks to {left:.3g} of itself or less"
+            return _made("stable", "lyapunov", margin, why, evidence, said, bound, "decays")
     if grown is None:
         return _made("undecided", "", np.nan, f"no method could be used: {said['growth']}", evidence, said)
-    duration = float(grown.t[-1] - grown.t[0])
-    late = float(np.exp(min(grown.logs[-1] - grown.logs[grown.t <= (grown.t[0] + grown.t[-1]) / 2].max(), 700.0)))
     why = f"over {duration:.4g} s deviations change by a factor of {grown.total:.4g} at most"
-    if grown.total < 1:
-        return _made("stable", "growth", -grown.rate, why, evidence, said)
-    if grown.total > GROWN and late > LATE:
-        return _made("unstable", "growth", -grown.rate, f"{why}, of it {late:.4g} in the second half", evidence, said)
-    if grown.total > GROWN:
-        why += f", but only {late:.3g} in the second half, as free drift does: no exponential growth is shown"
+    try:
+        error = float(np.linalg.norm(transition(paths, jumps, 1e-6).D, 2))
+    except (ValueError, np.linalg.LinAlgError):
+        error = np.inf
+    beyond = not np.isfinite(error) and grown.logs[-1] > 600  # the range of numbers
+    bound = -float(np.log(grown.total + error)) / duration if np.isfinite(grown.total + error) else np.nan
+    if grown.total + error < 1:
+        return _made("stable", "growth", -grown.rate, why, evidence, said, bound, "decays")
+    if (grown.total - error > GROWN or beyond) and grown.compounds:
+        return _made(
+            "unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential"
+        )
+    kind = "unknown"
+    if grown.total - error > GROWN:
+        why += ", but it does not build on itself, as free drift does not: no exponential growth is shown"
         why += "; `states` can leave out what drifts"
+        kind = "polynomial"
+    elif error > 0.1 * abs(np.log(max(grown.total, 1e-300))):
+        why += f", known to {error:.2g} only: more nodes would help"
     else:
         why += f": neither below 1 nor above {GROWN:g}; the nominal is too short or has no one answer"
-    return _made("undecided", "", -grown.rate, why, evidence, said)
+    return _made("undecided", "", -grown.rate, why, evidence, said, bound, kind)
+
+
+def _paths(joined: Any, states: Sequence[str] | None) -> tuple[list[Path], list[np.ndarray]]:
+    keep = kept(joined, states)
+    A = [piece.A[:, keep][:, :, keep] for piece in joined.pieces]
+    scale = scaling(np.concatenate(A))
+    jumps = [J[np.ix_(keep, keep)] * scale / scale[:, None] for J, _ in joined.jumps]
+    return [Path(piece.t, a, scale) for piece, a in zip(joined.pieces, A)], jumps
 
 
 def _made(
-    verdict: str, method: str, margin: float, why: str, evidence: dict[str, Any], said: dict[str, str]
+    verdict: str,
+    method: str,
+    margin: float,
+    why: str,
+    evidence: dict[str, Any],
+    said: dict[str, str],
+    bound: float = np.nan,
+    kind: str = "unknown",
 ) -> Verdict:
     frozen: FrozenTime | None = evidence.get("frozen_time")
     slow: SlowVariation | None = evidence.get("slow_variation")
@@ -232,4 +288,6 @@ def _made(
     if "growth" in evidence:
         times += evidence["growth"].critical_times
     said_in = frozen.coordinates if frozen is not None else ""
-    return Verdict(verdict, method, float(margin), tuple(sorted(times)), why, reasons, evidence, said_in)
+    return Verdict(
+        verdict, method, float(margin), tuple(sorted(times)), why, reasons, evidence, said_in, float(bound), kind
+    )

@@ -65,6 +65,7 @@ def frozen_time(
     keep = kept(model, states)
     if isinstance(model, LinearModel):
         _require_continuous("frozen_time", model)
+        _require_no_points("frozen_time", points)
         values = _ordered(model.A[np.ix_(keep, keep)][None])
         return FrozenTime(np.zeros(1), values, (), said)
     times, found = [], []
@@ -149,6 +150,7 @@ def slow_variation(
     keep = kept(model, states)
     if isinstance(model, LinearModel):
         _require_continuous("slow_variation", model)
+        _require_no_points("slow_variation", points)
         worst = float(np.linalg.eigvals(model.A[np.ix_(keep, keep)]).real.max(initial=-np.inf))
         return SlowVariation(True, 0.0, max(-worst, 0.0), 0.0, np.inf, 0.0, "A is constant: its roots decide")
     pieces = as_pieces(model).pieces
@@ -216,6 +218,11 @@ def _lyapunov(A: np.ndarray, lam: np.ndarray, V: np.ndarray, Q: np.ndarray) -> n
     for k in np.flatnonzero(~(miss <= 1e-8 * np.maximum(np.abs(Q).max(axis=(1, 2)), 1e-300))):
         P[k] = sla.solve_continuous_lyapunov(A[k].T, -Q[k])
     return (P + P.transpose(0, 2, 1)) / 2
+
+
+def _require_no_points(method: str, points: int | None) -> None:
+    if points is not None:
+        raise ValueError(f"{method}.points = {points}: a LinearModel has no nodes to choose from, must be None")
 
 
 def _require_continuous(method: str, model: LinearModel) -> None:

@@ -18,8 +18,9 @@ import scipy.linalg as sla
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
-from .floquet import monodromy, periodic_path
+from .floquet import periodic_path
 from .state_matrix_path import Model, Path, as_pieces, kept, scaling
+from .transition_error import monodromy
 from .transition_growth import chain
 
 BETWEEN = (0.25, 0.5, 0.75)
@@ -66,6 +67,8 @@ def lyapunov(
     """
     if alpha is not None and not np.isfinite(alpha):
         raise ValueError(f"lyapunov.alpha = {alpha} must be finite [1/s]")
+    if period is not None and (periodic is False or isinstance(model, LinearModel)):
+        raise ValueError(f"lyapunov.period = {period:g} s of a model that is constant or not repeated, must be None")
     if isinstance(model, LinearModel):
         return _constant(model, alpha, states)
     pieces = as_pieces(model).pieces

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pliant.plants.linear.ltv import LTVModel
 
-from .state_matrix_path import scaling
+from .state_matrix_path import CLOSES, Path, scaling
 
-CLOSES = 1e-5  # of the range of A(t): how near A must come back
 ONE_SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # first derivative at the first of five nodes
 TURNS = 2e-2  # of the largest |dA/dt|: how near its rate must come back
 
@@ -29,24 +29,65 @@ def varying(model: LTVModel) -> tuple[np.ndarray, float]:
 
 def why_not(model: LTVModel, period: float) -> str:
     """Why A(t) does not have this period [s] as far as the model reaches; "" where it has."""
-    return _why_not(model, period, *varying(model))
-
-
-def _why_not(model: LTVModel, period: float, flat: np.ndarray, spread: float) -> str:
-    t, span = model.t, float(model.t[-1] - model.t[0])
+    flat, _ = varying(model)
+    span = float(model.t[-1] - model.t[0])
     if period > span * (1 + 1e-9):
         return f"the model covers {span:.6g} s, less than the period {period:.6g} s"
     if not flat.shape[1]:
         return ""
-    if abs(period - span) <= 1e-9 * span:
-        miss = float(np.abs(flat[-1] - flat[0]).max()) / spread
-    else:
-        late = t + period <= t[-1] + 1e-9 * span
-        later = _spline(t, flat)(np.minimum(t[late] + period, t[-1]))
-        miss = float(np.abs(later - flat[late]).max()) / spread
-    if miss > CLOSES:
-        return f"A(t + T) differs from A(t) by {miss:.2g} of its range for T = {period:.6g} s"
-    return ""
+    return one_period(model.t, model.A, period, model.state_names, found=True)[1]
+
+
+def one_period(
+    t: np.ndarray, A: np.ndarray, period: float, names: Sequence[str], *, found: bool = False
+) -> tuple[Path, str]:
+    """A(t) over the first period [s], and why the nodes of later ones do not agree with it, "" where they do.
+
+    Compared at every shift, entry by entry, with A between the nodes of the first; what differs by less than CLOSES of
+    an entry's range, or by less than the nodes of the first leave open, is counted as an error of A there. A period
+    that is `found` is not believed where much is open.
+    """
+    begin, span = t[0], float(t[-1] - t[0])
+    inner = t < begin + period * (1 - 1e-9)
+    first, values = t[inner], A[inner]
+    if len(first) > 2 and begin + period - first[-1] < 1e-3 * period / len(first):
+        first, values = first[:-1], values[:-1]
+    later = t >= begin + period * (1 - 1e-9)
+    k = int(np.argmax(later))
+    ends = later.any() and abs(t[k] - begin - period) <= 1e-9 * period
+    last = A[k] if ends else values[0]
+    scale, spread = scaling(A), np.ptp(A, axis=0)
+    moving = spread > 1e-14 * np.abs(A).max(axis=0)
+    nodes = np.append(first, begin + period)
+    path = Path(nodes, np.concatenate([values, last[None]]), scale, periodic=True, moving=moving)
+    if path.constant:
+        return path, ""
+    at = (slice(None), path.rows, path.columns)
+    ratio = scale[path.columns] / scale[path.rows]
+    spread = spread[at[1:]] * ratio
+    open_ = 2 * np.maximum(path.values.most, path.values.beside())
+    if found:
+        open_ = np.minimum(open_, 0.02 * spread)
+    if period > span * (1 - 1e-9):
+        open_ = np.zeros_like(open_)  # nothing but the seam is there to see
+    allowed = CLOSES * spread + 64 * np.finfo(float).eps * np.abs(path.values.f).max(axis=0)
+    worst = np.zeros_like(path.values.most)
+    times = t[later]
+    for j in range(0, len(times), 256):
+        turns = np.floor((times[j : j + 256] - begin) / period * (1 + 1e-15) + 1e-9)
+        local = np.clip(times[j : j + 256] - turns * period, begin, begin + period)
+        k = np.clip(np.searchsorted(path.t, local, side="right") - 1, 0, len(path.t) - 2)
+        miss = np.abs(A[len(t) - len(times) + j :][:256][at] * ratio - path.values(local))
+        over = miss - allowed - open_[k]
+        if (over > 0).any():
+            row, column = np.unravel_index(int((miss / spread * (over > 0)).argmax()), miss.shape)
+            share = miss[row, column] / spread[column]
+            entry = f"({names[path.rows[column]]}, {names[path.columns[column]]})"
+            where = f"; largest in {entry} after {int(turns[row])} periods"
+            return path, f"A(t + T) differs from A(t) by {share:.2g} of its range for T = {period:.6g} s{where}"
+        np.maximum.at(worst, k, np.where(miss > path.values.most[k], miss, 0.0))
+    path.values.add(slice(None), worst)
+    return path, ""
 
 
 def find(model: LTVModel) -> tuple[float | None, str]:
@@ -55,14 +96,14 @@ def find(model: LTVModel) -> tuple[float | None, str]:
     Either A(t) repeats itself at least once within the model, or the whole model closes: A, its rate and the nominal
     state come back (angles up to whole turns, quaternions up to their sign).
     """
-    flat, spread = varying(model)
+    flat, _ = varying(model)
     span = float(model.t[-1] - model.t[0])
     if not flat.shape[1]:
         return span, "A is constant"
-    repeated = _repeats(model, flat, spread)
+    repeated = _repeats(model, flat)
     if repeated is not None:
         return repeated, f"A(t) repeats every {repeated:.6g} s"
-    reason = _why_not(model, span, flat, spread) or _why_not_smooth(model, flat) or _why_not_closed(model)
+    reason = why_not(model, span) or _why_not_smooth(model, flat) or _why_not_closed(model)
     if reason:
         return None, reason
     return span, f"the nominal closes after {span:.6g} s and is taken as one period"
@@ -102,7 +143,7 @@ def _why_not_closed(model: LTVModel) -> str:
     return ""
 
 
-def _repeats(model: LTVModel, flat: np.ndarray, spread: float) -> float | None:
+def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
     """The shortest shift [s], at most half the span, after which A(t) is the same."""
     t, n = model.t, len(model.t)
     if n < 17:
@@ -124,7 +165,7 @@ def _repeats(model: LTVModel, flat: np.ndarray, spread: float) -> float | None:
     path = _spline(t, few) if len(near) else None
     for k in near:
         found = _refined(path, t, float(k * step), step)
-        if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9) and not _why_not(model, found, flat, spread):
+        if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9) and not why_not(model, found):
             return found
     return None
 

@@ -1,7 +1,7 @@
 """A(t) of a linear model as a function of time, in coordinates scaled once for all times.
 
-Between the nodes A is a cubic spline, as in `LTVModel`; over a period of equidistant nodes a trigonometric polynomial
-where its harmonics die out, else a periodic cubic spline. A nominal with jumps is a `PiecewiseLTV`.
+Between the nodes each entry is a cubic, a chord or, over a period of equidistant nodes, a sum of harmonics, whichever
+is known best there, with a bound on what it misses: `interpolation`. A nominal with known jumps is a `PiecewiseLTV`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 
-DROPPED = 1e-11  # of the largest |A|: harmonics that are left out, root of the sum of squares
-MOST_HARMONICS = 256
-NOISE, WIDEST = 1e-12, 2.0**30  # of entries that scaling ignores; of scales from their median
+from .interpolation import Interpolant
+
+CLOSES = 1e-5  # of an entry's range: how near it must come back after a period
+NOISE, WIDEST = 1e-12, 2.0**80  # of entries that scaling ignores; of scales from their median
+FELT = 1e-12  # of the largest entry in scaled coordinates: what is less is rounding
 CHUNK = 4096  # steps whose matrices are held at a time
 MOST_STEPS = 2**20
-CAUTIOUS = 3.0  # every other node left out, a cubic spline's error is 16 times its own where nodes are close, less else
 
 
 Model = LinearModel | LTVModel | PiecewiseLTV | Sequence[LTVModel]
@@ -44,13 +45,64 @@ def as_pieces(model: Model) -> PiecewiseLTV:
 
 
 def kept(model: Any, states: Sequence[str] | None) -> list[int]:
-    """Positions of the named states (None: all)."""
-    signals = as_pieces(model).pieces[0].states if not isinstance(model, LinearModel) else model.states
+    """Positions of the named states (None: all); ValueError where they are no part that may be judged alone.
+
+    They may feel one that is left out only where its motion is given (a driven crank or hinge, a wheel that nothing
+    turns): it feels none of them, and what it feels of the others leaves its deviation a polynomial of time.
+    """
+    linear = isinstance(model, LinearModel)
+    pieces = () if linear else as_pieces(model).pieces
+    signals = model.states if linear else pieces[0].states
     if states is None:
         return list(range(len(signals)))
     found = [index(signals, name, "state") for name in states]
     if not found or len(set(found)) < len(found):
         raise ValueError(f"states = {tuple(states)} must name one state or more, each once")
+    rest = [k for k in range(len(signals)) if k not in found]
+    jumps = [] if linear else [J[None] - np.eye(len(signals)) for J, _ in as_pieces(model).jumps]
+    felt = np.zeros((len(signals), len(signals)), dtype=bool)
+    for A in [model.A[None]] if linear else [*(piece.A for piece in pieces), *jumps]:
+        scale = scaling(A)
+        size = np.abs(A).max(axis=0, initial=0.0) * scale / scale[:, None]
+        felt |= size > FELT * size.max(initial=0.0)
+    own = felt.copy()
+    if linear and model.dt is not None:
+        own &= ~np.eye(len(own), dtype=bool) | (np.abs(np.diagonal(model.A) - 1) > FELT)  # 1 is what 0 is to a rate
+    for j in rest:
+        for i in found:
+            if felt[i, j] and not _given(own, j, found):
+                by, of = signals[i].name, signals[j].name
+                raise ValueError(
+                    f"states = {tuple(states)}: {by} feels {of}, which is left out and whose motion is not given"
+                )
+    return found
+
+
+def _given(felt: np.ndarray, j: int, found: list[int]) -> bool:
+    """Whether state j feels none of those `found`, and no state, itself included, that feels it in turn."""
+    reached, new = set(), {j}
+    while new:
+        reached |= new
+        new = {int(k) for i in new for k in np.flatnonzero(felt[i])} - reached
+    inner = sorted(reached)
+    loops = (
+        felt[np.ix_(inner, inner)].any()
+        and np.linalg.matrix_power(felt[np.ix_(inner, inner)].astype(float), len(inner)).any()
+    )
+    return not reached & set(found) and not loops
+
+
+def parts_of(A: np.ndarray) -> list[np.ndarray]:
+    """States (positions) that depend on each other both ways, from the nonzero entries of A (n, n)."""
+    n = len(A)
+    reach = (A != 0) | np.eye(n, dtype=bool)
+    for _ in range(max(1, n.bit_length())):
+        reach = (reach.astype(np.float32) @ reach.astype(np.float32)) > 0
+    both, rest, found = reach & reach.T, np.ones(n, dtype=bool), []
+    for k in range(n):
+        if rest[k]:
+            found.append(np.flatnonzero(both[k]))
+            rest[both[k]] = False
     return found
 
 
@@ -71,61 +123,47 @@ def scaling(A: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """A(t) = base + what varies, from values A (nt, n, n) at times t; `period`: t[-1] is a period after t[0]."""
+    """A(t) = base + what varies, from values A (nt, n, n) at times t; `periodic`: t[-1] is a period after t[0]."""
 
-    def __init__(self, t: np.ndarray, A: np.ndarray, scale: np.ndarray, *, periodic: bool = False) -> None:
+    def __init__(
+        self,
+        t: np.ndarray,
+        A: np.ndarray,
+        scale: np.ndarray,
+        *,
+        periodic: bool = False,
+        moving: np.ndarray | None = None,  # (n, n) which entries count as varying; None: those that do
+    ) -> None:
         A = A * scale / scale[:, None]
         self.t, self.n, self.scale = t, A.shape[-1], scale
         self.size = float(np.abs(A).max(initial=0.0))  # [1/s]
-        self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > 1e-14 * self.size)
-        self.base, flat = A.mean(axis=0), A[:, self.rows, self.columns]
-        self.harmonics, self.error = 0, 0.0  # error [1/s]: of A between the nodes
-        self._values: Any = None
+        rounding = 1e-14 * np.abs(A).max(axis=0, initial=0.0)
+        self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > rounding if moving is None else moving)
+        self.base = A.mean(axis=0)
         if not len(self.rows):
             return
         self.base[self.rows, self.columns] = 0.0
+        flat = A[:, self.rows, self.columns]
+        seam = np.zeros(flat.shape[1])
         if periodic:
-            flat = flat.copy()
-            flat[0] = flat[-1] = (flat[0] + flat[-1]) / 2
-            if np.ptp(np.diff(t)) <= 1e-7 * np.diff(t).mean() and len(t) >= 5 and self._trigonometric(flat):
-                return
-        self._spline(flat, periodic)
+            seam = np.abs(flat[-1] - flat[0])
+            near = seam <= CLOSES * np.ptp(flat, axis=0)
+            flat[0] = np.where(near, (flat[0] + flat[-1]) / 2, flat[0])  # elsewhere it jumps there
+            flat[-1], seam = flat[0], np.where(near, seam, 0.0)
+        self.values = Interpolant(t, flat, periodic=periodic)
+        self.values.add(0, seam)
+        self.values.add(-1, seam)
 
-    def _trigonometric(self, flat: np.ndarray) -> bool:
-        c = np.fft.rfft(flat[:-1], axis=0) / (len(flat) - 1)
-        c[1:] *= 2.0
-        if len(flat) % 2:
-            c[-1] /= 2.0
-        size = np.abs(c).max(axis=1)
-        tail = np.sqrt(np.cumsum(size[::-1] ** 2)[::-1])
-        K = int(np.sum(tail > DROPPED * self.size))  # harmonics 0 .. K-1 are kept
-        if K > MOST_HARMONICS or (len(c) == K and tail[3 * len(c) // 4] > 1e-4 * self.size):
-            return False
-        K = max(K, 1)
-        self.harmonics = K - 1
-        self.error = float(tail[K] if len(c) > K else tail[-1])
-        omega, start = 2 * np.pi / (self.t[-1] - self.t[0]) * np.arange(K), self.t[0]
-        weights = np.concatenate([c[:K].real, -c[:K].imag])
+    @property
+    def harmonics(self) -> int:
+        return 0 if self.constant else self.values.harmonics
 
-        def values(t: np.ndarray) -> np.ndarray:
-            angle = np.outer(t - start, omega)
-            return np.hstack([np.cos(angle), np.sin(angle)]) @ weights
-
-        self._values = values
-        return True
-
-    def _spline(self, flat: np.ndarray, periodic: bool) -> None:
-        from scipy.interpolate import CubicSpline
-
-        self.spline = CubicSpline(self.t, flat, bc_type="periodic" if periodic else "not-a-knot")
-        self._values = self.spline
-        if len(self.t) >= 9:
-            half = np.unique(np.r_[np.arange(0, len(self.t), 2), len(self.t) - 1])
-            coarse = CubicSpline(self.t[half], flat[half], bc_type="periodic" if periodic else "not-a-knot")
-            self.error = float(np.sqrt(np.mean((coarse(self.t) - flat) ** 2, axis=0)).max() / CAUTIOUS)
-        else:  # nothing to judge it by
-            self.error = float(np.ptp(flat, axis=0).max())
-        self.harmonics = min(len(self.t) - 1, 64) if periodic else 0
+    def area(self) -> np.ndarray:
+        """Integral [1] over each interval (nt-1, n, n) of what A misses between the nodes; see `interpolation`."""
+        found = np.zeros((len(self.t) - 1, self.n, self.n))
+        if not self.constant:
+            found[:, self.rows, self.columns] = self.values.area
+        return found
 
     @property
     def constant(self) -> bool:
@@ -137,7 +175,7 @@ class Path:
         found = np.broadcast_to(self.base, (t.size, self.n, self.n))
         if not self.constant:
             found = found.copy()
-            found[:, self.rows, self.columns] = self._values(t.ravel())
+            found[:, self.rows, self.columns] = self.values(t.ravel())
         return found.reshape(*t.shape, self.n, self.n)
 
     def rate(self, t: np.ndarray) -> np.ndarray:

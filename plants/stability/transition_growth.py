@@ -23,6 +23,9 @@ from pliant.plants.linear.ltv import LTVModel
 
 from .state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
 
+BLOCKS = 48  # stretches of the nominal between which growth is compared
+DOUBLED, SQUARED = 4.0, 1.7
+UNIPOTENT = 1e-2  # all eigenvalues of Phi as near as this to 1: drift, whatever its power
 ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
 
@@ -40,6 +43,7 @@ class Growth:
     direction: np.ndarray = field(repr=False)  # (nx,) the deviation at t[0] that grows most until t[-1]
     scale: np.ndarray = field(repr=False)  # (nx,) sizes are those of x / scale
     critical_times: tuple[float, ...]  # [s] starts of windows between which deviations begin or cease to grow
+    compounds: bool  # whether the growth builds on itself, as e^(at) does and a power of time does not
 
     @property
     def curve(self) -> np.ndarray:
@@ -111,11 +115,54 @@ def grown(t: np.ndarray, Phi: np.ndarray, size: np.ndarray, window: float | None
         right[0] * size,
         size,
         _crossings(start, within),
+        compounds(Phi),
     )
+
+
+def compounds(Phi: np.ndarray) -> bool:
+    """Whether the growth up to the end compounds, from transitions Phi (m, n, n) one after another.
+
+    t^p grows 2^p-fold when its time doubles, whatever the time; e^(at) by e^(at/2), the more the longer. So, over some
+    stretch up to the end: the whole must be DOUBLED times any half of it, and that SQUARED times what a half is to any
+    quarter (1 + t^p: at most 1.6 times for p = 2). A drift that starts late is as large over its last half as over all.
+    """
+    m, n = len(Phi), Phi.shape[-1]
+    count = min(m, BLOCKS if n <= 40 else BLOCKS // 2)
+    if count < 4 or not n:
+        return False
+    edges = np.unique(np.linspace(0, m, count + 1).astype(int))
+    blocks = magnus.grouped(Phi, edges)
+    count = len(blocks)
+    logs = np.full((count + 1, count + 1), -np.inf)  # ln |Phi| from block a to block b
+    now, power = blocks.copy(), np.zeros(count)
+    for length in range(1, count + 1):
+        if length > 1:
+            now = blocks[length - 1 :] @ now[: count - length + 1]
+            power = power[: count - length + 1]
+        size = np.abs(now).max(axis=(1, 2))
+        size = np.where(size > 0, size, 1.0)
+        now, power = now / size[:, None, None], power + np.log(size)
+        start = np.arange(len(now))
+        with np.errstate(divide="ignore"):
+            logs[start, start + length] = np.log(np.linalg.norm(now, 2, axis=(1, 2))) + power
+    unipotent = np.abs(np.linalg.eigvals(now[0] * np.exp(min(power[0], 600.0))) - 1).max() < UNIPOTENT
+    if unipotent:
+        return False
+    for begin in range(count - 3):
+        whole = logs[begin, count]
+        half = -(-(count - begin) // 2)
+        quarter = -(-half // 2)
+        of_half = max(logs[k, k + half] for k in range(begin, count - half + 1))
+        of_quarter = max(logs[k, k + quarter] for k in range(begin, count - quarter + 1))
+        if whole - of_half >= np.log(DOUBLED) and (whole - of_half) - (of_half - of_quarter) >= np.log(SQUARED):
+            return True
+    return False
 
 
 def _timed(model: Any, duration: float | None) -> Any:
     if not isinstance(model, LinearModel):
+        if duration is not None:
+            raise ValueError(f"growth.duration = {duration:g} s: the nominal has its own, must be None")
         return model
     if model.dt is not None or duration is None or not 0 < duration < np.inf:
         raise ValueError(f"growth.duration = {duration!r} must be > 0 [s] for a LinearModel, and its dt None")

@@ -14,6 +14,8 @@ from pliant.plants.core.parameters import require_count
 from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.stability import assess, growth
 
+FACTOR = 2.0  # by which the margins of settled answers differ at most
+
 
 @dataclass(frozen=True)
 class ModeCount:
@@ -53,7 +55,8 @@ def modes_needed(
     size: float = 1e-6,
     **options: Any,
 ) -> ModesNeeded:
-    """The fewest flexible modes from which on more change neither the verdict nor the margin by `tolerance` [1/s].
+    """The fewest flexible modes from which on more change neither the verdict nor the margin by `tolerance` [1/s],
+    nor, of a stable or unstable one, by a factor of two.
 
     `nominal`: a motion, of which each variant takes the states that it has, its own further states zero; or a function
     that gives the motion of a variant. Variants have 1 .. `most` modes: `plant.modes`, or `with_modes(plant, n)`. Only
@@ -78,7 +81,8 @@ def modes_needed(
     linear, nonlinear = _growths(variant, motion, size)
     last = rows[-1]
     if chosen is None:
-        why = f"with {most} modes the margin still changes by {rows[-2].change:.2g} 1/s" if most > 1 else "one tried"
+        still = f"the margin, {last.margin:.3g} 1/s, still changes by {rows[-2].change:.2g} 1/s" if most > 1 else ""
+        why = f"with {most} modes {still}" if most > 1 else "one tried"
     else:
         settled = f"margin within {tolerance:.2g} of {last.margin:.4g} 1/s"
         why = f"with {chosen} of up to {most} modes: {last.verdict}, {settled}"
@@ -86,12 +90,20 @@ def modes_needed(
     return ModesNeeded(chosen, float(tolerance), tuple(rows), linear, nonlinear, why)
 
 
+def _differ(one: ModeCount, other: ModeCount, tolerance: float) -> bool:
+    """Whether two margins of one verdict differ: by `tolerance` [1/s], or, where they tell decay or growth, by FACTOR.
+
+    Margins that fall by factors with each mode are not settled because all of them are small beside the tolerance.
+    """
+    larger, change = max(abs(one.margin), abs(other.margin)), abs(one.margin - other.margin)
+    return change > tolerance or (one.verdict in ("stable", "unstable") and change > (1 - 1 / FACTOR) * larger)
+
+
 def _settled(rows: Sequence[ModeCount], tolerance: float) -> int | None:
     """The fewest modes whose answer all larger numbers share; the last itself is shown by none."""
     chosen = None
     for row in reversed(rows[:-1]):
-        same = row.verdict == rows[-1].verdict and abs(row.margin - rows[-1].margin) <= tolerance
-        if not same:
+        if row.verdict != rows[-1].verdict or _differ(row, rows[-1], tolerance):
             break
         chosen = row.modes
     return chosen

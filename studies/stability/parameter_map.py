@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants import Plant, Trajectory
 from pliant.plants.core.parameters import require_choice, require_finite
 from pliant.plants.stability import assess
 from pliant.studies.common.reference_motions import Progress, silent
@@ -41,6 +41,7 @@ class StabilityMap:
     values: tuple[np.ndarray, np.ndarray]
     verdicts: np.ndarray = field(repr=False)  # (n0, n1) words of KINDS
     margins: np.ndarray = field(repr=False)  # (n0, n1) decay rate [1/s] of the slowest deviation; NaN where it failed
+    margin_bounds: np.ndarray = field(repr=False)  # (n0, n1) [1/s] guaranteed, see Verdict.margin_bound; NaN where none
     methods: np.ndarray = field(repr=False)  # (n0, n1) the deciding method
     failures: Mapping[tuple[int, int], str]  # why a point has no verdict
     seconds: float  # wall time
@@ -58,6 +59,7 @@ class StabilityMap:
             "values": [v.tolist() for v in self.values],
             "verdicts": self.verdicts.tolist(),
             "margins": margins,
+            "margin_bounds": [[m if np.isfinite(m) else None for m in row] for row in self.margin_bounds.tolist()],
             "methods": self.methods.tolist(),
             "failures": [{"at": list(at), "why": why} for at, why in self.failures.items()],
             "seconds": self.seconds,
@@ -105,18 +107,19 @@ def map_stability(
     portions = [points[k::TASKS] for k in range(min(TASKS, len(points)))]
     verdicts = np.full((len(axes[0]), len(axes[1])), "failed", dtype="<U9")
     methods, margins = np.full(verdicts.shape, "", dtype="<U16"), np.full(verdicts.shape, np.nan)
+    bounds = margins.copy()
     failures: dict[tuple[int, int], str] = {}
     began, done = clock.perf_counter(), 0
     tell(0.0, f"{len(points)} points")
     for results in _run(build, axes, portions, options, jobs, backend):
-        for point, verdict, margin, method, why in results:
-            verdicts[point], margins[point], methods[point] = verdict, margin, method
+        for point, verdict, margin, bound, method, why in results:
+            verdicts[point], margins[point], bounds[point], methods[point] = verdict, margin, bound, method
             if why:
                 failures[point] = why
         done += len(results)
         tell(done / len(points), f"{done} of {len(points)} points")
     took = clock.perf_counter() - began
-    return StabilityMap(names, axes, verdicts, margins, methods, dict(sorted(failures.items())), took, backend)
+    return StabilityMap(names, axes, verdicts, margins, bounds, methods, dict(sorted(failures.items())), took, backend)
 
 
 def _checked(grid: Mapping[str, Any]) -> tuple[tuple[str, str], tuple[np.ndarray, np.ndarray]]:
@@ -152,14 +155,14 @@ class _Point:
 
 def _portion(
     build: Builder, axes: tuple[np.ndarray, np.ndarray], points: Sequence[tuple[int, int]], options: dict[str, Any]
-) -> list[tuple[tuple[int, int], str, float, str, str]]:
+) -> list[tuple[tuple[int, int], str, float, float, str, str]]:
     found = []
     for i, j in points:
         try:
             verdict = assess(build(float(axes[0][i]), float(axes[1][j])), **options)
-            found.append(((i, j), verdict.verdict, verdict.margin, verdict.method, ""))
-        except (ValueError, PliantError, np.linalg.LinAlgError) as failure:
-            found.append(((i, j), "failed", np.nan, "", f"{type(failure).__name__}: {failure}"))
+            found.append(((i, j), verdict.verdict, verdict.margin, verdict.margin_bound, verdict.method, ""))
+        except Exception as failure:  # whatever a point raises is that point's failure, and no other's
+            found.append(((i, j), "failed", np.nan, np.nan, "", f"{type(failure).__name__}: {failure}"))
     return found
 
 

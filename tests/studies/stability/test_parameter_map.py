@@ -10,7 +10,7 @@ import pytest
 from pliant.plants import LinearModel, LTVModel, SingleLinkArm, Trajectory, TwoLinkArm
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.stability import assess
-from pliant.studies.fidelity.mode_count import modes_needed
+from pliant.studies.fidelity.mode_count import ModeCount, _settled, modes_needed
 from pliant.studies.figures.stability import chart, evidence
 from pliant.studies.stability.parameter_map import KINDS, map_stability
 
@@ -218,3 +218,25 @@ def test_a_spacecraft_that_spins_about_its_intermediate_axis_needs_one_mode(refe
     assert found.modes == 1 and found.rows[1].verdict == "unstable"
     assert found.rows[1].margin == pytest.approx(-known, abs=5e-7)
     assert found.difference < 1e-6
+
+
+def test_margins_that_fall_by_factors_are_not_settled():
+    """1e-3, 1e-5, 1e-7: all of them within a tolerance of 1e-2, and none like the next."""
+    rows = [ModeCount(n, 2 * n, "stable", 10.0 ** (1 - 2 * n), None) for n in (2, 3, 4)]
+    assert _settled(rows, 1e-2) is None
+    assert _settled([*rows, dataclasses.replace(rows[-1], modes=5, margin=0.9e-7)], 1e-2) == 4
+    still = [dataclasses.replace(row, verdict="marginal") for row in rows]
+    assert _settled(still, 1e-2) == 2
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("by zero"), TypeError("no"), KeyError("gone"), IndexError("out")])
+def test_whatever_a_point_raises_is_its_own_failure(error):
+    def build(first, second):
+        if first > 0:
+            raise error
+        return oscillator(second, 1.0)
+
+    found = map_stability(build, {"a": [0.0, 1.0], "b": [0.1, 0.2]}, backend="sequential")
+    assert found.verdicts.tolist() == [["stable", "stable"], ["failed", "failed"]]
+    assert type(error).__name__ in found.failures[1, 0] and len(found.failures) == 2
+    assert (found.margin_bounds[0] <= found.margins[0]).all() and np.isnan(found.margin_bounds[1]).all()

@@ -1,0 +1,259 @@
+"""The transition matrix over a nominal, and what the data leave open in it, entry by entry.
+
+|dM| <= D = sum over intervals k of |Phi(T, t)| E_k |Phi(t, 0)|, the largest of each factor within the interval,
+E_k (n, n) the integral of what A(t) misses between two nodes (`interpolation`). All higher orders come with |Phi(t, 0)|
+enlarged by what it may itself be off, dF_k <= sum over j < k of |Phi(t_k, t_j)| E_j (|Phi(t_j, 0)| + dF_j), found from
+the start onwards over stretches of the nominal. To it come the change when all steps are halved, and the rounding of
+the products. Where D is large the steps need not be small.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pliant.plants.linear import magnus
+
+from .state_matrix_path import MOST_STEPS, Path
+
+ACROSS = 2.0  # |eigenvalue| times step to begin with
+KEPT = 1 << 22  # numbers in the stacks of partial products
+HELD = 1 << 21  # numbers in a stack of steps
+STRETCHES = 192  # between which higher orders are summed
+SEEN = 0.7  # |eigenvalue| times distance of two partial products between which they hide little
+HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """M (n, n) in scaled coordinates and D (n, n) >= |M' - M| for every A(t) that the data allow."""
+
+    M: np.ndarray
+    D: np.ndarray = field(repr=False)
+    steps: int
+    rate: np.ndarray  # (n,) integral of A_ii, and ..
+    rate_error: np.ndarray  # (n,) .. what it may be off; infinite where jumps add to it
+    trace: np.ndarray = field(repr=False)  # (n, n): the sum over a closed part bounds what the part's trace may be off
+    times: np.ndarray = field(repr=False)  # (m + 1,) [s], and ..
+    Phi: np.ndarray = field(repr=False)  # (m, n, n) .. between them, a piece's jump in its first
+
+
+def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]:
+    """Times of steps, the nodes among them, and which are nodes: |eigenvalue| times step at most `across`."""
+    if path.constant:
+        return path.t[[0, -1]], np.array([0, 1])
+    fastest, h = path.fastest(), np.diff(path.t)
+    parts = np.maximum(1, np.ceil(fastest * h / across)).astype(np.int64)
+    need = int(parts.sum())
+    if need > MOST_STEPS:
+        need = 1 << (need - 1).bit_length()
+        raise ValueError(
+            f"a period of {path.t[-1] - path.t[0]:.6g} s and modes of up to {fastest:.4g} 1/s need {need:,} steps, "
+            f"more than {MOST_STEPS:,}: leave out the fastest modes"
+        )
+    begin = np.concatenate([[0], np.cumsum(parts)])
+    k = np.repeat(np.arange(len(h)), parts)
+    inner = path.t[k] + h[k] * (np.arange(need) - begin[k]) / parts[k]
+    return np.append(inner, path.t[-1]), begin
+
+
+def monodromy(path: Path, length: float, tolerance: float) -> tuple[int, np.ndarray, float]:
+    """How many equal steps, Phi (n, n) over `length` [s], relative error of the steps alone, which are halved until Phi
+    stands still."""
+    m = 1 if path.constant else max(32, 2 * path.harmonics + 2, int(path.fastest() * length / 2))
+    m, before = 1 << (m - 1).bit_length(), None
+    while True:
+        total = path.over(length, m)
+        floor = 4 * EPS * m**0.5
+        if path.constant:
+            return m, total, floor
+        if before is not None:
+            change = float(np.linalg.norm(total - before) / np.linalg.norm(total))
+            if change <= max(63 * tolerance, floor) or m >= MOST_STEPS:
+                return m, total, max(change / 63, floor)
+        before, m = total, 2 * m
+
+
+@np.errstate(over="ignore", invalid="ignore")  # beyond the range of numbers D is not finite: nothing is known
+def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), tolerance: float = 1e-11) -> Transition:
+    """Over the paths in turn, a jump (n, n) in the same scaled coordinates between each two."""
+    n = paths[0].n
+    grids = [refined(path) for path in paths]
+    chosen = [_edges(path, *grid) for path, grid in zip(paths, grids)]
+    steps, halvings, before = sum(len(grid) - 1 for grid, _ in grids), 0, None
+    D, S = np.zeros((n, n)), np.zeros((n, n))
+    while True:
+        Phi = [_products(path, grid, edges, 1 << halvings) for path, (grid, _), edges in zip(paths, grids, chosen)]
+        if before is None:
+            D, S = _first_order(paths, grids, chosen, Phi, jumps)
+        M = _joined([magnus.product(P) for P in Phi], jumps)
+        if before is not None:
+            change = np.abs(M - before)
+            size = float(np.linalg.norm(M))
+            enough = max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
+            done = np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size)
+        else:
+            change, done = np.zeros((n, n)), all(path.constant for path in paths)
+        if done:
+            break
+        before, halvings = M, halvings + 1
+    for J, P in zip(jumps, Phi[1:]):
+        P[0] = P[0] @ J
+    times = [grids[0][0][:1], *(grid[edges[1:]] for (grid, _), edges in zip(grids, chosen))]
+    return Transition(
+        M,
+        D + HALVED * change,
+        steps << halvings,
+        *_rates(paths),
+        S + np.diag(np.diagonal(HALVED * change)),
+        np.concatenate(times),
+        np.concatenate(Phi),
+    )
+
+
+def _joined(Phi: Sequence[np.ndarray], jumps: Sequence[np.ndarray]) -> np.ndarray:
+    total = Phi[0]
+    for J, P in zip(jumps, Phi[1:]):
+        total = P @ (J @ total)
+    return total
+
+
+def _rates(paths: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
+    n = paths[0].n
+    rate, error = np.zeros(n), np.full(n, 0.0 if len(paths) == 1 else np.inf)
+    for path in paths:
+        length = path.t[-1] - path.t[0]
+        rate += np.diagonal(path.base) * length
+        error += 8 * EPS * np.abs(np.diagonal(path.base)) * length
+        if path.constant:
+            continue
+        for column in np.flatnonzero(path.rows == path.columns):
+            whole, area = path.values.integral(int(column))
+            rate[path.rows[column]] += whole
+            error[path.rows[column]] += area
+    return rate, error
+
+
+def _edges(path: Path, grid: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Positions in the grid between which products are kept."""
+    most = max(64, KEPT // path.n**2)
+    if len(grid) <= most:
+        return np.arange(len(grid))
+    return nodes[np.unique(np.r_[np.arange(0, len(nodes), -(-len(nodes) // most)), len(nodes) - 1])]
+
+
+def _products(path: Path, grid: np.ndarray, edges: np.ndarray, parts: int) -> np.ndarray:
+    """Phi (len(edges) - 1, n, n) between the edges of the grid, each of its steps in `parts`."""
+    found = np.empty((len(edges) - 1, path.n, path.n))
+    at_once = max(1, HELD // (parts * path.n**2))  # steps of the grid
+    k = 0
+    while k < len(found):
+        last = max(k + 1, int(np.searchsorted(edges, edges[k] + at_once, side="right")) - 1)
+        part = slice(k, last)
+        steps = path.between(grid[edges[k] : edges[last] + 1], parts)
+        found[part] = magnus.grouped(steps, edges[k : last + 1] - edges[k])
+        k = last
+    return found
+
+
+def _first_order(
+    paths: Sequence[Path],
+    grids: Sequence[tuple[np.ndarray, np.ndarray]],
+    chosen: Sequence[np.ndarray],
+    Phi: Sequence[np.ndarray],
+    jumps: Sequence[np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (n, n) on the entries, and those whose sum over a part bounds its trace.
+
+    The trace of Phi(T, t) dA Phi(t, 0) is that of Phi(t, 0) Phi(T, t) dA: the factors' signs count.
+    """
+    n = paths[0].n
+    before = [np.eye(n)]  # Phi(start of the path, 0)
+    for k, P in enumerate(Phi[:-1]):
+        before.append(jumps[k] @ magnus.product(P) @ before[-1])
+    after = np.eye(n)
+    D, trace = np.zeros((n, n)), np.zeros((n, n))
+    stretches: list[tuple[np.ndarray, ...]] = []  # last path first
+    for k in range(len(paths) - 1, -1, -1):
+        first, S, own = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
+        D, trace = D + first, trace + S
+        after = after @ magnus.product(Phi[k])
+        if k:
+            after = after @ jumps[k - 1]
+            own[0][0] = own[0][0] @ jumps[k - 1]
+        stretches.append(own)
+    rest = _higher(*(np.concatenate(x) for x in zip(*stretches[::-1])))
+    D, trace = D + rest, trace + np.diag(np.diagonal(rest))
+    if not (np.isfinite(D).all() and np.isfinite(after).all()):
+        return np.full((n, n), np.inf), np.full((n, n), np.inf)
+    return D, trace
+
+
+def _higher(P: np.ndarray, E: np.ndarray, F: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Orders beyond the first, from stretches (m, n, n): transition, error of A, |Phi(t, 0)| and |Phi(T, t)|."""
+    m, n, one = len(P), P.shape[-1], np.eye(P.shape[-1])
+    rest, moved = np.zeros((n, n)), one[None]  # Phi(t_k, t_j), j = 0 .. k
+    sources = np.empty_like(P)  # E_j (|F_j| + dF_j)
+    for k in range(m):
+        off = np.zeros((n, n))
+        if k:
+            size = np.abs(moved)
+            off = (np.maximum(size[:-1], size[1:]) @ sources[:k]).sum(axis=0)
+        strength = min(float(np.abs(E[k]).sum(axis=1).max()), 50.0)
+        own = off + np.abs(P[k] - one) @ off
+        own = own + (E[k] @ (F[k] + own)) * (np.expm1(strength) / strength if strength > 1e-8 else 1.0)
+        sources[k] = E[k] @ (F[k] + own)
+        rest += B[k] @ (E[k] @ own)
+        moved = np.concatenate([P[k] @ moved, one[None]])
+    return rest
+
+
+def _over_one(
+    path: Path,
+    grid: np.ndarray,
+    nodes: np.ndarray,
+    edges: np.ndarray,
+    Phi: np.ndarray,
+    before: np.ndarray,
+    after: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+    """The first order of one path in the whole, of the trace, and its stretches for the higher ones."""
+    m, n = len(Phi), path.n
+    F, B = np.empty((m + 1, n, n)), np.empty((m + 1, n, n))
+    F[0], B[m] = before, after
+    for k in range(m):
+        F[k + 1] = Phi[k] @ F[k]
+        B[m - 1 - k] = B[m - k] @ Phi[m - 1 - k]
+    F, B, around = np.abs(F), np.abs(B), np.abs((F @ B).transpose(0, 2, 1))
+    hidden = path.fastest() * np.diff(grid[edges])
+    if not path.constant and hidden.max() > SEEN:
+        F, B, around = _widest(F), _widest(B), _widest(around)
+    own = np.flatnonzero(np.isin(edges, nodes))  # edges that are nodes
+    F, B, around = (np.maximum(np.maximum.reduceat(X[:-1], own[:-1]), X[own[1:]]) for X in (F, B, around))
+    steps = np.diff(edges[own]) + path.size * np.diff(grid[edges[own]])
+    E = np.zeros((len(own) - 1, n, n))
+    if not path.constant:
+        first = np.searchsorted(nodes, edges[own])  # nodes that these are
+        E[:, path.rows, path.columns] = np.add.reduceat(path.values.area, first[:-1], axis=0)
+    D = np.zeros((n, n))
+    for k in range(0, len(E), 64):
+        part = slice(k, k + 64)
+        D += (B[part] @ (E[part] @ F[part] + 4 * EPS * steps[part, None, None] * F[part])).sum(axis=0)
+    S = (around * E).sum(axis=0)
+    S[np.diag_indices(n)] += 4 * EPS * steps.sum() * np.abs(np.diagonal(before @ after)).max()
+    most = STRETCHES if n <= 12 else STRETCHES // 4
+    few = np.unique(np.linspace(0, len(E), min(len(E), most) + 1).astype(int))
+    P = magnus.grouped(Phi, own[few]).copy()
+    return D, S, (P, np.add.reduceat(E, few[:-1], axis=0), *(np.maximum.reduceat(x, few[:-1], axis=0) for x in (F, B)))
+
+
+def _widest(X: np.ndarray) -> np.ndarray:
+    """The largest of each and its two neighbours on either side."""
+    found = X.copy()
+    for k in (1, 2):
+        np.maximum(found[k:], X[:-k], out=found[k:])
+        np.maximum(found[:-k], X[k:], out=found[:-k])
+    return found
