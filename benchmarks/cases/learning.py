@@ -1,7 +1,8 @@
 """Learning: PPO's steps a second, and what PPO reaches beside LQR.
 
-`rows` is a part of the whole measurement. Run by itself this trains every seed on every scene and writes
-results/learning.json and learning.md; runs that are in the folder already are read, not made again.
+`rows` is a part of the whole measurement. Run by itself, `PYTHONPATH=benchmarks python -m cases.learning`, this trains
+every seed on every scene and writes results/learning.json and learning.md; runs that are in the folder already are
+read, not made again.
 """
 
 from __future__ import annotations

@@ -8,8 +8,8 @@ All loops at once    an own such factor in each. S - 1/2 with its channels scale
                      frequencies, bounds the structured singular value from above: `disk` is never too large
 
 Source   Seiler, Packard and Gahinet 2020, "An introduction to disk margins", with skew 0; Skogestad and Postlethwaite
-         (2005), Chapter 2, for the others. Peaks by `hinf`, which no grid can miss; crossings by a grid that crowds at
-         the poles
+         (2005), Chapter 2, for the others. Peaks by `hinf_norm`, which no grid can miss; crossings by a grid that
+         crowds at the poles
 """
 
 from __future__ import annotations

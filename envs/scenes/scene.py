@@ -29,7 +29,7 @@ Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
 ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector" and "sb3": (scene, num_envs, ...) -> environment, filled
-# by pliant.envs.environments, which stands above this folder
+# by pliant.envs.environments, which imports this room
 
 __all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 

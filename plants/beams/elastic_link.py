@@ -2,7 +2,8 @@
 
 The point at x = L xi of the undeformed beam stands at (x - s, u): deflection u = phi(xi) . q and shortening
 s = (1/2) int_0^x u'^2 dx = q . S(xi) q / (2 L), kept to second order ("stiffened") or left out ("linear").
-All modal integrals are dimensionless; see beams.Basis. A Timoshenko basis adds shear and the sections' turning.
+All modal integrals are dimensionless; see `shape_functions.Basis`. A Timoshenko basis adds shear and the turning
+of the sections.
 """
 
 from __future__ import annotations

@@ -36,7 +36,9 @@ class CoupledBeam(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class PayloadModes:
-    """Modes (V_k, Gamma_k) with roots lambda (n,) and coefficients (n, 5): four terms of V as in `modes`, one of Gamma.
+    """Modes (V_k, Gamma_k) with roots lambda (n,) and coefficients (n, 5): four terms of V, one of Gamma.
+
+    V as in `euler_bernoulli_modes`.
 
     Orthonormal as Eq (12) corrected (mu^2 on torsion, minus on the a_z and I_xz couplings):
     int (V_r V_s + mu^2 G_r G_s) dxi + tip_r . M_tip tip_s = delta_rs with tip = (V, V', Gamma) at 1, and

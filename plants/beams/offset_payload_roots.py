@@ -102,7 +102,8 @@ class OffsetPayload:
         """How many roots lie below each lambda (...,), by Wittrick and Williams: exact, close pairs included.
 
         The dynamic stiffness of the tip is reduced from bending to torsion: the bending of the loaded beam is
-        counted as in `modes`, and what is left of torsion, its stiffness less the bending's share, is one number.
+        counted as in `euler_bernoulli_modes`, and what is left of torsion, its stiffness less the bending's share, is
+        one number.
         """
         lam = np.asarray(lam, dtype=float)
         M, kappa = self.tip_mass, lam**2 * self.chi * self.mu

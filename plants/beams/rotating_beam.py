@@ -3,7 +3,7 @@
 [K + gamma^2 (G - c M_w)] a = omega^2 M a: K strain, G the tension of the centrifugal force, M_w the mass at w,
 c = 1 in the plane of rotation ("lag") and 0 across it ("flap").
 
-Scale    frequencies and gamma in sqrt(E I/(rho A L^4)); the other numbers as in `ritz`
+Scale    frequencies and gamma in sqrt(E I/(rho A L^4)); the other numbers as in `legendre_ritz`
 Valid    uniform, untwisted, inextensible; steady spin, so that Coriolis forces couple only through stretch
 Source   "On the dynamic modelling of flexible manipulators", Eqs (13)-(16), corrected: Xi_33 is zero in the plane.
          Across it a section tilted by psi keeps -gamma^2 rotary psi^2/2 of the spin's energy

@@ -1,7 +1,7 @@
 """Shape functions for a Ritz beam: a named kind, how many, and every integral that a plant needs of them.
 
 Kinds   natural modes for a pair of ends, "payload" (clamped, loaded tip), "polynomial" (clamped)
-Shear   the clamped kinds also for Timoshenko beams, see `ritz`
+Shear   the clamped kinds also for Timoshenko beams, see `legendre_ritz`
 """
 
 from __future__ import annotations
@@ -85,8 +85,8 @@ class Basis:
     phi' phi'^T from 0 to xi.
 
     A Timoshenko beam's section turns by psi, not by phi'. Then tip_slope is psi(1), stiffness int psi' psi'^T, the
-    shortening is that of `ritz.matrices`, strain energy has kappa G A/(2 L) q^T shear q more and kinetic energy
-    rho I/(2 L) q'^T rotary q' more. These fields are None without shear.
+    shortening is that of `legendre_ritz.matrices`, strain energy has kappa G A/(2 L) q^T shear q more and kinetic
+    energy rho I/(2 L) q'^T rotary q' more. These fields are None without shear.
     """
 
     kind: str

@@ -111,7 +111,7 @@ class LinearModel(ModelSignals):
         return np.linalg.eigvals(self.A).astype(complex)
 
     def modes(self) -> tuple[modal_analysis.Mode, ...]:
-        """The modes, slowest first: frequency [Hz], damping ratio, dominant state; see `modal.Mode`."""
+        """The modes, slowest first: frequency [Hz], damping ratio, dominant state; see `modal_analysis.Mode`."""
         return modal_analysis.modes(self.A, self.state_names, self.dt)
 
     def discretize(self, dt: float) -> LinearModel:
@@ -163,7 +163,7 @@ class LinearModel(ModelSignals):
 
         "balanced" needs modes that all decay. "modal" keeps the modes that grow, then the slowest; its
         bound is infinite where it drops an undamped one. New states are combinations L x of the old ones; see
-        `modal.truncation`. ValueError where `order` cannot be had.
+        `modal_analysis.truncation`. ValueError where `order` cannot be had.
         """
         L, R, bound = modal_analysis.truncation(self.A, self._drives[:, :-1], self.C, order, method, self.dt)
         return replace(

@@ -49,7 +49,7 @@ def _tell(why: str) -> None:
 
 
 class Kernel:
-    """One compiled `run`, called with lists of (n, B) arrays; see kernels.py."""
+    """One compiled `run`, called with lists of (n, B) arrays; see kernel_templates.py."""
 
     def __init__(self, path: Path, dtype: np.dtype, lanes: int) -> None:
         self.dtype, self.lanes, self.path = dtype, lanes, path

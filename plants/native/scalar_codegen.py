@@ -114,4 +114,4 @@ def operation(op: int, args: list[str]) -> str:
         return f"(T)({a} != 0 || {b} != 0)"
     if op in (ca.OP_POW, ca.OP_CONSTPOW):
         return f"POW({a}, {b})"
-    raise NotImplementedError(f"operation {op} has no C form in codegen.py")
+    raise NotImplementedError(f"operation {op} has no C form in scalar_codegen.py")

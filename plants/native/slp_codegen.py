@@ -1,4 +1,4 @@
-"""C source of one lane, in which equal operations of a function fill vectors: see packing.py.
+"""C source of one lane, in which equal operations of a function fill vectors: see slp_packing.py.
 
 Every vector is an array g[N] in memory, for a scalar is read back from there, or spread over a vector, at no cost.
 """
@@ -17,7 +17,7 @@ GAIN = 1.75  # scalar operations that one operation replaces on average; with fe
 
 
 def lane_function(name: str, function: ca.Function, width: int, registers: int) -> str:
-    """A C function of one lane with vectors of `width` elements, called as codegen.block_function's is with W = 1.
+    """A C function of one lane with vectors of `width` elements, called as `scalar_codegen.block_function`'s at W = 1.
 
     registers: of the machine, that one vector takes. Where vectors gain little, it is block_function's.
     """

@@ -97,7 +97,7 @@ def spreader() -> Any:
         path = kernel_cache.path_of(name) or kernel_cache.write(name, compiler.build(SOURCE, ("-pthread",)))
         spread = ctypes.CDLL(str(path)).spread
     except (compiler.CompileError, kernel_cache.CacheError, OSError):
-        return None  # the pool is a convenience: native.load has told why nothing compiles
+        return None  # the pool is a convenience: kernel_loader.load has told why nothing compiles
     pointer = ctypes.c_void_p
     spread.argtypes = [pointer, ctypes.c_long, ctypes.c_long, pointer, pointer, pointer, ctypes.c_long]
     spread.restype = None

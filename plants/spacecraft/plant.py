@@ -8,7 +8,7 @@ Outputs  attitude (twice the quaternion's vector: the rotation vector when small
          deflection
 Valid    nonlinear in the motion of hub and hinges, linear in the elastic coordinates ("stiffened": with the
          second-order shortening)
-Source   "Equations of Motion of Flexible Spacecraft", corrected; see `perturbation` for its linear model
+Source   "Equations of Motion of Flexible Spacecraft", corrected; see `spacecraft_perturbation` for its linear model
 """
 
 from __future__ import annotations

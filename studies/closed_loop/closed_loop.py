@@ -1,6 +1,7 @@
 """A linear-quadratic regulator designed on a scene's plant, run on that plant and on plants that differ.
 
-Stability is told by the sampled loop about the goal, the modes named and told apart as in controllers/spillover.py.
+Stability is told by the sampled loop about the goal, the modes named and told apart as in
+controllers/analysis/spillover.py.
 """
 
 from __future__ import annotations

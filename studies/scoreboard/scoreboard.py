@@ -1,11 +1,11 @@
 """Every controller on every scene, beside the best that can be done.
 
 exact    the design model itself, as the scene is: no model error
-finer    the plant one fidelity higher (see `played`), as the scene is
+finer    the plant one fidelity higher (see `evaluation_scene`), as the scene is
 varied   the finer plant; payload, stiffness and damping by +-30 %, start, gusts and parameters as the scene draws them;
          noise on every reading
 delayed  the same runs, and each input acts one control period late
-Each run has its own bound (see `bound`), so that costs can be told as ratios to the best.
+Each run has its own bound (see `optimal_bound`), so that costs can be told as ratios to the best.
 """
 
 from __future__ import annotations

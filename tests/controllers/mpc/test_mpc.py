@@ -1,7 +1,7 @@
 """Linear MPC against LQR, against quadratic programs stated and solved otherwise, and in closed loop.
 
 The reference program keeps states and inputs as variables and is solved by qpOASES: another formulation, another
-method. Exceeding a bound by s half ranges costs penalty * (s + 0.0005 s^2) there, as qp.py says.
+method. Exceeding a bound by s half ranges costs penalty * (s + 0.0005 s^2) there, as daqp_model.py says.
 """
 
 import copy

@@ -57,7 +57,7 @@ def test_json_is_json_alone(run):
     ids=lambda v: " ".join(v) if isinstance(v, tuple) else "",
 )
 def test_spacecraft(run, words, says, about_the_goal):
-    """Free spin by Euler's equations (see tests/envs/test_spacecraft_scenes.py); in orbit within Lagrange's region."""
+    """Free spin by Euler's equations (see tests/envs/scenes/test_spacecraft.py); in orbit within Lagrange's region."""
     done = run(*words)
     text = " ".join(done.stdout.split())
     assert done.exit_code == 0 and f"{words[0]}: {says}" in text and "left out" in text
