@@ -15,7 +15,7 @@ harmonics   equidistant nodes of a period, where a whole run of the last quarter
             is beyond is taken as four times that run (it is 1.5 times for coefficients that fall as j^-4). One quiet
             coefficient shows nothing: symmetry makes it zero.
 
-Nothing between two nodes that leaves no trace at any of them can be known; `LTVModel.between` can hold such a look.
+What leaves no trace at any node cannot be known from the nodes.
 """
 
 from __future__ import annotations
