@@ -1,11 +1,11 @@
 """Stability of a linear model about a nominal motion, constant, periodic or neither.
 
 assess(model)          the verdict, from all methods that apply: `assessment`, `verdict`
-frozen_time(model)     eigenvalues along the nominal: `frozen`
-slow_variation(model)  whether they may be believed: `frozen`
+frozen_time(model)     eigenvalues along the nominal: `frozen_time`
+slow_variation(model)  whether they may be believed: `frozen_time`
 floquet(model)         multipliers and modes of a periodic model: `floquet`
-growth(model)          the transition matrix over windows, finite-time Lyapunov exponents: `growth`
-lyapunov(model)        a quadratic certificate that varies with time: `certificate`
+growth(model)          the transition matrix over windows, finite-time Lyapunov exponents: `transition_growth`
+lyapunov(model)        a quadratic certificate that varies with time: `lyapunov_certificate`
 """
 
 from __future__ import annotations
