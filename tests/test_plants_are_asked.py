@@ -22,6 +22,7 @@ ROOMS = {  # a plant, and the room that may know its class
 ENDS = {"endswith", "startswith", "removesuffix", "removeprefix"}
 TEXTS = {  # what is no name of a signal: {file: the expressions whose beginnings and ends are looked at}
     "plants/stability/assessment.py": {"str(refusal)"},  # the method's own words
+    "plants/core/imports.py": {"attribute"},  # of a module
     "plants/native/compiler.py": {"s"},  # lines of /proc/cpuinfo
     "plants/native/slp_codegen.py": {"text"},  # C source
     "controllers/learning/policy.py": {"name", "path.name", "path.name.removesuffix('.npz')"},  # arrays and files

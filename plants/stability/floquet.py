@@ -121,7 +121,7 @@ def floquet(
 ) -> Floquet:
     """Multipliers and modes of a model whose A(t) has the `period` [s]; ValueError where it has not.
 
-    None: the period is found, see `periodicity.find`. Pieces are one period of it, or several that agree. `states` keeps
+    None: the period is found: `periodicity.find`. Pieces are one period of it, or several that agree. `states` keeps
     only those, a part that does not feel the others: ValueError else. `undamped` True: ValueError where the
     multipliers do not come in pairs; False: not asked. `tolerance` of the monodromy matrix, relative, on top of what
     the data leave open.

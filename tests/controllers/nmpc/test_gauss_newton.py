@@ -75,7 +75,9 @@ def optimum(objective: Objective, x0, N, substeps, P=None, guess=None):
     return found.value(xs).reshape(plant.nx, -1).T, found.value(us).reshape(plant.nu, -1).T, found.value(J)
 
 
-@pytest.mark.parametrize(("scene", "N"), [(SLEW, 30), (REACH, 12)], ids=["slew", "reach"])
+@pytest.mark.parametrize(
+    ("scene", "N"), [pytest.param(SLEW, 30, id="slew"), pytest.param(REACH, 12, id="reach", marks=pytest.mark.campaign)]
+)
 def test_converged_is_direct_optimal_control(scene, N):
     nmpc = NMPC.for_scene(scene, horizon=N)
     found = nmpc.iterate(scene.initial[0], tolerance=1e-10)

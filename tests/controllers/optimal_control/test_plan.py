@@ -14,7 +14,9 @@ from pliant.plants.core.errors import InfeasibleError
 SLEW, REACH = scenes.get("single-link-slew"), scenes.get("two-link-reach")
 
 
-@pytest.mark.parametrize("scene", [SLEW, REACH], ids=lambda s: s.name)
+@pytest.mark.parametrize(
+    "scene", [SLEW, pytest.param(REACH, marks=pytest.mark.campaign)], ids=lambda s: getattr(s, "name", None)
+)
 def test_ends_at_rest_within_limits_and_the_plant_follows(scene):
     found = plan(scene, reserve=0.2, substeps=40)
     assert found.t[-1] == pytest.approx(scene.move_time)

@@ -1,4 +1,4 @@
-"""Spacecraft that the tests of this room share."""
+"""Spacecraft that the tests of several rooms share."""
 
 import dataclasses
 
