@@ -42,7 +42,9 @@ def test_a_count_of_modes_is_of_the_slowest():
 def test_lists_and_arrays_become_tuples():
     part = boom(position=np.array([1.0, 0.0, 0.0]), hinge=Hinge(axes=[[0.0, 1.0, 0.0]], stiffness=[3.0]))
     assert part.position == (1.0, 0.0, 0.0) and part.hinge.stiffness == (3.0,)
-    assert hash(FlexibleSpacecraft(hub=CRAFT.hub, appendages=[part])) is not None
+    same = boom(position=(1.0, 0.0, 0.0), hinge=Hinge(axes=((0.0, 1.0, 0.0),), stiffness=(3.0,)))
+    crafts = [FlexibleSpacecraft(hub=CRAFT.hub, appendages=given) for given in ([part], (same,))]
+    assert crafts[0] == crafts[1] and hash(crafts[0]) == hash(crafts[1])
 
 
 BAD_APPENDAGE = {
