@@ -56,7 +56,7 @@ def test_it_is_noticed_before_any_simulation(scene, bears):
     assert one_loop_at_a_time < (bears + 1) * scene.dt
 
 
-@pytest.mark.parametrize("periods", [1, 2])
+@pytest.mark.parametrize("periods", [pytest.param(1, marks=pytest.mark.campaign), 2])
 @pytest.mark.parametrize(
     "more",
     [pytest.param(False, id="design model"), pytest.param(True, id="finer plant", marks=pytest.mark.campaign)],

@@ -10,13 +10,13 @@ from pliant.plants import IntegrationError, MassMatrixError
 from pliant.studies.closed_loop.closed_loop import closed_loop, dearer, regulator
 
 SCENE = scenes.get("two-link-reach")
-CHEAP = dataclasses.replace(SCENE, dt=0.005, effort=tuple((name, weight / 100) for name, weight in SCENE.effort))
+CHEAP = dataclasses.replace(SCENE, duration=0.5, dt=0.005, effort=tuple((name, weight / 100) for name, weight in SCENE.effort))
 
 
 @pytest.fixture(scope="module")
 def loops():
     """Of the scene's own weights, on all plants."""
-    return closed_loop(SCENE)[1]
+    return closed_loop(dataclasses.replace(SCENE, duration=0.5))[1]
 
 
 def disturbed_rest(scene, plant) -> float:
@@ -24,7 +24,7 @@ def disturbed_rest(scene, plant) -> float:
     x, _ = scene.with_plant(plant).target
     start = x.copy()
     start[0] += 1e-3
-    motion = plant.simulate(start, regulator(scene), np.arange(0.0, 3.0001, scene.dt), rtol=1e-7, atol=1e-9)
+    motion = plant.simulate(start, regulator(scene), np.arange(0.0, 3.0001, scene.dt), rtol=1e-5, atol=1e-7)
     return float(np.ptp(motion["theta1"][motion.t > 2.5]))
 
 
@@ -55,5 +55,5 @@ def test_payload_half_as_light_and_half_as_heavy_stay_at_rest(loops, mass: float
     payload = dataclasses.replace(SCENE.plant.payload, mass=mass * SCENE.plant.payload.mass)
     assert all(loop.stable for loop in loops if "payload" in loop.name)
     plant = dataclasses.replace(SCENE.plant, payload=payload)
-    motion = plant.simulate(SCENE.target[0], regulator(SCENE), np.arange(0.0, 4.0001, SCENE.dt), rtol=1e-7, atol=1e-9)
+    motion = plant.simulate(SCENE.target[0], regulator(SCENE), np.arange(0.0, 4.0001, SCENE.dt), rtol=1e-5, atol=1e-7)
     assert np.ptp(motion["theta1"][-25:]) < 1e-3  # at rest, somewhat off the goal: gravity has changed

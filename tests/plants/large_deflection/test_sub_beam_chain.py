@@ -88,9 +88,14 @@ def test_two_sub_beams_at_all_reference_times(reference):
 
 def test_converges_to_the_exact_beam_with_the_number_of_sub_beams(reference):
     rows = reference("large_beam")["release"]["M0_inextensible"]
-    worst = [max(errors(chain(N), rows)) for N in (1, 2, 3, 4, 6)]
+    worst = [max(errors(chain(N), rows)) for N in (1, 2, 3, 4)]
     assert worst == sorted(worst, reverse=True)
-    assert worst[0] > 0.5 and worst[2] < 0.02 and worst[3] < 0.006 and worst[4] < 0.002
+    assert worst[0] > 0.5 and worst[2] < 0.02 and worst[3] < 0.006
+
+
+@pytest.mark.campaign
+def test_six_sub_beams_are_better_than_four(reference):
+    assert max(errors(chain(6), reference("large_beam")["release"]["M0_inextensible"])) < 0.002
 
 
 def test_frames_compared(reference):

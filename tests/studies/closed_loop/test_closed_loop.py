@@ -54,7 +54,7 @@ def linear_reach(**changes):
 
 def test_spillover_is_named_with_its_mode():
     """Cheap effort and fast sampling: one of the modes beyond the design's six is driven unstable."""
-    scene = linear_reach(dt=0.005)
+    scene = linear_reach(dt=0.005, duration=1.7)
     effort = tuple((name, weight / 100) for name, weight in scene.effort)
     _, loops = closed_loop(dataclasses.replace(scene, effort=effort))
     assert all(loop.stable for loop in loops[:3])
@@ -70,7 +70,7 @@ def test_spillover_is_named_with_its_mode():
 
 def test_mode_that_the_design_has_at_another_frequency_is_named_so():
     """Two polynomials a link put mode 5 at 41 Hz where it is at 31 Hz; sampled at 50 Hz they fold apart."""
-    scene = scenes.get("two-link-reach", dt=0.02)
+    scene = scenes.get("two-link-reach", dt=0.02, duration=0.5)
     plant = dataclasses.replace(scene.plant, kinematics="stiffened", basis="polynomial", modes=(2, 2))
     design = [m.frequency_hz for m in plant.linearize(*scene.with_plant(plant).target).modes()]
     _, loops = closed_loop(scene.with_plant(plant))

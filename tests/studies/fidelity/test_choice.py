@@ -107,14 +107,14 @@ def test_two_rungs_that_agree_and_are_both_wrong_are_not_taken(case):
 
 
 def test_tolerance_decides():
-    scene = scenes.get("single-link-slew")
+    scene = scenes.get("single-link-slew", duration=0.5)
     labels = [choose(scene, tolerance).plant.label for tolerance in (1e-2, 1e-3, 1e-6)]
     assert labels[0] == "rigid"
     assert len(set(labels)) == 3
 
 
 def test_no_rung_is_claimed_beyond_the_shown_convergence():
-    choice = choose(scenes.get("single-link-slew"), 1e-12)
+    choice = choose(scenes.get("single-link-slew", duration=0.5), 1e-12)
     assert not choice.met
     assert choice.rungs[-1].chosen and choice.integrator is None
     assert choice.text.startswith("No variant is shown to keep ")

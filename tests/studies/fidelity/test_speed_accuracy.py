@@ -9,7 +9,7 @@ from pliant.studies import chart
 from pliant.studies.fidelity.speed_accuracy import METHODS, pareto
 from pliant.studies.figures.speed_accuracy import save
 
-SLEW = scenes.get("single-link-slew")
+SLEW = scenes.get("single-link-slew", duration=0.6)
 LADDER = SLEW.plant.ladder()
 ORDERS = {"rk4": 4, "rosenbrock": 3, "midpoint": 2}
 

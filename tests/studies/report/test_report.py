@@ -45,7 +45,7 @@ FIGURES = {
 def folder(tmp_path_factory):
     """A report that the command has written."""
     folder = tmp_path_factory.mktemp("reports") / "slew"
-    arguments = ["report", SLEW.name, "--out", str(folder), "--budget", "1"]
+    arguments = ["report", SLEW.name, "--out", str(folder), "--budget", "0.3"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
     assert result.stdout == f"{folder / 'report.html'}\n"
