@@ -10,7 +10,9 @@ from pliant.plants import IntegrationError, MassMatrixError
 from pliant.studies.closed_loop.closed_loop import closed_loop, dearer, regulator
 
 SCENE = scenes.get("two-link-reach")
-CHEAP = dataclasses.replace(SCENE, duration=0.5, dt=0.005, effort=tuple((name, weight / 100) for name, weight in SCENE.effort))
+CHEAP = dataclasses.replace(
+    SCENE, duration=0.5, dt=0.005, effort=tuple((name, weight / 100) for name, weight in SCENE.effort)
+)
 
 
 @pytest.fixture(scope="module")

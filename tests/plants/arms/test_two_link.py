@@ -133,7 +133,9 @@ def test_error_against_the_rigid_arm_falls_with_stiffness(reference):
     def angles(arm):
         x0 = np.zeros(arm.nx)
         x0[0] = -np.pi / 2
-        motion = arm.simulate(x0, lambda t: np.array([2.0, 1.0]) * np.sin(2 * np.pi * t), [0.0, 5.0], rtol=1e-9, atol=1e-11)
+        motion = arm.simulate(
+            x0, lambda t: np.array([2.0, 1.0]) * np.sin(2 * np.pi * t), [0.0, 5.0], rtol=1e-9, atol=1e-11
+        )
         return motion.x[-1, :2]
 
     rigid = angles(dataclasses.replace(ARM, reduction="rigid"))
