@@ -21,6 +21,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.linear import modal_analysis
 from pliant.plants.linear.lti import LinearModel
 
 from .loops import Array, Loop, closed_loops, law_of, loop, plant_of
@@ -183,7 +184,7 @@ def origin(model: LinearModel, controller: Any, value: complex) -> tuple[complex
     plant's rather than the controller's own.
     """
     law = law_of(controller)
-    plant = model.eigenvalues if model.dt is None else np.log(model.eigenvalues) / model.dt
+    plant = modal_analysis.rates(model.eigenvalues, model.dt)
     more = len(plant_of(model, law)[0]) - len(plant)  # inputs held and readings under way: poles at zero
     begin = plant if law.dt is None else np.exp(plant * law.dt)
     now = np.concatenate([begin, np.zeros(more), law.poles])

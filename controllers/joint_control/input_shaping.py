@@ -29,6 +29,7 @@ from scipy.optimize import least_squares
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_choice, require_count
 from pliant.plants.core.signals import read_only
+from pliant.plants.linear import modal_analysis
 
 if TYPE_CHECKING:
     from pliant.plants.linear.lti import LinearModel
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 KINDS = ("zv", "zvd", "zvdd", "ei")
 Command = Callable[[float], Any]
 LIGHT = 0.2  # damping ratio below which a mode is shaped for
+NYQUIST = np.pi * (1 - 1e-9)  # angle a period: at pi, z < 0, nothing tells a frequency
 EI_STEPS = 0.02  # of the damping ratio, from the undamped shaper on
 
 
@@ -118,12 +120,15 @@ def shaper_for(
 ) -> Shaper:
     """One shaper for several modes: frequencies [rad/s], a model's Modes, or the lightly damped ones of a model.
 
-    Of a model those count that oscillate with a damping ratio below 0.2; the `most` slowest where given.
+    Of a model, sampled or not, those count that oscillate with a damping ratio below 0.2; the `most` slowest where
+    given. A sampled model shows what oscillates faster than half its sampling rate at a lower frequency: take the
+    continuous model where it has such modes.
     """
     if most is not None:
         require_count("shaper_for", "most", most, 1, 1000)
-    if hasattr(modes, "eigenvalues") and hasattr(modes, "modes"):
-        modes = light(modes.eigenvalues, most)
+    if hasattr(modes, "eigenvalues") and hasattr(modes, "modes") and hasattr(modes, "dt"):
+        values = modal_analysis.rates(modes.eigenvalues, modes.dt)
+        modes = light(values[values.imag * (modes.dt or 0.0) < NYQUIST], most)
     elif not isinstance(modes, Iterable):
         raise ValueError(f"shaper_for.modes = {modes!r} must be a linear model, or a sequence of modes or frequencies")
     found = [_read(mode) for mode in modes]

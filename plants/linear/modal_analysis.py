@@ -109,15 +109,24 @@ def stays(lam: np.ndarray, rounding: np.ndarray, dt: float | None) -> np.ndarray
     return (lam.real if dt is None else np.abs(lam) - 1.0) >= -rounding
 
 
+def rates(eigenvalues: np.ndarray, dt: float | None) -> np.ndarray:
+    """Eigenvalues (n,) as [1/s]: log(z) / dt of the z plane's, -inf where z = 0; as they are where dt is None.
+
+    What oscillates faster than half the sampling rate is seen at a lower frequency; pi / dt stands for z < 0.
+    """
+    if dt is None:
+        return eigenvalues
+    with np.errstate(divide="ignore"):
+        return np.log(np.abs(eigenvalues)) / dt + 1j * (np.angle(eigenvalues) / dt)
+
+
 def modes(A: np.ndarray, states: Sequence[str], dt: float | None = None) -> tuple[Mode, ...]:
     """Modes of A (nx, nx), slowest first. With `dt` [s], A maps one sample to the next."""
     if not len(A):
         return ()
     values, left, right, rounding = eigen(A)
-    lam, undamped = values, np.abs(values.real) <= rounding
-    if dt is not None:
-        with np.errstate(divide="ignore"):
-            lam, undamped = np.log(values) / dt, np.abs(np.abs(values) - 1.0) <= rounding
+    lam = rates(values, dt)
+    undamped = np.abs(values.real if dt is None else np.abs(values) - 1.0) <= rounding
     # A double root at rest leaves rounding as two real roots or as a pair, by chance: two rigid-body modes either way.
     still = np.abs(values - (0.0 if dt is None else 1.0)) <= rounding
     lam = np.where(still, 0.0, lam)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.controllers.joint_control.input_shaping import Shaper, light, shape, shaper, shaper_for, switches
-from pliant.plants import Payload, SingleLinkArm
+from pliant.plants import LinearModel, Payload, SingleLinkArm
 
 RATIOS = np.linspace(0.4, 1.6, 25)
 
@@ -141,3 +141,23 @@ def test_modes_of_a_model_with_damping_are_read() -> None:
 def test_bad_input(call, words: str) -> None:
     with pytest.raises(ValueError, match=words.replace("(", r"\(")):
         call()
+
+
+@pytest.mark.parametrize("dt", [0.82, 0.1, 1e-3])
+@pytest.mark.parametrize("kind", ["zv", "zvd"])
+def test_a_sampled_model_is_shaped_as_the_continuous_one(dt, kind):
+    """Two modes, 2 rad/s and 3 rad/s, slower than half the sampling rate; closed form of sampling: z = exp(s dt)."""
+    A = np.zeros((4, 4))
+    A[:2, :2], A[2:, 2:] = [[0, 1], [-4, -0.04]], [[0, 1], [-9, -0.06]]
+    model = LinearModel.from_matrices(A, [[0], [1.0], [0], [1.0]])
+    expected = shaper_for([complex(-0.02, np.sqrt(4 - 4e-4)), complex(-0.03, np.sqrt(9 - 9e-4))], kind)
+    found = shaper_for(model.discretize(dt), kind)
+    np.testing.assert_allclose(found.times, expected.times, rtol=1e-9)
+    np.testing.assert_allclose(found.amplitudes, expected.amplitudes, rtol=1e-9)
+
+
+def test_what_only_alternates_from_sample_to_sample_has_no_frequency():
+    """z = -0.99: no continuous pair gives it."""
+    model = LinearModel.from_matrices([[-0.99]], [[1.0]], dt=0.1)
+    with pytest.raises(ValueError, match="at least one mode that oscillates"):
+        shaper_for(model)
