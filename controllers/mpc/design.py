@@ -17,7 +17,8 @@ from pliant.plants.linear.quadratic_cost import signal_rows
 from .condensed_prediction import laws, predict
 from .constraints import Limits, Step, Window, build, soft_names
 from .exact_penalty import sufficient_penalty
-from .offset_free import KINDS, Estimator, Target
+from .offset_free import KINDS, Estimator
+from .steady_target import Target
 
 if TYPE_CHECKING:
     from pliant.plants.linear.lti import LinearModel

@@ -10,7 +10,8 @@ from typing import final
 import numpy as np
 
 from .constraints import Limits
-from .offset_free import Estimator, Target
+from .offset_free import Estimator
+from .steady_target import Target
 
 
 @final
@@ -37,7 +38,7 @@ class Knowledge:
         self._steady = self._p[nx : 2 * nx + nu]
         self.last = self._p[size - nu :] if limits.remembers else None  # (nu,) the last input
         self._seen = self._p[2 * nx + nu : size - (nu if limits.remembers else 0)]
-        self.limited = False  # whether the limits keep the tracked signals from their values
+        self.missed = False  # whether the limits keep the tracked signals from their values
         self.reset()
 
     def reset(self) -> None:
@@ -62,7 +63,7 @@ class Knowledge:
         estimator.correct(y - self._y0)
         np.add(self._x0, estimator.x, out=self._state)
         np.add(self._origin, self._target(estimator.d, self.reference), out=self._steady)
-        self.limited = self._target.limited
+        self.missed = self._target.missed
         self._seen[:] = estimator.d[: len(self._seen)]
         return self._p
 

@@ -27,7 +27,8 @@ from .design import regulator
 from .fallback_plan import LastPlan
 from .knowledge import Knowledge
 from .ltv_design import about_goal, follower
-from .offset_free import Estimator, Target
+from .offset_free import Estimator
+from .steady_target import Target
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
@@ -193,7 +194,7 @@ class MPC:
         known = y
         if self._knowledge is not None:
             known = self._knowledge(y)
-            self.record.unreached += self._knowledge.limited
+            self.record.unreached += self._knowledge.missed
         rows, lower, upper = self._rows, self._lower, self._upper
         self.record.calls += 1
         np.dot(step.G, known, out=self._d)

@@ -1,4 +1,4 @@
-"""What a model lacks, estimated as a constant disturbance, and the steady state that is best with it.
+"""What a model lacks, estimated as a constant disturbance.
 
     x+ = A x + B u + B_d d,  d+ = d,  y = C x + C_d d
 
@@ -18,13 +18,9 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.controllers import riccati
-from pliant.controllers.solvers.least_distance_qp import LeastDistance
-from pliant.plants.core.errors import InfeasibleError
-from pliant.plants.core.matrix_roots import semidefinite_root
 
 KINDS = ("states", "inputs", "outputs")
-INFLUENCE = 1e-9  # least singular value of the observability or target equations, against the largest
-TRACKING = 1e6  # weight of a tracked signal's error against the cost of the steady state that the limits allow
+INFLUENCE = 1e-9  # least singular value of the observability equations, against the largest
 
 
 @final
@@ -102,68 +98,3 @@ class Estimator:
         np.dot(self._F, self.s, out=self._next)
         np.dot(self._G, du, out=self._push)
         np.add(self._next, self._push, out=self.s)
-
-
-@final
-class Target:
-    """Steady (x, u), deviations from the model's point, with tracked signals H x + D u + Hd d at r, at least cost.
-
-    Where the limits of the inputs do not allow that, as near as they do.
-    """
-
-    def __init__(
-        self,
-        A: np.ndarray,
-        B: np.ndarray,
-        Bd: np.ndarray,
-        tracked: tuple[np.ndarray, np.ndarray, np.ndarray],
-        weight: np.ndarray,
-        low: np.ndarray,
-        high: np.ndarray,
-    ) -> None:
-        """weight (nx + nu, nx + nu) of [x; u]; low, high (nu,) of du; tracked = (H, D, Hd)."""
-        nx, nu = B.shape
-        H, D, Hd = tracked
-        rest, wanted = np.hstack([A - np.eye(nx), B]), np.hstack([H, D])
-        E = np.vstack([rest, wanted])
-        sigma = np.linalg.svd(E, compute_uv=False)
-        if len(E) > nx + nu or sigma[-1] <= INFLUENCE * sigma[0]:
-            raise InfeasibleError(
-                f"no steady inputs bring {len(H)} tracked signals to any values: track at most as many signals as "
-                "there are inputs, and only such as can be held"
-            )
-        # minimise s'Ws over E s = e: s = (s of least norm) + Z y
-        Z = sla.null_space(E)
-        base = np.linalg.pinv(E)
-        if Z.shape[1]:
-            base = base - Z @ np.linalg.solve(Z.T @ weight @ Z, Z.T @ weight @ base)
-        onto = np.block([[-Bd, np.zeros((nx, len(H)))], [-Hd, np.eye(len(H))]])
-        self._map = np.ascontiguousarray(base @ onto)  # of [d; r]
-        self._low, self._high, self._nx = low, high, nx
-        # within limits: s = pinv(rest) (-Bd d) + Z y, least |L s|^2 + TRACKING |wanted s + Hd d - r|^2
-        Z = sla.null_space(rest)
-        scale = max(float(np.abs(weight).max()), 1e-12)
-        L = np.vstack([semidefinite_root(weight).T, np.sqrt(TRACKING * scale) * wanted])
-        Y, T = np.linalg.qr(L @ Z)
-        start = np.hstack([-np.linalg.pinv(rest) @ Bd, np.zeros((nx + nu, len(H)))])
-        missed = np.hstack([Hd, -np.eye(len(H))])
-        error = L @ start + np.vstack([np.zeros((nx + nu, missed.shape[1])), np.sqrt(TRACKING * scale) * missed])
-        self._reach = Z @ np.linalg.inv(T)
-        self._start = start - self._reach @ Y.T @ error
-        self._solver = LeastDistance(self._reach[nx:], np.zeros(nu, dtype=bool), 0.0)
-        self._known, self._s = np.empty(onto.shape[1]), np.empty(nx + nu)
-        self.limited = False
-
-    def __call__(self, d: np.ndarray, r: np.ndarray) -> np.ndarray:
-        """[x; u] (nx + nu,), overwritten by the next call."""
-        self._known[: len(d)], self._known[len(d) :] = d, r
-        s = np.dot(self._map, self._known, out=self._s)
-        u = s[self._nx :]
-        self.limited = bool((u < self._low).any() or (u > self._high).any())
-        if self.limited:
-            start = self._start @ self._known
-            free = start[self._nx :]
-            z = self._solver.solve(np.maximum(self._low - free, -1e30), np.minimum(self._high - free, 1e30))
-            if z is not None:  # else the least-cost target stays, and the inputs saturate
-                s[:] = start + self._reach @ z
-        return s

@@ -18,7 +18,7 @@ def test_the_reading_and_the_last_input():
     assert made.remember(np.array([0.9])) == pytest.approx([0.7]) and made(np.zeros(2))[2] == pytest.approx(0.7)
     assert made.remember(np.array([-1.0])) == pytest.approx([0.5])
     made.reset()
-    assert made.last.tolist() == [0.5] and not made.limited
+    assert made.last.tolist() == [0.5] and not made.missed
 
 
 @pytest.mark.parametrize(("u0", "first"), [(2.0, 1.0), (-3.0, -1.0)])
