@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import deque
+from copy import deepcopy
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
@@ -118,7 +119,7 @@ class Predictive:
         self._outputs = max(self._picks, default=0) >= plant.nx
         bounds: tuple[Any, Any] = (-np.inf, np.inf) if limits is None else limits
         self._low, self._high = bounds
-        self._step = plant.stepper(dt, substeps=substeps)
+        self._substeps, self._step = substeps, plant.stepper(dt, substeps=substeps)
         held = np.zeros(plant.nu) if start is None else start
         self._start = require_finite("Predictive.start", held, (plant.nu,)).copy()
         self.reset()
@@ -154,3 +155,13 @@ class Predictive:
         wanted = self.law.act(t + self.delay * self.dt, seen[self._picks])
         self._waiting.append(np.minimum(np.maximum(wanted, self._low), self._high))
         return wanted
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # the inputs on their way, and those of the law, are not to be shared
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_step"}  # it holds compiled code
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._step = self.plant.stepper(self.dt, substeps=self._substeps)

@@ -36,3 +36,8 @@ def steady_law(
     K, P = np.zeros((B.shape[1], nx)), np.zeros((nx, nx))
     K[:, kept], P[np.ix_(kept, kept)] = found.K, found.P
     return K, P
+
+
+def period_weight(Q: np.ndarray, R: np.ndarray, N: np.ndarray) -> np.ndarray:
+    """[[Q, N], [N', R]] (nx + nu, nx + nu)."""
+    return np.block([[Q, N], [N.T, R]])

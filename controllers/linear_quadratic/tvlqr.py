@@ -19,6 +19,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
@@ -31,8 +32,9 @@ from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
 from pliant.plants.core.parameters import require_choice, require_finite
 
 from .funnel import Funnel
+from .hold_set import Hold
 from .nominal_loop import PathProgress, own_nominal
-from .period_cost import period_cost, steady_law
+from .period_cost import period_cost, period_weight, steady_law
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
@@ -55,9 +57,9 @@ class TVLQR:
     regulator: TimeVaryingRegulator  # of deviations from the nominal
     K: np.ndarray  # (T+1, nu, nx), the last one for after the end
     limits: tuple[np.ndarray, np.ndarray]  # lowest, highest (nu,)
-    handover: (
-        np.ndarray | None
-    )  # (nx,) x* at the end of the nominal less the goal that is held then; None: none is held
+    last: np.ndarray  # (nx, nx) map of deviations over the last step
+    handover: np.ndarray | None  # (nx,) x* at the end less the goal that is held then; None: none is held
+    hold: Hold | None  # the law about that goal
     index: str = "time"  # or "phase"
     slowest: float = 0.25  # nodes that the phase moves on by in a period, at least
     fastest: float = 2.0  # at most
@@ -102,7 +104,11 @@ class TVLQR:
         regulator = riccati.dtvlqr(A, B, Q, R, N, c, end=end)
         names = tuple(s.name for s in plant.states)
         bounds = saturation("TVLQR", limits, [s.name for s in plant.inputs])
-        return cls._about(regulator, A, B, c, x, u, dt, names, hold, bounds, index, float(t[0]))
+        made = cls._about(regulator, A, B, c, x, u, dt, names, hold, bounds, index, float(t[0]))
+        if hold is not None:
+            steps = HeldSteps(plant, dt, substeps, t[-1:], w, p)
+            made.hold = _held_by_plant(made, steps, hold, (Q, R, N))
+        return made
 
     @classmethod
     def design(
@@ -132,7 +138,10 @@ class TVLQR:
         bounds = saturation("TVLQR", limits, ltv.input_names)
         names = ltv.state_names
         A, B, c, start = found.A, found.B, found.c, float(ltv.t[0])
-        return cls._about(regulator, A, B, c, ltv.x, u, dt, names, hold, bounds, index, start)
+        made = cls._about(regulator, A, B, c, ltv.x, u, dt, names, hold, bounds, index, start)
+        if hold is not None:
+            made.hold = _held_by_model(made, ltv, (Q, R, N))
+        return made
 
     @classmethod
     def for_scene(
@@ -169,19 +178,9 @@ class TVLQR:
         period = HeldSteps(plant, scene.dt, scene.substeps, goal[0], *given).slopes(*goal[1:]).slope[0]
         K, P = steady_law(period, *last, names=[s.name for s in plant.states], held=held, dt=scene.dt)
         high = np.array(scene.limits, dtype=float)
-        made = cls.along(
-            plant,
-            nominal,
-            Q,
-            R,
-            N,
-            dt=scene.dt,
-            substeps=scene.substeps,
-            end=P,
-            hold=(K, about.goal_at(t[-1]), about.u_goal),
-            limits=(-high, high),
-            index=index,
-        )
+        hold = K, about.goal_at(t[-1]), about.u_goal
+        one: dict[str, Any] = {"dt": scene.dt, "substeps": scene.substeps}
+        made = cls.along(plant, nominal, Q, R, N, **one, end=P, hold=hold, limits=(-high, high), index=index)
         made.drift = about.drift if about.drift.any() else None
         return made
 
@@ -210,13 +209,17 @@ class TVLQR:
             handover = moved[-1] - held[1]
             last, moved[-1], fed[-1] = held
         K = np.concatenate([regulator.K, last[None]])
-        return cls(dt, names, x, moved, fed, regulator, K, limits, handover, index, start=start)
+        last_step = A[-1] - B[-1] @ regulator.K[-1]
+        return cls(dt, names, x, moved, fed, regulator, K, limits, last_step, handover, None, index, start=start)
 
     @cached_property
     def funnel(self) -> Funnel:
         """Where no input reaches a limit; see Funnel. By time only: the phase may jump."""
         t = self.start + self.dt * np.arange(len(self.x))
-        return Funnel.about(t, self.x, self.u, self.K, self.regulator.P, self.limits, self.handover)
+        hold = self.hold
+        if hold is not None and self.drift is not None:
+            hold = hold._replace(rest=hold.rest - self.dt * self.drift)
+        return Funnel.about(t, self.x, self.u, self.K, self.regulator.P, self.limits, self.last, self.handover, hold)
 
     def cost_to_go(self, k: int, x: Any) -> float:
         """J from node k on, of the linear model without limits, from x (nx,)."""
@@ -243,3 +246,22 @@ class TVLQR:
             y = y - self.drift * (t - self.start - last * self.dt)
         u = self._offsets[k] - self._gains[k].dot(y)
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+
+
+def _held_by_plant(made: TVLQR, steps: HeldSteps, hold: tuple[Any, Any, Any], weights: tuple[Any, Any, Any]) -> Hold:
+    """The held law about a period of the plant at its goal; weights Q, R, N of a period, or with a leading T."""
+    found, nx = steps.slopes(*(np.array(value, dtype=float)[None] for value in hold[1:])), len(made.reads)
+    A, B = found.slope[0][:, :nx], found.slope[0][:, nx:]
+    given = [np.zeros_like(B) if M is None else np.asarray(M, dtype=float) for M in weights]
+    Q, R, N = (M[-1] if M.ndim == 3 else M for M in given)
+    return Hold(A, B, made.K[-1], found.end[0] - made.x[-1], period_weight(Q, R, N))
+
+
+def _held_by_model(made: TVLQR, ltv: LTVModel, weights: tuple[Any, Any, Any]) -> Hold:
+    """The held law about the model's last node; weights Q, R, N of the integral."""
+    end, dt = ltv.at(-1), made.dt
+    after, period = end.discretize(dt), riccati.sampled(end.A, end.B, *weights, dt=dt)
+    dx, du = made.x[-1] - ltv.x[-1], made.u[-1] - ltv.u[-1]
+    moves = CubicSpline(ltv.t, ltv.x)(ltv.t[-1], 1) * dt  # f at the last node is c and the nominal's own rate
+    rest = after.A @ dx + after.B @ du + after.f0 + moves - dx
+    return Hold(period.A, period.B, made.K[-1], rest, period_weight(*period[2:]))

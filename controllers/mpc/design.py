@@ -74,6 +74,7 @@ def regulator(
         np.broadcast_to(D, (n + 1, *D.shape)),
         seen,
     )
+    exact = penalty is None
     if penalty is None:
         penalty = penalty_at(
             build(motion, window, bounded, horizon, None, hard=True), A, B, window, bounded, found.root
@@ -87,6 +88,7 @@ def regulator(
         "start": 0.0,
         "origin": (model.x0, model.u0, y0),
         "names": soft_names(bounded, horizon, n),
+        "exact": exact,
         **extra,
     }
 
@@ -149,7 +151,7 @@ def limits_of(model: LinearModel, limits: Any, rates: Any, bounds: Mapping[str, 
 
 
 def penalty_at(hard: Step, A: np.ndarray, B: np.ndarray, window: Window, limits: Limits, root: np.ndarray) -> float:
-    """More than enough at this step."""
+    """Enough for states sampled about this step."""
     parts = [window.x]
     if window.seen is not None:
         parts += [window.x, window.u[0], np.zeros(window.seen.shape[1])]

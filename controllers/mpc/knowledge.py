@@ -48,6 +48,22 @@ class Knowledge:
         if self.last is not None:
             self.last[:] = np.minimum(np.maximum(self._u0, self._low), self._high)
 
+    @property
+    def state(self) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None, bool, bool]:
+        """What it has learnt: goals, the last input, the estimate, whether there is one, whether goals are missed."""
+        last = None if self.last is None else self.last.copy()
+        estimate = None if self._estimator is None else self._estimator.s.copy()
+        begun = self._estimator is not None and self._estimator.known
+        return self.reference.copy(), last, estimate, begun, self.missed
+
+    @state.setter
+    def state(self, found: tuple[np.ndarray, np.ndarray | None, np.ndarray | None, bool, bool]) -> None:
+        self.reference[:], last, estimate, begun, self.missed = found
+        if self.last is not None:
+            self.last[:] = last
+        if self._estimator is not None:
+            self._estimator.s[:], self._estimator.known = estimate, begun
+
     def aim(self, values: Mapping[str, float]) -> None:
         """Other values of tracked signals, by name."""
         for name, value in values.items():

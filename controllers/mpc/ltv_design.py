@@ -71,6 +71,7 @@ def follower(
         window = Window(u[one], x[k], z[k : k + n + 1], C[k : k + n + 1], D[k : k + n + 1])
         return build(motion, window, bounded, horizon, price, hard), window
 
+    exact = penalty is None
     if penalty is None:
         penalty = 0.0
         for k in np.linspace(0, nodes - 1, POINTS).astype(int):
@@ -84,6 +85,7 @@ def follower(
         "start": float(ltv.t[0]),
         "origin": (ltv.x[0], ltv.u[0], ltv.x[0]),
         "names": soft_names(bounded, horizon, n),
+        "exact": exact,
     }
 
 

@@ -22,8 +22,9 @@ from pliant.controllers.base.controller import moment, reading
 from pliant.controllers.base.solver_record import Record
 from pliant.plants.core.parameters import require_choice
 
-from .constraints import Limits, Step, excess
+from .constraints import Limits, Step
 from .design import regulator
+from .exact_penalty import WithoutExcess, kept
 from .fallback_plan import LastPlan
 from .knowledge import Knowledge
 from .ltv_design import about_goal, follower
@@ -55,15 +56,18 @@ class MPC:
         estimator: Estimator | None = None,
         target: Target | None = None,
         tracked: Mapping[str, float] | None = None,
+        exact: bool = False,
     ) -> None:
         """steps: one, or one for each time from `start` [s] on, the last of which stays. origin: the model's x0, u0,
-        and the readings there. tracked: signals, and their values at the origin, which are brought to `aim`.
+        and the readings there. tracked: signals, and their values at the origin, which are brought to `aim`. exact:
+        whether a plan that exceeds a soft limit is made again with hard ones.
         """
-        self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked
+        self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked, exact
         self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
         self.horizon = len(steps[0].plan[0])
         self.tracked = dict(tracked or {})
         self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
+        self._firm = WithoutExcess() if exact else None
         self._steps, self._start, self._latest = tuple(steps), start, len(steps) - 1
         self._drift: np.ndarray | None = None  # (len(reads),) [1/s] of a goal that moves, from t = 0 on
         self._ny, m, size = len(reads), len(steps[0].low), steps[0].G.shape[1]
@@ -110,8 +114,8 @@ class MPC:
         blocks: lengths of the pieces on which the inputs are constant, which add up to the horizon. terminal: steps
         past the horizon on which the limits are looked at, softly, under the unlimited law: enough of them are its
         output admissible set ("Linear Systems with State and Control Constraints", Gilbert and Tan 1991). penalty:
-        cost of exceeding a bound by half its range (by itself where it has one side) at one step, None: more than
-        enough (exact_penalty.py).
+        cost of exceeding a bound by half its range (by itself where it has one side) at one step; None: bounds are
+        exceeded only where no plan over the horizon keeps all of them (exact_penalty.py).
 
         track: states or outputs brought without steady error to their values at the model's point, or to what `aim`
         says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (offset_free.py);
@@ -149,10 +153,7 @@ class MPC:
     def for_scene(
         cls, scene: CostedScene, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any
     ) -> Self:
-        """With a scene's cost, limits and bounds about its goal, moving or not, or along a nominal of its plant.
-
-        options: as in `design`, or `along`; they go before the scene's.
-        """
+        """About a scene's goal, moving or not, or along a nominal of its plant; options as there go before its own."""
         Q, R, high = dict(scene.weights), dict(scene.effort), np.array(scene.limits, dtype=float)
         bounds = {name: (-value, value) for name, value in scene.bounds}
         given: dict[str, Any] = {"horizon": horizon, "limits": (-high, high), "bounds": bounds} | options
@@ -170,6 +171,8 @@ class MPC:
         self.record.clear()
         for step in self._steps:
             step.solver.forget()
+        if self._firm is not None:
+            self._firm.forget()
         if self._knowledge is not None:
             self._knowledge.reset()
         self.plan.forget()
@@ -229,22 +232,30 @@ class MPC:
             return None
         self._at, self._multipliers = at, step.solver.multipliers
         if step.solver.violated:
-            self.record.violate(excess(step, z, self._lower, self._upper, len(self.record.names)))
+            z, self._multipliers = kept(self._firm, at, step, z, (self._lower, self._upper), self.record)
         return z
 
     def __copy__(self) -> Self:
         return deepcopy(self)  # solver and estimate are not to be shared
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """A copy aims at the same values, and is otherwise as after `reset`."""
-        aims = None if self._knowledge is None else self._knowledge.reference
-        return _again, (self._made, aims, self._drift)
+    def __reduce__(self) -> tuple[Any, ...]:  # a copy goes on as the original would, and apart from it
+        known = None if self._knowledge is None else self._knowledge.state
+        return _again, (self._made, self._drift, self.record, self.plan, known, self._at, self._multipliers)
 
 
-def _again(made: tuple[Any, ...], aims: np.ndarray | None, drift: np.ndarray | None) -> MPC:
-    """As after `reset`, with the same goal."""
+def _again(
+    made: tuple[Any, ...],
+    drift: np.ndarray | None,
+    record: Record,
+    plan: LastPlan,
+    known: tuple[Any, ...] | None,
+    at: int,
+    multipliers: np.ndarray,
+) -> MPC:
+    """With the state that another had."""
     controller = MPC(*made)
-    controller._drift = drift
-    if controller._knowledge is not None:
-        controller._knowledge.reference[:] = aims
+    controller._drift, controller.record, controller.plan = drift, record, plan
+    controller._at, controller._multipliers = at, multipliers
+    if controller._knowledge is not None and known is not None:
+        controller._knowledge.state = known
     return controller

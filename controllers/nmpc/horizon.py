@@ -62,7 +62,7 @@ class Horizon:
         self._price = L if law is None or len(L) else _root(law.P)
         self._hold = np.zeros((plant.nu, plant.nx + 1 + plant.nu))
         self._hold[: len(root), : plant.nx], self._hold[: len(root), plant.nx + 1 :] = root @ K, root
-        self.damping = 0.0
+        self.damping = self.damped = 0.0  # now, and in what was linearised last
         self._times = objective.dt * np.arange(N)[:, None]
 
     def linearize(self, *, close: bool = False) -> bool:
@@ -83,6 +83,7 @@ class Horizon:
         r, slopes, z, bounded = (stage.get(k) for k in range(4))
         _fill(self._stages, nx, r, slopes)
         self._stages *= np.sqrt(self.objective.dt)
+        self.damped = self.damping
         np.multiply(np.sqrt(self.damping), self._hold, out=self._held)
         _fill(ready.bounded, nx, z, bounded)
         with np.errstate(over="ignore", invalid="ignore"):

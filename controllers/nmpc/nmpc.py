@@ -2,7 +2,7 @@
 for nonlinear optimization in optimal feedback control", 2005).
 
 min  sum_k dt |r(x_k, u_k)|^2 + (x_N - goal)'P (x_N - goal)     over a horizon of N control periods
-     x_{k+1} = F(x_k, u_k), limits of the inputs, bounds of named signals as far as they can hold
+     x_{k+1} = F(x_k, u_k), limits of the inputs, bounds of named signals at a price
 
 One Gauss-Newton step a sample. Before the measurement, `prepare`: the plan of the last sample, a period on, is
 linearised and condensed. With it, `feedback`: one quadratic program in the inputs, whose first is applied. Where that
@@ -14,6 +14,7 @@ of it after the measurement, where HPIPM takes 0.6 ms on the stages as they are.
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, final
@@ -224,11 +225,25 @@ class NMPC:
         plan.x[:] = x + np.linspace(0.0, 1.0, plan.N + 1)[:, None] * (plan.goal - x)
         plan.u[:] = goal.u_goal
 
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # plan and workspace are not to be shared
+
     def __reduce__(self) -> tuple[Any, ...]:
-        return _remade, (self.objective, self.horizon.N, self._made)
+        """A copy goes on as the original would, and apart from it."""
+        plan = self.horizon
+        state = plan.t, plan.x, plan.u, plan.damped, plan.damping, self._program.solver.near, self._ready, self._taken
+        return _remade, (self.objective, plan.N, self._made, self.record, state)
 
 
-def _remade(objective: Objective, horizon: int, made: tuple[Any, ...]) -> NMPC:
-    """Another with the same design, as after `reset`."""
+def _remade(
+    objective: Objective, horizon: int, made: tuple[Any, ...], record: IterationRecord, state: tuple[Any, ...]
+) -> NMPC:
+    """Another with the same design and state: its plan is linearised again."""
     names = ("substeps", "terminal", "penalty", "starts", "first_steps", "iteration_limit")
-    return NMPC(objective, horizon, **dict(zip(names, made)))
+    found = NMPC(objective, horizon, **dict(zip(names, made)))
+    plan, found.record = found.horizon, record
+    plan.t, plan.x[:], plan.u[:], plan.damping, damping, found._program.solver.near, found._ready, found._taken = state
+    if found._ready:
+        found._program.linearize()
+        plan.damping = damping
+    return found
