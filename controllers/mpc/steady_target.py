@@ -62,7 +62,7 @@ class Target:
                 "there are inputs, and only such as can be held"
             )
         self._nx, self._low, self._high = nx, low, high
-        self._unit = np.where(np.isfinite(high - low) & (high > low), (high - low) / 2, 1.0)  # of each input
+        self._unit = np.where(np.isfinite(high - low) & (high > low), (high - low) / 2, columns[nx:])  # of each input
         root = semidefinite_root(weight).T
         onto = np.block([[-Bd, np.zeros((nx, len(H)))], [-Hd, np.eye(len(H))]])
         base = columns[:, None] * np.linalg.pinv(even) / rows @ onto
@@ -75,6 +75,7 @@ class Target:
             held = columns[:, None] * np.linalg.pinv(own) / rows[:nx] @ -Bd
             free = columns[:, None] * sla.null_space(own)
             range_ = reachable(wanted @ free, free[nx:], low, high, root @ free)
+            free = even_directions(free, wanted / range_[:, None], nx, self._unit)
             start = np.hstack([held, np.zeros((nx + nu, len(H)))])
             error = wanted @ start + np.hstack([Hd, -np.eye(len(H))])
             self._nearest = _Nearest(start, free, error / range_[:, None], wanted / range_[:, None], nx, self._unit)
@@ -167,6 +168,14 @@ class _Nearest:
 def _bounds(low: Array, high: Array, u: Array, unit: Array) -> tuple[Array, Array]:
     """What is left to the limits from u, in units of the inputs."""
     return np.maximum((low - u) / unit, -INFINITE), np.minimum((high - u) / unit, INFINITE)
+
+
+def even_directions(free: Array, wanted: Array, nx: int, unit: Array) -> Array:
+    """Another base of free (nx + nu, k): a unit of it moves inputs by about a unit, or signals by about a range."""
+    seen = np.vstack([free[nx:] / unit[:, None], wanted @ free])
+    _, size, V = np.linalg.svd(seen)
+    size = np.concatenate([size, np.zeros(len(V) - len(size))])
+    return np.asarray(free @ V.T / np.where(size > INFLUENCE * size.max(initial=0.0), size, 1.0))
 
 
 def equilibrium_scales(E: Array) -> tuple[Array, Array]:

@@ -85,7 +85,6 @@ def test_copies_share_nothing(law):
 
     alone, found = acts(law), {}
     copies = [law, copy.copy(law), copy.deepcopy(law), pickle.loads(pickle.dumps(law))]
-    copies = copies if isinstance(law, (MPC, NMPC)) else [law, *copies[2:]]  # a plain copy shares by Python's own rule
     threads = [
         threading.Thread(target=lambda i, c: found.update({i: acts(c)}), args=pair) for pair in enumerate(copies)
     ]

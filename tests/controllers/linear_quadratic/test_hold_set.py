@@ -44,14 +44,12 @@ def test_no_input_passes_a_limit_from_inside_whatever_the_weight_of_the_end(seed
         constant(A, B), np.eye(2), np.eye(1), end=L @ L.T, hold=(K, np.zeros(2), np.zeros(1)), limits=(-1, 1)
     )
     assert law.funnel.level[-1] > 0 and worst_input(law, step, K, seed) <= 1 + 1e-9
-    naive = np.linalg.solve(L @ L.T, K[0])  # the same level rule, with the weight of the end itself
-    e = naive / np.sqrt(K[0] @ naive)
-    us = []
-    for _ in range(200):
-        us.append(abs(float(K[0] @ e)))
-        e = (step.A - step.B @ K) @ e
-    F = step.A - step.B @ K
-    assert gain(F, L @ L.T, L @ L.T) > 1 and us[0] == pytest.approx(np.sqrt(K[0] @ naive))
+    P, F, furthest = L @ L.T, step.A - step.B @ K, 0.0
+    toward = np.linalg.solve(P, K[0])  # the same level rule, with the weight of the end itself: |K e| <= 1 on its edge
+    for k in range(200):  # the largest |K F^k e| over e'P e <= 1 / (K P^-1 K')
+        row = K[0] @ np.linalg.matrix_power(F, k)
+        furthest = max(furthest, np.sqrt(row @ np.linalg.solve(P, row) / (K[0] @ toward)))
+    assert gain(F, P, P) > 1 and furthest > 1.01  # it asks for more than the limit
     entered = law.funnel
     x = rng.standard_normal(2)
     x *= np.sqrt(entered.level[0] / (x @ entered.P[0] @ x)) * 0.999

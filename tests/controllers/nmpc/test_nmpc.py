@@ -196,9 +196,11 @@ def test_feedback_and_preparation_are_an_act_and_reset_forgets():
     nmpc.reset()
     assert nmpc.record.calls == 0
     np.testing.assert_array_equal([nmpc.act(k * nmpc.dt, y) for k, y in enumerate(readings)], first)
-    for twin in (copy.copy(nmpc), copy.deepcopy(nmpc), pickle.loads(pickle.dumps(nmpc))):  # go on, apart from it
-        ahead = twin.act(4 * nmpc.dt, readings[0])
-    np.testing.assert_allclose(nmpc.act(4 * nmpc.dt, readings[0]), ahead, rtol=1e-9)
+    twins = (copy.copy(nmpc), copy.deepcopy(nmpc), pickle.loads(pickle.dumps(nmpc)))  # go on, apart from it
+    ahead = [twin.act(4 * nmpc.dt, readings[0]) for twin in twins]
+    on = nmpc.act(4 * nmpc.dt, readings[0])
+    for u in ahead:
+        np.testing.assert_allclose(u, on, rtol=1e-9)
     again = pickle.loads(pickle.dumps(nmpc))
     again.reset()
     np.testing.assert_array_equal([again.act(k * nmpc.dt, y) for k, y in enumerate(readings)], first)
