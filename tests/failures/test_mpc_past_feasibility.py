@@ -11,6 +11,7 @@ from scipy.optimize import linprog
 
 from pliant.controllers import MPC
 from pliant.envs import scenes
+from pliant.plants import LinearModel
 
 HORIZON = 20
 BOUNDS = {"hub_angle_rate": (-1.0, 1.0), "tip_deflection": (-0.008, 0.008)}
@@ -106,3 +107,18 @@ def test_where_the_bounds_can_be_kept_they_are(mpc) -> None:
     xs, _, could = run(lambda t, x, could: mpc.act(t, x), start)
     assert could.all() and mpc.record.violations == 0 and mpc.record.limited > 0
     assert np.abs(xs[:, 3]).max() < 1.0 + 1e-3
+
+
+def test_the_price_found_from_samples_alone_exceeds_a_bound_that_can_be_kept():
+    """A cart-pole within its bounds: u = -4.146 by the hard program of another solver (qpOASES)."""
+    A = np.array([[0, 0, 1, 0], [0, 0, 0, 1], [0, 9.81, 0, 0], [0, 65.4, 0, 0]])
+    names = ["p", "th", "v", "w"]
+    cart = LinearModel.from_matrices(A, [[0], [0], [2], [1 / 0.15]], states=names, inputs=["F"])
+    bounds = {"p": (-3, 10), "th": (-2, 9), "v": (-2.1, 8), "w": (-2.5, 7)}
+    x = np.array([-0.15178016, 0.18706709, -1.77295158, -0.0791845])
+    options = {"dt": 0.05, "limits": ([-12], [10]), "bounds": bounds}
+    law = MPC.design(cart, np.diag([100.0, 10, 1, 1]), [[0.1]], **options)
+    naive = MPC.design(cart, np.diag([100.0, 10, 1, 1]), [[0.1]], penalty=law.penalty, **options)
+    naive.act(0.0, x)
+    assert naive.record.worst[2] > 0.2
+    assert abs(law.act(0.0, x)[0] + 4.146) < 2e-3 and law.record.worst.max() < 1e-6
