@@ -1,8 +1,10 @@
 """The C compiler of this machine: which one, which of its flags help, and how a shared library is made with it.
 
 What made gcc vectorise straight-line code over lanes: -O3 -march=native -ffast-math -fopenmp-simd, the math calls kept
-apart (gcc merges sin and cos of one angle to sincos, which has no vector form) and no SLP vectoriser. -ffast-math is
-on the compile step only: on the link step gcc would add crtfastmath.o, which sets flush-to-zero for the whole process.
+apart (gcc merges sin and cos of one angle to sincos, which has no vector form) and no SLP vectoriser. clang keeps them
+apart by itself, finds their vector forms only where they are built in, and must not unroll the lanes before it looks
+at them: else it leaves the loop scalar, at a third of the speed. -ffast-math is on the compile step only: on the link
+step gcc would add crtfastmath.o, which sets flush-to-zero for the whole process.
 
 Environment: CC names the compiler. PLIANT_CFLAGS adds flags after Pliant's own, so that they win, to the compile step
 alone: PLIANT_CFLAGS=-mno-avx512f, or -march=x86-64-v3 for kernels that all of a cluster's processors run. Both are part
@@ -37,8 +39,9 @@ OPTIONAL = (
     "-ffast-math",
     "-fopenmp-simd",
     "-fno-tree-slp-vectorize",
-    *(f"-fno-builtin-{name}{suffix}" for name in ("sin", "cos") for suffix in ("", "f")),
 )
+MATH_APART = tuple(f"-fno-builtin-{name}{suffix}" for name in ("sin", "cos") for suffix in ("", "f"))  # gcc
+CLANG = ("-fno-unroll-loops", "-fveclib=libmvec")
 PROBE = """#include <math.h>
 void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = sin(x[l]) + cos(x[l]); }
 """
@@ -98,7 +101,8 @@ def _stamp(command: tuple[str, ...]) -> str:
     if cpuinfo.exists():
         lines = cpuinfo.read_text().splitlines()
         cpu += "".join(sorted({s for s in lines if s.startswith(("model name", "flags", "Features"))}))
-    parts = (*command, os.path.realpath(path), info.st_mtime_ns, info.st_size, cpu, OPTIONAL, PROBE, extra_flags())
+    tried = OPTIONAL, MATH_APART, CLANG, PROBE, extra_flags()
+    parts = (*command, os.path.realpath(path), info.st_mtime_ns, info.st_size, cpu, *tried)
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]
 
 
@@ -127,7 +131,7 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
     macros = native or _run(command, *extra, "-dM", "-E", "-x", "c", "-").stdout
     flags = list(REQUIRED)
     wide = ("-mprefer-vector-width=512",) if "__AVX512F__" in macros else ()
-    vectors = ("-fveclib=libmvec",) if "__clang__" in macros else ()
+    vectors = CLANG if "__clang__" in macros else MATH_APART
     with tempfile.TemporaryDirectory() as folder:
         source, output = Path(folder, "probe.c"), Path(folder, "probe.o")
         source.write_text(PROBE)
