@@ -2,7 +2,8 @@
 
 SciPy's DOP853 supplies the tableau and the error norm (Hairer, Norsett and Wanner, "Solving Ordinary Differential
 Equations I", II.5 and II.10). Here all twelve stages are one CasADi function, so that Python is entered once a step
-and not once a stage: five to ten times faster on the small systems that plants are.
+and not once a stage: five to ten times faster on the small systems that plants are. A motion of many steps is compiled
+on its way: its numbers are the same to rounding.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.plant_protocol import PlantLike
+from pliant.plants.native.single_point import compiled, pays_after
 
 STAGES = 12
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0  # limits of the step-size change, as in SciPy
@@ -30,30 +32,44 @@ def fractions() -> np.ndarray:
     return np.asarray(DOP853.C, dtype=float)
 
 
-@lru_cache(maxsize=32)
-def step_function(plant: PlantLike, audit: bool) -> NumericFunction:
+class StepFunction:
     """(t, z, us (nu, 12), w, p, h) -> z(t + h) and the estimates of orders 5 and 3 of its error per unit of h.
 
-    z is the state; with `audit` the net work done [J] follows it.
+    z is the state; with `audit` the net work done [J] follows it. The rates are compiled once that pays.
     """
-    from scipy.integrate import DOP853
 
-    p = plant.symbols[4]
-    rate = plant.expressions[0]
-    if audit:
-        rate = ca.vertcat(rate, plant.net_power())  # type: ignore[attr-defined]
-    rate_of = ca.Function("rate", list(plant.symbols), [ca.cse(rate)])
-    nz = rate.shape[0]
-    z, us, h = ca.MX.sym("z", nz), ca.MX.sym("us", plant.nu, STAGES), ca.MX.sym("h")
-    ts, ws, ps = ca.MX.sym("t"), ca.MX.sym("w", plant.nw), ca.MX.sym("p", p.shape[0])
-    k: list[ca.MX] = []
-    for i in range(STAGES):
-        at = z + h * ca.horzcat(*k) @ DOP853.A[i, :i] if i else z
-        k.append(rate_of(ts + float(DOP853.C[i]) * h, at[: plant.nx], us[:, i], ws, ps))
-    slopes = ca.horzcat(*k)
-    after = z + h * slopes @ DOP853.B
-    errors = (slopes @ DOP853.E5[:STAGES], slopes @ DOP853.E3[:STAGES])
-    return NumericFunction(ca.Function("dop853", [ts, z, us, ws, ps, h], [after, *errors]))
+    def __init__(self, plant: PlantLike, audit: bool) -> None:
+        rate = plant.expressions[0]
+        if audit:
+            rate = ca.vertcat(rate, plant.net_power())  # type: ignore[attr-defined]
+        self.nx = plant.nx
+        self.rate = ca.Function("rate", list(plant.symbols), [ca.cse(rate)])
+        self.left = pays_after(self.rate) // STAGES
+        self.step = NumericFunction(self._all_stages(self.rate))
+
+    def _all_stages(self, rate: ca.Function) -> ca.Function:
+        from scipy.integrate import DOP853
+
+        _, _, nu, nw, np_ = (rate.size1_in(i) for i in range(5))
+        z, us, h = ca.MX.sym("z", rate.size1_out(0)), ca.MX.sym("us", nu, STAGES), ca.MX.sym("h")
+        t, w, p = ca.MX.sym("t"), ca.MX.sym("w", nw), ca.MX.sym("p", np_)
+        k: list[ca.MX] = []
+        for i in range(STAGES):
+            at = z + h * ca.horzcat(*k) @ DOP853.A[i, :i] if i else z
+            k.append(rate(t + float(DOP853.C[i]) * h, at[: self.nx], us[:, i], w, p))
+        slopes = ca.horzcat(*k)
+        after = z + h * slopes @ DOP853.B
+        errors = (slopes @ DOP853.E5[:STAGES], slopes @ DOP853.E3[:STAGES])
+        return ca.Function("dop853", [t, z, us, w, p, h], [after, *errors])
+
+    def __call__(self, *values: np.ndarray | float) -> list[np.ndarray]:
+        self.left -= 1
+        if self.left == 0:
+            self.step = NumericFunction(self._all_stages(compiled(self.rate)))
+        return self.step(*values)
+
+
+step_function = lru_cache(maxsize=32)(StepFunction)
 
 
 def march(

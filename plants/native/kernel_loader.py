@@ -26,7 +26,7 @@ from .thread_pool import pool, spreader
 Array = np.ndarray
 Reference = Callable[..., Sequence[Array]]  # (inputs (B, n) ..., scalars, count) -> outputs (B, m)
 AGREEMENT = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 2e-2}  # of kernel and virtual machine, by the largest
-_lock = threading.Lock()  # CasADi's symbolics and code generation are not thread-safe
+generating = threading.Lock()  # CasADi's symbolics and code generation are not thread-safe
 _spreading = threading.Lock()
 _told = False
 
@@ -40,7 +40,8 @@ def wanted() -> bool:
     return os.environ.get("PLIANT_NATIVE", "1") != "0"
 
 
-def _tell(why: str) -> None:
+def tell(why: str) -> None:
+    """Warn, once a process, that native code is not used."""
     global _told
     if not _told:
         _told = True
@@ -134,7 +135,7 @@ def load(
         return None
     lanes = LANES[dtype] if lanes is None else lanes
     try:
-        with _lock:
+        with generating:
             source = write_source()
             key = compiler.digest(source, compiler.toolchain())
             if key in _loaded:
@@ -151,7 +152,7 @@ def load(
             _loaded[key] = Kernel(path, dtype, lanes)
             return _loaded[key]
     except (CompileError, TooLong, kernel_cache.CacheError, KernelMismatch, OSError) as failure:
-        _tell(str(failure))
+        tell(str(failure))
         return None
 
 
