@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core import parameters
+from pliant.plants.core.built_once import built_once
 from pliant.plants.core.signals import Signal
 
 Array = np.ndarray
@@ -119,7 +120,7 @@ class Declaration(ABC):
         """This plant with numbers where a symbolic copy has expressions; shape functions are computed from it."""
         return self
 
-    @cached_property
+    @built_once
     def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
         """The symbols (t, x, u, w, p)."""
         sizes = (1, self.nx, self.nu, self.nw, len(self.varied))
@@ -134,7 +135,7 @@ class Declaration(ABC):
         copy.__dict__["nominal"] = dataclasses.replace(self, varied=())
         return copy
 
-    @cached_property
+    @built_once
     def expressions(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, y) in the symbols."""
         t, x, u, w, _ = self.symbols

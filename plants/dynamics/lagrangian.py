@@ -14,6 +14,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.built_once import built_once
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import Joint, Signal, index
@@ -81,7 +82,7 @@ class LagrangianPlant(MechanicalPlant):
     def statics(self) -> ca.SX:
         return self._terms[1]
 
-    @cached_property
+    @built_once
     def _terms(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """(M, r, T, V) with M a = r, in this plant's symbols."""
         t, x, u, w, _ = self.symbols
@@ -119,7 +120,7 @@ class LagrangianPlant(MechanicalPlant):
         n = len(self.coordinates)
         return ca.vertcat(x[n:], self.acceleration(M, r, u)[0])
 
-    @cached_property
+    @built_once
     def _motion(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
         M, r, _, _ = self._terms
@@ -156,11 +157,11 @@ class LagrangianPlant(MechanicalPlant):
         where = ", ".join(f"{name} = {value:.4g} m" for name, value in bent.items()) or f"x = {x}"
         return f" at {where}; use a fidelity whose mass matrix stays definite, or smaller deflections"
 
-    @cached_property
+    @built_once
     def _mass(self) -> NumericFunction:
         return function("mass", list(self.symbols), [self._terms[0]], matrices=True)
 
-    @cached_property
+    @built_once
     def _powers(self) -> tuple[ca.SX, ca.SX]:
         """(power put in by inputs, disturbances and driven coordinates, power lost) [W]."""
         t, x, u, w, _ = self.symbols
@@ -174,7 +175,7 @@ class LagrangianPlant(MechanicalPlant):
             put_in += sum(reaction[i] * v[i] for i in self.driven)
         return put_in, lost
 
-    @cached_property
+    @built_once
     def _energies(self) -> NumericFunction:
         _, _, T, V = self._terms
         return function("energies", list(self.symbols), [T, V])
@@ -219,7 +220,7 @@ class LagrangianPlant(MechanicalPlant):
         found = np.sign(squares) * np.sqrt(np.abs(squares))
         return found if rigid else found[np.abs(found) > 1e-6 * np.abs(found).max(initial=0.0)]
 
-    @cached_property
+    @built_once
     def _stiffness(self) -> NumericFunction:
         n = len(self.coordinates)
         _, x, _, _, _ = self.symbols

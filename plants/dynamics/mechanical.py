@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.built_once import built_once
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.errors import MassMatrixError
 from pliant.plants.core.signals import Signal
@@ -70,12 +71,12 @@ class MechanicalPlant(Plant):
     def coordinates_slice(self) -> slice:
         return slice(0, len(self.coordinates))
 
-    @cached_property
+    @built_once
     def expressions(self) -> tuple[ca.SX, ca.SX]:
         t, x, u, w, _ = self.symbols
         return self._motion[0], self.symbolic.output(t, x, u, w)
 
-    @cached_property
+    @built_once
     def _dynamics(self) -> NumericFunction:
         return function("dynamics", list(self.symbols), list(self._motion))
 
@@ -128,7 +129,7 @@ class MechanicalPlant(Plant):
         t, x, u, w, _ = self.symbols
         return ResidualJacobians(self, self.symbolic.output(t, x, u, w), self._differentiated())
 
-    @cached_property
+    @built_once
     def _jacobians(self) -> NumericFunction:
         return self._linear.solved
 
@@ -145,7 +146,7 @@ class MechanicalPlant(Plant):
         put_in, lost = self._powers
         return put_in - lost
 
-    @cached_property
+    @built_once
     def _power(self) -> NumericFunction:
         return function("power", list(self.symbols), list(self._powers))
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.built_once import built_once
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.plant_protocol import Arguments
 from pliant.plants.core.trajectory import Trajectory
@@ -35,15 +35,15 @@ if TYPE_CHECKING:
 class Plant(PlantContract):
     """Base of all plants: what is done with what a plant states."""
 
-    @cached_property
+    @built_once
     def _dynamics(self) -> NumericFunction:
         return function("dynamics", list(self.symbols), [self.expressions[0]])
 
-    @cached_property
+    @built_once
     def _output(self) -> NumericFunction:
         return function("output", list(self.symbols), [self.expressions[1]])
 
-    @cached_property
+    @built_once
     def _jacobians(self) -> NumericFunction:
         _, x, u, w, _ = self.symbols
         f, h = ca.cse(list(self.expressions))  # before they are differentiated: half as much is

@@ -100,7 +100,7 @@ def read_text(name: str) -> str | None:
 
 def write_aside(content: bytes) -> Path:
     """Write sealed content under a temporary name in the cache folder; `publish` gives it its own."""
-    handle, name = tempfile.mkstemp(prefix="building-", dir=checked_folder())
+    handle, name = tempfile.mkstemp(prefix="building-", suffix=".so", dir=checked_folder())
     with os.fdopen(handle, "wb") as file:
         file.write(seal(content))
         file.flush()

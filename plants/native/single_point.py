@@ -7,6 +7,8 @@ faster; -O1 and -O2 took two to ten times longer to compile and ran no faster (f
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import casadi as ca
 import numpy as np
 
@@ -42,15 +44,22 @@ def compiled(function: ca.Function) -> ca.Function:
                 if path is None:
                     aside = kernel_cache.write_aside(compiler.build(source, PLAIN))
                     try:
-                        _agree(ca.external(function.name(), str(aside)), function)
+                        _agree(_load(function.name(), aside), function)
                         path = kernel_cache.publish(aside, name)
                     finally:
                         aside.unlink(missing_ok=True)
-                _made[key] = ca.external(function.name(), str(path))
+                _made[key] = _load(function.name(), path)
             return _made[key]
     except (CompileError, kernel_cache.CacheError, kernel_loader.KernelMismatch, OSError) as failure:
         kernel_loader.tell(str(failure))
         return function
+
+
+def _load(name: str, path: Path) -> ca.Function:
+    try:
+        return ca.external(name, str(path))
+    except RuntimeError as refused:  # CasADi's for all that the loader says
+        raise OSError(f"{path.name} cannot be loaded: {str(refused)[:200]}") from refused
 
 
 def _agree(made: ca.Function, function: ca.Function) -> None:

@@ -15,13 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Literal, Self
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.built_once import built_once
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.trajectory import Trajectory
@@ -62,7 +62,7 @@ class FlexibleSpacecraft(SpacecraftContract):
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         return equations.rate(self, t, x, u, w)[0]
 
-    @cached_property
+    @built_once
     def _motion(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
         return equations.rate(self.symbolic, *self.symbols[:4])
@@ -76,11 +76,11 @@ class FlexibleSpacecraft(SpacecraftContract):
     def _differentiated(self) -> Differentiated:
         return differentiated(self)
 
-    @cached_property
+    @built_once
     def _conserved(self) -> NumericFunction:
         return function("conserved", list(self.symbols), list(energies.conserved(self.symbolic, self.symbols[1])))
 
-    @cached_property
+    @built_once
     def _residual(self) -> NumericFunction:
         return residual_function(self)
 
@@ -100,7 +100,7 @@ class FlexibleSpacecraft(SpacecraftContract):
         _, linear, angular = self._conserved(*values, batch=batch)
         return linear, angular
 
-    @cached_property
+    @built_once
     def _powers(self) -> tuple[ca.SX, ca.SX]:
         return energies.power(self.symbolic, *self.symbols[:4])
 

@@ -79,7 +79,7 @@ def manage_cache(action: str, as_json: bool) -> bool:
     else:
         names = [path.name for path in kernel_cache.entries()]
         result["bytes"] = _size()
-        for kind in ("kernel", "threads", "toolchain", "building"):
+        for kind in ("kernel", "point", "threads", "toolchain", "building"):
             result[f"{kind} files"] = sum(name.startswith(kind) for name in names)
     if as_json:
         print_json(result)

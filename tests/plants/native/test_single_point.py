@@ -37,7 +37,9 @@ def test_without_native_code_it_is_the_function_itself(monkeypatch) -> None:
 
 
 @needs_compiler
-def test_a_function_that_disagrees_is_not_used(monkeypatch) -> None:
+def test_a_function_that_disagrees_is_not_used(monkeypatch, tmp_path) -> None:
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path))
+    monkeypatch.setattr(single_point, "_made", {})
     x = ca.SX.sym("x")
     machine = ca.Function("rate", [x], [ca.sin(x) * 1.25])
     writes = compiler.build
