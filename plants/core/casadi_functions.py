@@ -1,14 +1,22 @@
-"""CasADi functions of (t, x, u, w, p) called with NumPy arrays: one point, or a batch of rows."""
+"""CasADi functions of (t, x, u, w, p): called with NumPy arrays, one point or a batch of rows; built once for all equal
+plants.
+"""
 
 from __future__ import annotations
 
 import threading
+from collections import OrderedDict
+from functools import cached_property
+from typing import Any, ClassVar, TypeVar
 
 import casadi as ca
 import numpy as np
 
 MAPS_KEPT = 8  # batch sizes whose mapped function is kept
 LONG = 20_000  # operations past which common subexpressions stay; no compiler is asked for as many either
+FEW = 3000  # calls that lose what looking for common subexpressions takes: 12 us an operation, 4 ns of it lost a call
+KEPT = 32  # plants whose properties are kept
+T = TypeVar("T")
 
 
 class NumericFunction:
@@ -16,21 +24,32 @@ class NumericFunction:
 
     A row-major (B, n) array is CasADi's column-major (n, B) matrix, so a batch needs no transposition.
     Outputs come back as (rows,) for a column vector and (rows, columns) otherwise, with a leading B in a batch;
-    with `matrices` a column vector stays (rows, 1).
+    with `matrices` a column vector stays (rows, 1). A function that is `raw` has its common subexpressions removed
+    once it has been called often, or is asked for: the same operations, each done once.
     """
 
-    def __init__(self, function: ca.Function, *, matrices: bool = False) -> None:
-        self.function, self.matrices = function, matrices
+    def __init__(self, function: ca.Function, *, matrices: bool = False, raw: bool = False) -> None:
+        self._function, self.matrices, self.raw = function, matrices, raw
+        self._left = FEW if raw else -1
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
         self._squeeze = [columns == 1 and not matrices for _, columns in self._shapes]
         self._local = threading.local()
+
+    @property
+    def function(self) -> ca.Function:
+        """The function itself, without common subexpressions."""
+        if self.raw:
+            symbols = self._function.sx_in()
+            self._function = ca.Function(self._function.name(), symbols, ca.cse(self._function.call(symbols)))
+            self.raw = False
+        return self._function
 
     def _buffer(self, batch: int) -> tuple:
         store = self._local.__dict__.setdefault("buffers", {})
         if batch not in store:
             if len(store) >= MAPS_KEPT:
                 store.pop(next(k for k in store if k != 1))
-            mapped = self.function if batch == 1 else self.function.map(batch)
+            mapped = self._function if batch == 1 else self._function.map(batch)
             arguments = [np.zeros((batch, mapped.numel_in(i) // batch)) for i in range(mapped.n_in())]
             results = [np.zeros((batch, c, r)) for r, c in self._shapes]
             buffer, trigger = mapped.buffer()
@@ -43,6 +62,10 @@ class NumericFunction:
 
     def __call__(self, *values: np.ndarray | float, batch: int | None = None) -> list[np.ndarray]:
         """Results as fresh arrays. `batch` = B where the values are (B, n) arrays; None for one point."""
+        if self.raw:
+            self._left -= batch or 1
+            if self._left < 0 and self.function:
+                self._local.__dict__.pop("buffers", None)
         arguments, results, trigger, _ = self._buffer(batch or 1)
         for argument, value in zip(arguments, values):
             argument[...] = value
@@ -54,21 +77,51 @@ class NumericFunction:
         return out
 
     def __reduce__(self) -> tuple:
-        return _rebuilt, (self.function, self.matrices)
+        return _rebuilt, (self._function, self.matrices, self.raw)
 
 
-def _rebuilt(function: ca.Function, matrices: bool) -> NumericFunction:
-    return NumericFunction(function, matrices=matrices)
+def _rebuilt(function: ca.Function, matrices: bool, raw: bool) -> NumericFunction:
+    return NumericFunction(function, matrices=matrices, raw=raw)
 
 
 def function(name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices: bool = False) -> NumericFunction:
-    """A NumericFunction from expressions, outputs dense and common subexpressions removed.
+    """A NumericFunction from expressions, outputs dense.
 
-    Not removed from more than LONG operations: looking for them takes 12 us each, and the derivatives of expressions
-    that have none repeat but a twentieth.
+    Common subexpressions go once that pays, and never from more than LONG operations: looking for them takes 12 us
+    each, and the derivatives of expressions that have none repeat but a twentieth.
     """
-    whole = [ca.densify(r) for r in results]
-    built = ca.Function(name, symbols, whole)
-    if built.n_instructions() <= LONG:
-        built = ca.Function(name, symbols, ca.cse(whole))
-    return NumericFunction(built, matrices=matrices)
+    built = ca.Function(name, symbols, [ca.densify(r) for r in results])
+    return NumericFunction(built, matrices=matrices, raw=built.n_instructions() <= LONG)
+
+
+class built_once(cached_property[T]):
+    """A cached property whose value depends on the fields of a frozen dataclass alone.
+
+    Where an equal instance has had it built, it is taken from there, of the last KEPT different instances. A symbolic
+    copy (`nominal` differs from it) builds its own: expressions have no equality.
+    """
+
+    _kept: ClassVar[OrderedDict[Any, dict[str, Any]]] = OrderedDict()
+
+    def __get__(self, instance: Any, owner: type | None = None) -> Any:
+        if instance is None or instance.nominal is not instance:
+            return super().__get__(instance, owner)
+        name = str(self.attrname)
+        shared = instance.__dict__.get("_shared")
+        if shared is None:  # for good: all that an instance takes must be in the same symbols
+            shared = instance.__dict__["_shared"] = self._of_equals(instance)
+        if name not in shared:
+            shared[name] = super().__get__(instance, owner)
+        instance.__dict__[name] = shared[name]
+        return shared[name]
+
+    @classmethod
+    def _of_equals(cls, instance: Any) -> dict[str, Any]:
+        try:
+            found = cls._kept.setdefault(instance, {})
+            cls._kept.move_to_end(instance)
+            if len(cls._kept) > KEPT:
+                cls._kept.popitem(last=False)
+        except (TypeError, KeyError):  # a plant with a field that has no hash, or two threads at once
+            return {}
+        return found

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core import parameters
-from pliant.plants.core.built_once import built_once
+from pliant.plants.core.casadi_functions import built_once
 from pliant.plants.core.signals import Signal
 
 Array = np.ndarray

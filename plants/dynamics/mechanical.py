@@ -10,8 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.built_once import built_once
-from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.errors import MassMatrixError
 from pliant.plants.core.signals import Signal
 from pliant.plants.core.trajectory import Trajectory

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.built_once import built_once
-from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.plant_protocol import Arguments
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.integration.batch_stepper import Stepper

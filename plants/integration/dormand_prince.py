@@ -77,7 +77,7 @@ def march(
     times: np.ndarray,
     z: np.ndarray,
     held: np.ndarray,
-    law: Callable[[float], np.ndarray] | None,
+    law: Callable[[np.ndarray], np.ndarray] | None,
     w: np.ndarray,
     p: np.ndarray,
     *,
@@ -89,7 +89,7 @@ def march(
 ) -> tuple[np.ndarray, int, float]:
     """States at `times` (nt, nz), the number of steps tried, and the last step, to start the next call with.
 
-    The input is `law(t)`, or `held` (nu,) where that is None. Steps end on every one of the times.
+    The input is `law(times)` (times * nu,), or `held` (nu,) where that is None. Steps end on every one of the times.
     """
     step, c = step_function(plant, audit), fractions()
     us = np.tile(held, STAGES)
@@ -102,7 +102,7 @@ def march(
             last = t + h >= end * (1 - 1e-15) or end - t - h < 1e-3 * h
             trial = end - t if last else h
             if law is not None:
-                us = np.concatenate([law(t + ci * trial) for ci in c])
+                us = law(t + c * trial)
             new, e5, e3 = step(t, z, us, w, p, trial)
             tried += 1
             scale = atol + rtol * np.maximum(np.abs(z), np.abs(new))

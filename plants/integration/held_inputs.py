@@ -72,6 +72,14 @@ class HeldInput:
             raise ValueError(f"u({time:.6g}) = {value} must be {self.plant.nu} finite numbers")
         return value
 
+    def at(self, times: np.ndarray) -> np.ndarray:
+        """The law's values at `times`, one after the other (len(times) * nu,)."""
+        values = [np.asarray(self.law(time), dtype=float).reshape(-1) for time in times]
+        together = np.concatenate(values)
+        if any(len(value) != self.plant.nu for value in values) or not np.isfinite(together).all():
+            return np.concatenate([self(time) for time in times])  # says which
+        return together
+
     def decide(self, k: int, x: np.ndarray) -> None:
         """Ask a sampled controller for the input held from t[k] on."""
         if self.controller is None:

@@ -148,13 +148,13 @@ class _Run:
         if k % max(1, (len(self.t) - 1) // CHECKS) == 0:
             check_step(self.plant, z, self.method, h, u=self.drive.samples[k], p=self.p, t=began)
         step, law = stepper(self.plant, self.method), self.drive.law
-        at_times = METHODS[self.method].input_times
+        at_times = np.array(METHODS[self.method].input_times)
         held = np.tile(self.drive.samples[k], len(at_times))
         with np.errstate(all="ignore"):
             for i in range(count):
                 at = began + i * h
                 if law is not None:
-                    held = np.concatenate([self.drive(at + c * h) for c in at_times])
+                    held = self.drive.at(at + at_times * h)
                 after = step(at, z, held, self.w, self.p, h)[0]
                 if not np.isfinite(after).all():
                     raise IntegrationError(
@@ -169,7 +169,7 @@ class _Run:
         return z
 
     def _adaptive(self, times: np.ndarray, z: np.ndarray, k: int) -> np.ndarray:
-        held, law = self.drive.samples[k], self.drive if self.drive.law else None
+        held = self.drive.samples[k]
         if self.first is None:
             # At an exact equilibrium every error estimate is zero and the first step would be as long as the run.
             fastest = np.abs(np.linalg.eigvals(self._slopes(times[0], z[: self.plant.nx], held))).max(initial=0.0)
@@ -178,6 +178,7 @@ class _Run:
             if self.method == "radau":
                 tolerances = {"rtol": self.rtol, "atol": self.atol}
                 first = min(self.first, times[-1] - times[0])
+                law = self.drive if self.drive.law else None
                 out, tried = radau.march(self.plant, times, z, held, law, self.w, self.p, first=first, **tolerances)
                 self.steps += tried
                 return out
@@ -186,7 +187,7 @@ class _Run:
                 times,
                 z,
                 held,
-                law,
+                self.drive.at if self.drive.law else None,
                 self.w,
                 self.p,
                 rtol=self.rtol,

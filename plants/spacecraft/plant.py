@@ -21,8 +21,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.built_once import built_once
-from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.residual_jacobians import Differentiated

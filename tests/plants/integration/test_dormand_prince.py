@@ -30,7 +30,7 @@ def test_steps_are_about_as_many_as_scipys(vibration):
 
 def test_an_input_of_time_is_taken_at_every_stage(vibration):
     """x'' = -9 x + 8 cos t from (1, 0) is x = cos t."""
-    found = run(vibration, law=lambda t: np.array([8.0 * np.cos(t)]))[0]
+    found = run(vibration, law=lambda t: 8.0 * np.cos(t))[0]
     np.testing.assert_allclose(found[:, 0], np.cos(TIMES), atol=1e-8)
 
 

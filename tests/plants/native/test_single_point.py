@@ -1,4 +1,4 @@
-"""Functions of one point as native code: the virtual machine's numbers, when compiling pays, where it is not to be had."""
+"""Functions of one point as native code: the virtual machine's numbers, when it pays, where it is not to be had."""
 
 import casadi as ca
 import numpy as np

@@ -13,6 +13,7 @@ from pliant.studies import report
 from pliant.studies.closed_loop.closed_loop import closed_loop, regulator, variations
 from pliant.studies.commands.cli import app
 from pliant.studies.common import operating_point
+from pliant.studies.figures import style
 
 SECTIONS = (
     "The answer",
@@ -32,11 +33,19 @@ NO_LAW = {
 }
 
 
+@pytest.fixture(scope="module")
+def drawn_once():
+    """Figures go into the page alone: test_report.py looks at the files beside it, which take as long again."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "save", lambda figure, path: path.touch())
+        yield
+
+
 @pytest.fixture(
     scope="module",
     params=[*(pytest.param(name, marks=pytest.mark.campaign) for name in ("cantilever-drop", "spin-up")), *NO_LAW],
 )
-def made(request, tmp_path_factory):
+def made(request, drawn_once, tmp_path_factory):
     """A scene, the folder of its report and the page's text."""
     shorter = {"slider-crank-run": {"duration": 0.5}}
     scene = scenes.get(request.param, **shorter.get(request.param, {}))

@@ -11,15 +11,24 @@ from pliant.plants import EquilibriumError
 from pliant.studies import report
 from pliant.studies.closed_loop.closed_loop import closed_loop, driven_to_goal, regulator
 from pliant.studies.common import operating_point
+from pliant.studies.figures import style
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
 PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder"}
 
 
+@pytest.fixture(scope="module")
+def drawn_once():
+    """Figures go into the page alone: test_report.py looks at the files beside it, which take as long again."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "save", lambda figure, path: path.touch())
+        yield
+
+
 @pytest.fixture(
     scope="module", params=[pytest.param("spacecraft-spin", marks=pytest.mark.campaign), "spacecraft-orbit"]
 )
-def made(request, tmp_path_factory):
+def made(request, drawn_once, tmp_path_factory):
     """A scene, its report's folder and the page's text."""
     scene = scenes.get(request.param, duration=SHORT[request.param])
     page = report(scene, tmp_path_factory.mktemp("reports") / scene.name, budget=0.3)
