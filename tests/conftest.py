@@ -142,22 +142,22 @@ def nudge(monkeypatch):
     monkeypatch.setattr(np.random, "default_rng", lambda *a: Nudged(new(*a).bit_generator, seed))
 
 
-@pytest.fixture(params=list(PLANTS))
+@pytest.fixture(scope="session", params=list(PLANTS))  # so that all tests of one plant follow one another
 def plant(request):
     return PLANTS[request.param]
 
 
-@pytest.fixture(params=list(LAGRANGIAN))
+@pytest.fixture(scope="session", params=list(LAGRANGIAN))
 def lagrangian(request):
     return LAGRANGIAN[request.param]
 
 
-@pytest.fixture(params=list(ARMS))
+@pytest.fixture(scope="session", params=list(ARMS))
 def arm(request):
     return ARMS[request.param]
 
 
-@pytest.fixture(params=UNDAMPED)
+@pytest.fixture(scope="session", params=UNDAMPED)
 def undamped(request):
     return ARMS[request.param]
 

@@ -23,6 +23,7 @@ from pliant.plants.core.errors import StabilityLimitError
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
+from pliant.plants.native.single_point import OftenCalled
 
 SOLVED = 1e-8  # largest residual of the implicit midpoint rule, relative to the rates
 
@@ -133,8 +134,8 @@ def _rosenbrock(plant: PlantLike, f: ca.Function, arguments: list[ca.SX]) -> ca.
 
 @lru_cache(maxsize=64)
 def stepper(plant: PlantLike, method: str) -> NumericFunction:
-    """The step map of a plant as a numeric function, built once per plant and method."""
-    return NumericFunction(step_map(plant, method))
+    """The step map of a plant as a numeric function, built once per plant and method, native where it is called often."""
+    return OftenCalled(step_map(plant, method))
 
 
 def _limit_of(z: complex, polynomial: np.ndarray, order: int) -> float:

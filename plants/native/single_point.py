@@ -12,7 +12,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.casadi_functions import LONG
+from pliant.plants.core.casadi_functions import LONG, NumericFunction
 
 from . import compiler, kernel_cache, kernel_loader
 from .compiler import CompileError
@@ -53,6 +53,25 @@ def compiled(function: ca.Function) -> ca.Function:
     except (CompileError, kernel_cache.CacheError, kernel_loader.KernelMismatch, OSError) as failure:
         kernel_loader.tell(str(failure))
         return function
+
+
+class OftenCalled(NumericFunction):
+    """A function of one point that is compiled once it has been called so often that this pays."""
+
+    def __init__(self, function: ca.Function) -> None:
+        super().__init__(function)
+        self._plain = function  # what is pickled: native code belongs to this machine
+        self._until = pays_after(function) if function.class_name() == "SXFunction" else -1
+
+    def __call__(self, *values: np.ndarray | float, batch: int | None = None) -> list[np.ndarray]:
+        self._until -= 1
+        if self._until == 0:
+            self._function = compiled(self._function)
+            self._local.__dict__.pop("buffers", None)
+        return super().__call__(*values, batch=batch)
+
+    def __reduce__(self) -> tuple:
+        return OftenCalled, (self._plain,)
 
 
 def _load(name: str, path: Path) -> ca.Function:

@@ -1,10 +1,13 @@
 """Functions of one point as native code: the virtual machine's numbers, when it pays, where it is not to be had."""
 
+import pickle
+
 import casadi as ca
 import numpy as np
 import pytest
 
 from pliant.plants import SliderCrank, TwoLinkArm
+from pliant.plants.integration.step_maps import step_map
 from pliant.plants.native import compiler, kernel_loader, single_point
 from pliant.plants.native.scalar_codegen import LONGEST
 
@@ -63,3 +66,15 @@ def test_waiting_costs_at_most_as_much_again(operations: int) -> None:
     lost = single_point.SAVED * operations * calls
     cost = single_point.START + single_point.PER_OPERATION * operations
     assert cost < lost <= cost + single_point.SAVED * operations
+
+
+@needs_compiler
+def test_a_step_map_goes_on_bit_for_bit_once_it_is_compiled(monkeypatch) -> None:
+    plant = SliderCrank.textbook()
+    monkeypatch.setattr(single_point, "pays_after", lambda function: 3)
+    often = single_point.OftenCalled(step_map(plant, "rk4"))
+    at = (0.0, np.full(plant.nx, 0.1), np.zeros(3 * plant.nu), np.zeros(plant.nw), np.zeros(0), 1e-5)
+    found = [often(*at)[0] for _ in range(5)]
+    assert often._function.class_name() == "External"
+    np.testing.assert_array_equal(found[1:], found[:-1])
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(often))(*at)[0], found[0])
