@@ -134,7 +134,7 @@ def _rosenbrock(plant: PlantLike, f: ca.Function, arguments: list[ca.SX]) -> ca.
 
 @lru_cache(maxsize=64)
 def stepper(plant: PlantLike, method: str) -> NumericFunction:
-    """The step map of a plant as a numeric function, built once per plant and method, native where it is called often."""
+    """The step map of a plant as a numeric function, built once per plant and method; native if often called."""
     return OftenCalled(step_map(plant, method))
 
 
