@@ -3,10 +3,10 @@
 import gymnasium
 import numpy as np
 import pytest
-from env_cases import IDS, play
+from env_cases import SAMPLED, play
 
 
-@pytest.mark.parametrize("env_id", IDS)
+@pytest.mark.parametrize("env_id", SAMPLED)
 def test_pictures(env_id: str) -> None:
     env = gymnasium.make(env_id, render_mode="rgb_array")
     env.reset(seed=0)

@@ -22,6 +22,7 @@ PLANTS = {
     "crank": SliderCrank.textbook(),
     "craft": dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="rigid"),
 }
+SAMPLE = ("two", "one driven", "large", "craft")
 
 
 class Shaken(Plant):
@@ -56,7 +57,9 @@ def differentiated(plant, h, count, t=0.0):
     return ca.Function("reference", [x, u], [y, ca.jacobian(y, x), ca.jacobian(y, u)])
 
 
-@pytest.mark.parametrize("name", PLANTS)
+@pytest.mark.parametrize(
+    "name", [*SAMPLE, *(pytest.param(n, marks=pytest.mark.campaign) for n in PLANTS if n not in SAMPLE)]
+)
 def test_equal_automatic_differentiation_of_the_same_map(name, random_state):
     plant = PLANTS[name]
     h, count = (2e-5 if name == "crank" else 2e-3), 2

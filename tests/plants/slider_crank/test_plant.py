@@ -39,9 +39,9 @@ def bent_state(plant, seed, deflection=1e-4):
         ({"modes": 1}, 5e-3),
         ({"modes": 3}, 5e-4),
         ({"modes": 5, "axial_modes": 1}, 1e-4),
-        ({"modes": 9}, 1e-7),
+        pytest.param({"modes": 9}, 1e-7, marks=pytest.mark.campaign),
         ({"basis": "frame-elements", "modes": 2}, 2e-4),
-        ({"basis": "frame-elements", "modes": 4}, 2e-5),
+        pytest.param({"basis": "frame-elements", "modes": 4}, 2e-5, marks=pytest.mark.campaign),
     ],
 )
 def test_steady_deflection_of_the_middle(reference, changes, within):

@@ -27,6 +27,7 @@ def test_jacobians_are_those_of_the_dynamics(busy, anywhere, options):
     np.testing.assert_allclose(np.hstack([C, D, F]), h, atol=1e-12)
 
 
+@pytest.mark.campaign
 def test_twenty_appendages_of_four_modes(anywhere, ring):
     craft = ring(20)
     x = anywhere(craft, size=0.01)

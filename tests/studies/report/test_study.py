@@ -25,9 +25,7 @@ def drawn_once():
         yield
 
 
-@pytest.fixture(
-    scope="module", params=[pytest.param("spacecraft-spin", marks=pytest.mark.campaign), "spacecraft-orbit"]
-)
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=pytest.mark.campaign) for name in SHORT])
 def made(request, drawn_once, tmp_path_factory):
     """A scene, its report's folder and the page's text."""
     scene = scenes.get(request.param, duration=SHORT[request.param])

@@ -27,7 +27,7 @@ def untimed(board):
 
 
 def test_rows_do_not_depend_on_the_number_of_processes(board):
-    other = scoreboard(["single-link-slew"], NAMES[:1], seeds=2, bounds=1, jobs=2)
+    other = scoreboard(["single-link-slew"], NAMES[:1], seeds=2, bounds=1, jobs=2)  # two runs and bounds a process
     mine = [row for row in untimed(board) if row["scene"] == "single-link-slew" and row["controller"] == NAMES[0]]
     assert untimed(other) == mine
     assert other.bounds == {key: costs for key, costs in board.bounds.items() if key[0] == "single-link-slew"}

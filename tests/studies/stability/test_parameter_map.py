@@ -77,6 +77,7 @@ def test_backends_agree_point_by_point(backend):
     assert (one.verdicts[0] == "stable").all() and one.verdicts[3, 2] == "unstable"
 
 
+@pytest.mark.campaign  # two processes that start Dask: seven seconds
 def test_the_same_call_on_a_local_dask_cluster():
     distributed = pytest.importorskip("distributed")
     grid = {"depth": np.linspace(0.0, 1.0, 3), "frequency": np.linspace(1.7, 2.3, 3)}
