@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import itertools
 from typing import Any
 
 import gymnasium
@@ -15,10 +14,9 @@ from pliant.envs import scenes
 from pliant.envs.rendering import Renderer, renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
-from pliant.envs.simulation.control_period import LARGEST
+from pliant.envs.simulation.control_period import LARGEST, check_substep
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
 from pliant.plants.core import parameters
-from pliant.plants.integration.step_maps import check_step
 
 
 class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -70,21 +68,12 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._dtype = kind.type
         self._names = scene.varied_plant.varied
         self._nominal = scene.varied_plant.nominal_parameters
-        self._check_step()
+        check_substep(scene, self.randomise)
         self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
         self._idle = np.zeros(scene.plant.nu)
         self._steps = scene.steps
         self._over = True
         self._renderer: Renderer | None = None
-
-    def _check_step(self) -> None:
-        """Raise StabilityLimitError where RK4's step is too long at the goal, for any extreme parameters."""
-        scene = self.scene
-        x, u = scene.target
-        factors = [(low, high) if self.randomise else (1.0,) for _, low, high in scene.randomise]
-        for corner in itertools.islice(itertools.product(*factors), 64):
-            p = self._nominal * np.array(corner)
-            check_step(scene.varied_plant, x, "rk4", scene.dt / scene.substeps, u=u, p=p)
 
     @property
     def spec(self) -> EnvSpec | None:

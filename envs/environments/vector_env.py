@@ -13,6 +13,7 @@ from gymnasium.vector.utils import batch_space
 from pliant.envs import scenes
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
+from pliant.envs.simulation.control_period import check_substep
 from pliant.envs.simulation.episode_start import begin, early_end_cost, first_observations
 from pliant.plants.core import parameters
 from pliant.plants.native.batch_kernels import FEW, as_dtype
@@ -59,6 +60,7 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         self.num_envs, self.randomise, self.render_mode = num_envs, bool(randomise), render_mode
         self._dtype = as_dtype(dtype)
+        check_substep(scene, self.randomise)
         if threads is None:
             threads = available() if num_envs >= FEW else 1
         self._step = ControlStep(scene, num_envs, self._dtype, threads)

@@ -10,6 +10,7 @@ outside of it.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -18,9 +19,10 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene, once_per_scene
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.integration.step_maps import step_map
+from pliant.plants.integration.step_maps import check_step, step_map
 
 Array = np.ndarray
+MOST_CORNERS = 64  # of the ranges of parameters, at which a step is checked
 LARGEST = 1e12  # a state or observation beyond it has diverged: its weighted square still fits a single
 
 
@@ -43,6 +45,17 @@ def _symbols(scene: Scene) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
     count = len(scene.observe) + len(scene.weights) + len(scene.effort)
     sizes = (plant.nx, plant.nu, count, plant.nw, len(plant.varied))
     return tuple(ca.SX.sym(name, size) for name, size in zip("xurwp", sizes))  # type: ignore[return-value]
+
+
+def check_substep(scene: Scene, randomise: bool) -> None:
+    """Raise StabilityLimitError where RK4's substep is too long at the goal, with `randomise` also for the corners of
+    the parameters' ranges.
+    """
+    x, u = scene.target
+    factors = [(low, high) if randomise else (1.0,) for _, low, high in scene.randomise]
+    for corner in itertools.islice(itertools.product(*factors), MOST_CORNERS):
+        p = scene.varied_plant.nominal_parameters * np.array(corner)
+        check_step(scene.varied_plant, x, "rk4", scene.dt / scene.substeps, u=u, p=p)
 
 
 @once_per_scene

@@ -52,5 +52,17 @@ class UncontrollableError(PliantError):
         self.modes = modes
 
 
+class NotFiniteWarning(RuntimeWarning):
+    """A plant's function gave NaN or an infinite number at finite arguments."""
+
+
+class DivergenceWarning(RuntimeWarning):
+    """Lanes of a batch are no longer finite numbers."""
+
+
+class UnstableRestWarning(UserWarning):
+    """A rest point that a motion leaves, however close it starts."""
+
+
 class InfeasibleError(PliantError):
     """A constrained problem has no solution."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import numbers
+import sys
 from collections.abc import Collection
 from typing import Any, TypeVar
 
@@ -70,6 +71,21 @@ def require_count(owner: str, name: str, value: object, lowest: int, highest: in
     """Raise ValueError unless value is an integer within [lowest, highest]."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= int(value) <= highest:
         raise ValueError(f"{owner}.{name} = {value!r} must be an integer from {lowest} to {highest}")
+
+
+SHORTEST, LONGEST = 1e-15, 1e9  # [s] between which a step of a machine lies
+
+
+def require_seconds(name: str, value: Any, least: float = 0.0, most: float = math.inf) -> float:
+    """`value` as a float [s]; ValueError unless it is a finite number > 0 and within [least, most]."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not (number and 0 < value <= sys.float_info.max):
+        raise ValueError(f"{name} = {value!r} must be > 0 [s]")
+    if not least <= value <= most:
+        raise ValueError(f"{name} = {value!r} must be from {least:g} to {most:g} [s]")
+    return float(value)
 
 
 def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:

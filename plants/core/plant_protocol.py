@@ -49,6 +49,9 @@ class PlantLike(Protocol):
     def nw(self) -> int: ...
 
     @property
+    def rest_state(self) -> np.ndarray: ...
+
+    @property
     def varied(self) -> tuple[str, ...]: ...
 
     @property

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Sequence
 from math import isfinite
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from pliant.plants.core.errors import NotFiniteWarning
 from pliant.plants.core.plant_protocol import Arguments
 
 from .declaration import Declaration
+
+R = TypeVar("R", bound=Sequence[Any])
 
 
 def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Arguments:
@@ -40,3 +45,24 @@ def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Argum
             batch = len(array)
         values.append(array)
     return tuple(values), batch
+
+
+def told(plant: Declaration, name: str, results: R, x: Any) -> R:
+    """The results; warns (NotFiniteWarning) where those at states x hold NaN or infinity, and at which row."""
+    for k, result in enumerate(results):
+        if isfinite(np.add.reduce(result, axis=None)):
+            continue  # a sum is one pass; that of finite numbers may still overflow, so that the entries decide
+        bad = np.argwhere(~np.isfinite(np.atleast_1d(result)))
+        if len(bad):
+            where, rows = tuple(int(i) for i in bad[0]), np.asarray(x)
+            at = rows[where[0]] if rows.ndim == 2 else rows
+            value = np.atleast_1d(result)[where]
+            count = f"{len(bad)} of {np.size(result)} entries are not finite"
+            first = f"result {k}, " if len(results) > 1 else ""
+            warnings.warn(
+                f"{type(plant).__name__}.{name}: {count}, first {first}{list(where)} = {value}, at x = {at}",
+                NotFiniteWarning,
+                stacklevel=3,
+            )
+            break
+    return results

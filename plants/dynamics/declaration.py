@@ -75,6 +75,11 @@ class Declaration(ABC):
         return x
 
     @property
+    def rest_state(self) -> Array:
+        """x (nx,) where none is given: all states zero, and what they must satisfy restored."""
+        return self.consistent(np.zeros(self.nx))
+
+    @property
     def parameters(self) -> tuple[Signal, ...]:
         """The parameters that are inputs p, in order; see `vary`."""
         return tuple(Signal(path, parameters.unit_of(self, path)) for path in self.varied)

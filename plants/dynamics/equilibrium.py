@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.errors import EquilibriumError
+from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
 from pliant.plants.core.signals import index
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
 
     free = np.flatnonzero(~held)
     scale, step = 1.0, 0.0
-    residual = plant.dynamics(z[:nx], z[nx:], p=p)
+    residual = _rate(plant, z, p)
     for _ in range(100):
         A, B = plant.jacobians(z[:nx], z[nx:], p=p)[:2]
         at = z[:nx]
@@ -53,7 +54,7 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
         while length > 1e-6:
             trial = z.copy()
             trial[free] += length * change
-            moved = plant.dynamics(trial[:nx], trial[nx:], p=p)
+            moved = _rate(plant, trial, p)  # not finite where the step was too long
             if np.linalg.norm(plant.rest_residual(at, moved, p) / scale) < best:
                 break
             length /= 2
@@ -62,7 +63,7 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
         z, residual = trial, moved
     worst = float(np.max(np.abs(residual) / scale))
     if not (worst < TOLERANCE and step < STEP):
-        rate = plant.dynamics(z[:nx], z[nx:], p=p)
+        rate = _rate(plant, z, p)
         k = int(np.argmax(np.abs(rate)))
         raise EquilibriumError(
             f"no equilibrium of {plant.label} with {dict(fixed)} held: d({names[k]})/dt = {rate[k]:.3g} remains; "
@@ -70,3 +71,34 @@ def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p
             float(np.max(np.abs(rate))),
         )
     return z[:nx], z[nx:]
+
+
+def tell_unstable(plant: Plant, x0: np.ndarray, u0: np.ndarray, p: Any) -> None:
+    """Warn (UnstableRestWarning) where an eigenvalue at rest has a positive real part beyond its own error.
+
+    The error is what rounding of A can do to a simple eigenvalue, n eps |A| / |y^H x| with the left and right vectors y
+    and x of length one (Golub and Van Loan, "Matrix Computations", 7.2.2). Roots that are nearly multiple have large
+    errors: of them nothing is said.
+    """
+    A = plant.jacobians(x0, u0, p=p)[0]
+    roots, right = np.linalg.eig(A)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return
+    k = int(np.argmax(roots.real))
+    size = np.linalg.norm(right[:, k]) * np.linalg.norm(left[k])
+    error = len(A) * np.finfo(float).eps * np.linalg.norm(A) * size
+    if roots[k].real > 10 * error:
+        most = plant.states[int(np.argmax(np.abs(right[:, k])))]
+        warnings.warn(
+            f"the rest point of {plant.label} is unstable: with the inputs held, small deviations grow by "
+            f"exp({roots[k].real:.3g} t), most in {most.name}; a feedback must hold it, or another guess finds another",
+            UnstableRestWarning,
+            stacklevel=4,
+        )
+
+
+def _rate(plant: Plant, z: np.ndarray, p: Any) -> np.ndarray:
+    """dx/dt (nx,) at z = [x; u]."""
+    return plant._rate(*plant._arguments(z[: plant.nx], z[plant.nx :], p=p))

@@ -19,6 +19,7 @@ from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
 
+from . import arguments
 from .declaration import Array
 from .mechanical import MechanicalPlant
 from .residual_jacobians import Differentiated
@@ -151,7 +152,8 @@ class LagrangianPlant(MechanicalPlant):
         return np.concatenate([rate[:n], self.mass_matrix(x, p=p) @ rate[n:]])
 
     def _lost_at(self, x: Array) -> str:
-        outputs = dict(zip((s.name for s in self.outputs), self.measure(x)))
+        values, _ = self._arguments(x)
+        outputs = dict(zip((s.name for s in self.outputs), self._output(*values)[0]))
         bent = {name: outputs[name] for name in self.deflections}
         where = ", ".join(f"{name} = {value:.4g} m" for name, value in bent.items()) or f"x = {x}"
         return f" at {where}; use a fidelity whose mass matrix stays definite, or smaller deflections"
@@ -182,23 +184,24 @@ class LagrangianPlant(MechanicalPlant):
     def mass_matrix(self, x: Any, *, p: Any = None) -> Array:
         """M (n, n), or (B, n, n) for a batch of states."""
         values, batch = self._arguments(x, p=p)
-        return self._mass(*values, batch=batch)[0]
+        return arguments.told(self, "mass_matrix", self._mass(*values, batch=batch), values[1])[0]
 
     def kinetic(self, x: Any, *, p: Any = None) -> Any:
         """T [J]."""
-        values, batch = self._arguments(x, p=p)
-        return self._energies(*values, batch=batch)[0][..., 0]
+        return self._energy(x, p, "kinetic")[0]
 
     def potential(self, x: Any, *, p: Any = None) -> Any:
         """V [J]; zero where all coordinates are zero."""
-        values, batch = self._arguments(x, p=p)
-        return self._energies(*values, batch=batch)[1][..., 0]
+        return self._energy(x, p, "potential")[1]
 
     def energy(self, x: Any, *, p: Any = None) -> Any:
         """T + V [J], a scalar or (B,)."""
+        return sum(self._energy(x, p, "energy"))
+
+    def _energy(self, x: Any, p: Any, name: str) -> list[Any]:
+        """[T, V] [J]."""
         values, batch = self._arguments(x, p=p)
-        T, V = self._energies(*values, batch=batch)
-        return (T + V)[..., 0]
+        return arguments.told(self, name, [e[..., 0] for e in self._energies(*values, batch=batch)], values[1])
 
     def natural_frequencies(
         self, x0: Any = None, *, locked: tuple[str, ...] = (), rigid: bool = False, p: Any = None

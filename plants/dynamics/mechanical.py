@@ -15,6 +15,7 @@ from pliant.plants.core.errors import MassMatrixError
 from pliant.plants.core.signals import Signal
 from pliant.plants.core.trajectory import Trajectory
 
+from . import arguments
 from .declaration import Array
 from .plant import Plant
 from .residual_jacobians import Differentiated, ResidualJacobians
@@ -79,9 +80,8 @@ class MechanicalPlant(Plant):
     def _dynamics(self) -> NumericFunction:
         return function("dynamics", list(self.symbols), list(self._motion))
 
-    def dynamics(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
+    def _rate(self, values: tuple[Any, ...], batch: int | None) -> Array:
         """dx/dt: (nx,) or (B, nx). Raises MassMatrixError where the mass matrix is not positive definite."""
-        values, batch = self._arguments(x, u, w, p, t)
         rate, pivot = self._dynamics(*values, batch=batch)
         self.check_definite(values[1], pivot)
         return rate
@@ -153,4 +153,5 @@ class MechanicalPlant(Plant):
         """(power put in by inputs and disturbances, power lost) [W]: dE/dt is their difference."""
         values, batch = self._arguments(x, u, w, p, t)
         put_in, lost = self._power(*values, batch=batch)
+        arguments.told(self, "power", [put_in, lost], values[1])
         return put_in[..., 0], lost[..., 0]

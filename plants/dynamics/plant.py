@@ -59,19 +59,26 @@ class Plant(PlantContract):
         return arguments.checked(self, x, u, w, p, t)
 
     def dynamics(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
-        """dx/dt: (nx,) for one point; rows (B, nx) for a batch, in which any argument may be shared."""
+        """dx/dt: (nx,) for one point; rows (B, nx) for a batch, in which any argument may be shared.
+
+        This, `measure` and `jacobians` warn (NotFiniteWarning) of NaN and infinity at finite arguments.
+        """
         values, batch = self._arguments(x, u, w, p, t)
+        return arguments.told(self, "dynamics", [self._rate(values, batch)], values[1])[0]
+
+    def _rate(self, values: tuple[Any, ...], batch: int | None) -> Array:
+        """dx/dt at checked arguments, finite or not."""
         return self._dynamics(*values, batch=batch)[0]
 
     def measure(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
         """Outputs y: (ny,) or (B, ny)."""
         values, batch = self._arguments(x, u, w, p, t)
-        return self._output(*values, batch=batch)[0]
+        return arguments.told(self, "measure", self._output(*values, batch=batch), values[1])[0]
 
     def jacobians(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> list[Array]:
         """[A, B, E, C, D, F] by automatic differentiation: df/dx, df/du, df/dw, dh/dx, dh/du, dh/dw."""
         values, batch = self._arguments(x, u, w, p, t)
-        return self._jacobians(*values, batch=batch)
+        return arguments.told(self, "jacobians", self._jacobians(*values, batch=batch), values[1])
 
     def equilibrium(
         self,
@@ -84,9 +91,12 @@ class Plant(PlantContract):
         """A rest point (x0, u0) with the named states or inputs held: `equilibrium(theta1=-pi/2, theta2=0)`.
 
         Rates are held at zero, and so is every input unless as many states are held as there are inputs; then the
-        inputs are solved for. `guess` starts the search. Raises EquilibriumError with the residual.
+        inputs are solved for. `guess` starts the search. Raises EquilibriumError with the residual, and warns
+        (UnstableRestWarning) where small deviations from the point grow.
         """
-        return equilibrium.find(self, {**(fixed or {}), **named}, guess or {}, p)
+        x0, u0 = equilibrium.find(self, {**(fixed or {}), **named}, guess or {}, p)
+        equilibrium.tell_unstable(self, x0, u0, p)
+        return x0, u0
 
     def rest_residual(self, x: Array, rate: Array, p: Any = None) -> Array:
         """What must vanish at rest at x (nx,), from dx/dt (nx,) or columns of its changes (nx, m): dx/dt itself."""
@@ -129,13 +139,16 @@ class Plant(PlantContract):
         dtype: Any = np.float64,
         threads: int | None = None,
         substeps: int = 1,
+        check: bool = True,
     ) -> Stepper:
         """A batch step `step(x, u, p) -> x` of dt [s] in `substeps` fixed steps, the input held, on a native kernel.
 
         x, u, p: (batch, n), or (n,) for all lanes; a Fortran-ordered (batch, nx) array is used without a copy.
         threads None: all processors for large batches. Runs on CasADi's virtual machine where nothing compiles.
+        Raises StabilityLimitError where a step is past the method's limit, here at rest and then at the lanes;
+        check=False leaves that to the caller. `step.sound` (batch,) tells which lanes are finite numbers.
         """
-        return Stepper(self, dt, method, batch, as_dtype(dtype), threads, substeps)
+        return Stepper(self, dt, method, batch, as_dtype(dtype), threads, substeps, check)
 
     def compile(self) -> Self:
         """This plant with its dynamics, outputs and Jacobians on native kernels: same calls, same results to rounding.

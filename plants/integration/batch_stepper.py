@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.parameters import require_choice, require_count
+from pliant.plants.core.parameters import LONGEST, SHORTEST, require_choice, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
 from pliant.plants.native import kernel_loader, kernel_templates
@@ -17,6 +17,7 @@ from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_p
 from pliant.plants.native.kernel_loader import Bound
 from pliant.plants.native.thread_pool import available
 
+from .step_guard import StepGuard, sound
 from .step_maps import METHODS, step_map, stepper
 
 
@@ -73,9 +74,9 @@ class Stepper:
         dtype: np.dtype,
         threads: int | None,
         substeps: int,
+        check: bool = True,
     ) -> None:
-        if not 0 < dt < np.inf:
-            raise ValueError(f"stepper.dt = {dt!r} must be > 0 [s]")
+        dt = require_seconds("stepper.dt", dt, SHORTEST, LONGEST)
         require_count("stepper", "batch", batch, 1, 10_000_000)
         require_count("stepper", "substeps", substeps, 1, 1_000_000)
         self.plant, self.dt, self.batch, self.substeps = plant, dt, batch, substeps
@@ -83,21 +84,29 @@ class Stepper:
         if threads is None and batch < FEW:
             self.threads = 1
         self.kernel = step_kernel(plant, method, dtype)
+        self.guard = StepGuard(plant, method, dt / substeps, check=check)
         self.work = self.kernel.workspace(batch)
         self.work.set(4, plant.nominal_parameters)
         self._direct: tuple[tuple[int, int], Bound] | None = None
+        self._last: Array | None = None
 
     @property
     def native(self) -> bool:
         """Whether compiled code runs."""
         return self.kernel.native
 
+    @property
+    def sound(self) -> Array:
+        """Which lanes (batch,) hold finite numbers, in the array that the last call gave, as it is now."""
+        return np.ones(self.batch, dtype=bool) if self._last is None else sound(self._last)
+
     def __call__(
         self, x: Array, u: Any = None, p: Any = None, *, w: Any = None, t: float = 0.0, out: Array | None = None
     ) -> Array:
         """States (batch, nx) after dt, Fortran-ordered; u, p, w: (batch, n) or shared (n,), None keeps the last.
 
-        A Fortran-ordered x (and out, which may be x) of the kernel's dtype is used in place, without a copy.
+        A Fortran-ordered x (and out, which may be x) of the kernel's dtype is used in place, without a copy. Raises
+        StabilityLimitError as `StepGuard` says. That x, u, p and w are finite is left to the caller: `sound` shows it.
         """
         work, plant = self.work, self.plant
         if x.shape != (self.batch, plant.nx):
@@ -111,15 +120,18 @@ class Stepper:
                     )
                 work.set(k, value)
         work.inputs[0][:] = t
+        self.guard.before(x, work.inputs[2].T, work.inputs[4].T[: self.batch], p is not None, t)
         out = np.empty((self.batch, plant.nx), dtype=self.kernel.dtype, order="F") if out is None else out
         scalars, count = (self.dt / self.substeps,), self.substeps
         bound = self._in_place(x, out)
         if bound is not None:
             bound(scalars, count, self.threads)
-            return out
-        work.set(1, x)
-        work.run(scalars, count, self.threads)
-        out[:] = work.get(0)
+        else:
+            work.set(1, x)
+            work.run(scalars, count, self.threads)
+            out[:] = work.get(0)
+        self._last = out
+        self.guard.after(out)
         return out
 
     def _in_place(self, x: Array, out: Array) -> Bound | None:

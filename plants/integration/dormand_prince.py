@@ -21,6 +21,7 @@ from pliant.plants.native.single_point import compiled, pays_after
 
 STAGES = 12
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0  # limits of the step-size change, as in SciPy
+MOST_STEPS = 100_000_000  # of one simulation: they take hours
 SMALLEST_STEP = 1e-13  # relative to the time reached
 
 
@@ -105,6 +106,14 @@ def march(
                 us = law(t + c * trial)
             new, e5, e3 = step(t, z, us, w, p, trial)
             tried += 1
+            if tried > MOST_STEPS:
+                raise IntegrationError(
+                    f"dop853 stopped at t = {t:.6g} s after {MOST_STEPS:,} steps, the last of {trial:.3g} s; go on "
+                    "from the last state, or use a method for stiff plants",
+                    t,
+                    z[: plant.nx],
+                    trial,
+                )
             scale = atol + rtol * np.maximum(np.abs(z), np.abs(new))
             s5, s3 = (e5 / scale) @ (e5 / scale), (e3 / scale) @ (e3 / scale)
             bottom = s5 + 0.01 * s3

@@ -7,7 +7,7 @@ from typing import Any, Protocol, cast
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.parameters import require_finite, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import index
 
@@ -19,6 +19,7 @@ class Acts(Protocol):
 
 
 Input = None | np.ndarray | tuple[float, ...] | list[float] | Callable[[float], Any] | Acts
+MOST_SAMPLES = 10_000_000  # of a controller in one simulation: each takes a state in memory
 SAME_TIME = 1e-6  # of the sampling period: times this close are one
 
 
@@ -27,8 +28,14 @@ def sampling_grid(t: np.ndarray, u: Input) -> tuple[np.ndarray, np.ndarray]:
     period = getattr(u, "dt", None) if hasattr(u, "act") else None
     if period is None:
         return t, np.arange(len(t))
-    if not 0 < period < np.inf:
-        raise ValueError(f"controller dt = {period!r} must be > 0 [s], or None")
+    period = require_seconds("controller dt", period)
+    with np.errstate(over="ignore"):
+        count = float((t[-1] - t[0]) / np.float64(period))
+    if count > MOST_SAMPLES:
+        raise ValueError(
+            f"controller dt = {period:.6g} s makes {count:.3g} samples of the {t[-1] - t[0]:.6g} s of t, at most "
+            f"{MOST_SAMPLES:,} are taken"
+        )
     ticks = t[0] + period * np.arange(1, int(np.ceil((t[-1] - t[0]) / period)))
     after = np.searchsorted(t, ticks)
     gap = np.minimum(np.abs(t[after] - ticks), np.abs(t[after - 1] - ticks))

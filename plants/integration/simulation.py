@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.errors import IntegrationError, StabilityLimitError
-from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.parameters import require_choice, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import read_only_times
 from pliant.plants.core.trajectory import Trajectory
 
 from . import cvodes, radau
-from .dormand_prince import march
+from .dormand_prince import MOST_STEPS, march
 from .held_inputs import HeldInput, Input, sampling_grid
 from .step_maps import METHODS, check_step, stepper
 
@@ -42,14 +42,21 @@ def simulate(
     require_choice("simulate", "method", method, (*ADAPTIVE, "cvodes", *METHODS))
     if (step is not None) != (method in METHODS):
         raise ValueError(f"step = {step!r} must be a number of seconds for {', '.join(METHODS)}, and None otherwise")
-    if step is not None and not 0 < step < np.inf:
-        raise ValueError(f"step = {step!r} must be > 0 [s]")
+    if step is not None:
+        step = require_seconds("step", step)
+        with np.errstate(over="ignore"):
+            count = float((t[-1] - t[0]) / np.float64(step))
+        if count > MOST_STEPS:
+            raise ValueError(
+                f"step = {step:.6g} s makes {count:.3g} steps of the {t[-1] - t[0]:.6g} s of t, at most {MOST_STEPS:,} "
+                "are taken; take a longer step, or go on from the last state"
+            )
     for name, value in (("rtol", rtol), ("atol", atol)):
         if not 0 < value < 1:
             raise ValueError(f"{name} = {value!r} must be > 0 and < 1")
     if audit and not (hasattr(plant, "net_power") and method == "dop853"):
         raise ValueError(f'audit = True needs a plant with energies and method "dop853", not {method!r}')
-    (_, x, _, w, p), batch = plant._arguments(x0, None, w, p)
+    (_, x, _, w, p), batch = plant._arguments(plant.rest_state if x0 is None else x0, None, w, p)
     if batch is not None:
         raise ValueError(f"simulate takes one state ({plant.nx},), not a batch of {batch}")
     plant.check_state(x)

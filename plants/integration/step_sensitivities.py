@@ -20,12 +20,14 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.core.parameters import require_count
+from pliant.plants.core.parameters import LONGEST, SHORTEST, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.native import kernel_loader, kernel_templates
 from pliant.plants.native.batch_kernels import Array, BatchKernel, as_dtype, random_points
 from pliant.plants.native.compiler import CompileError
 from pliant.plants.native.scalar_codegen import block_function, operations
+
+from .step_guard import StepGuard
 
 LONG = 10_000  # operations of one C function: 2 s for gcc, where twice that takes 15 s
 
@@ -172,16 +174,17 @@ def sensitivity_kernel(plant: PlantLike, dtype: np.dtype) -> BatchKernel:
 class StepSensitivities:
     """A control period of dt [s] in `substeps` RK4 steps, the input held, with its derivatives, over `batch` lanes.
 
-    `x_next` (batch, nx) and `S` (batch, nx, nx + nu) = [dx+/dx, dx+/du] hold the last results.
+    Raises StabilityLimitError where a substep is past RK4's limit at rest. `x_next` (batch, nx) and
+    `S` (batch, nx, nx + nu) = [dx+/dx, dx+/du] hold the last results.
     """
 
     def __init__(
         self, plant: PlantLike, dt: float, *, substeps: int = 1, batch: int = 1, dtype: Any = np.float64
     ) -> None:
-        if not 0 < dt < np.inf:
-            raise ValueError(f"StepSensitivities.dt = {dt!r} must be > 0 [s]")
+        dt = require_seconds("StepSensitivities.dt", dt, SHORTEST, LONGEST)
         require_count("StepSensitivities", "batch", batch, 1, 1_000_000)
         require_count("StepSensitivities", "substeps", substeps, 1, 1_000_000)
+        StepGuard(plant, "rk4", dt / substeps, check=True)
         self.plant, self.dt, self.batch, self.substeps = plant, dt, batch, substeps
         self.kernel = sensitivity_kernel(plant, as_dtype(dtype))
         self.work = self.kernel.workspace(batch)

@@ -84,8 +84,8 @@ def _load(name: str, path: Path) -> ca.Function:
 def _agree(made: ca.Function, function: ca.Function) -> None:
     draw = np.random.default_rng(1).uniform
     point = [draw(0.1, 1.0, function.size_in(i)) for i in range(function.n_in())]
-    for i, (have, want) in enumerate(zip(made.call(point), function.call(point))):
-        have, want = np.array(have), np.array(want)
+    for i, both in enumerate(zip(made.call(point), function.call(point))):
+        have, want = (np.array(found) for found in both)
         worst = float(np.max(np.abs(have - want) / (1e-9 + np.abs(want)), initial=0.0))
         if not worst < 1e-7 and np.isfinite(want).all():
             raise kernel_loader.KernelMismatch(

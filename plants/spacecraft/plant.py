@@ -24,6 +24,7 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics import arguments
 from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -88,7 +89,7 @@ class FlexibleSpacecraft(SpacecraftContract):
         translation of that about the whole's mass centre.
         """
         values, batch = self._arguments(x, p=p)
-        return self._conserved(*values, batch=batch)[0][..., 0]
+        return arguments.told(self, "energy", self._conserved(*values, batch=batch)[:1], values[1])[0][..., 0]
 
     def momentum(self, x: Any, *, p: Any = None) -> tuple[Any, Any]:
         """Linear [N s] and angular momentum about the reference origin [N m s], (3,) or (B, 3), in reference axes.
@@ -97,6 +98,7 @@ class FlexibleSpacecraft(SpacecraftContract):
         """
         values, batch = self._arguments(x, p=p)
         _, linear, angular = self._conserved(*values, batch=batch)
+        arguments.told(self, "momentum", [linear, angular], values[1])
         return linear, angular
 
     @built_once
@@ -108,14 +110,15 @@ class FlexibleSpacecraft(SpacecraftContract):
         n,).
         """
         values, batch = self._arguments(x, u, w, p, t)
-        return self._residual(*values, np.asarray(a, dtype=float), batch=batch)[0]
+        found = self._residual(*values, np.asarray(a, dtype=float), batch=batch)
+        return arguments.told(self, "residual", found, values[1])[0]
 
     def mass_matrix(self, x: Any, *, p: Any = None) -> np.ndarray:
         """M (6 + n, 6 + n): hub translation and rotation in hub axes, hinges, modes."""
         values, batch = self._arguments(x, p=p)
         n = 6 + len(self.coordinates)
         zero = np.zeros(n) if batch is None else np.zeros((batch, n))
-        return self._residual(*values, zero, batch=batch)[1]
+        return arguments.told(self, "mass_matrix", self._residual(*values, zero, batch=batch)[1:], values[1])[0]
 
     def equilibrium(
         self,

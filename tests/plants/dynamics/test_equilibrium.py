@@ -1,11 +1,13 @@
 """Rest points: held coordinates, solved torques, static deflections, and what cannot rest."""
 
 import dataclasses
+import warnings
 
 import numpy as np
 import pytest
 
 from pliant.plants import EquilibriumError, SingleLinkArm, TwoLinkArm
+from pliant.plants.core.errors import UnstableRestWarning
 
 ARM = TwoLinkArm.textbook()
 
@@ -89,3 +91,19 @@ def test_stiff_polynomial_modes_do_not_hide_the_torque(factor):
     _, wanted = rigid.equilibrium(theta1=-0.9, theta2=0.6)
     np.testing.assert_allclose(u, wanted, rtol=0.1 / factor + 1e-9)
     assert factor > 10 or np.abs(u / wanted - 1).max() > 0.03
+
+
+def test_a_rest_that_nothing_holds_is_told_with_the_rate_at_which_it_is_left():
+    """Upright, a rod falls by exp(sqrt(g S / J) t), S its static moment and J its inertia; hanging, nothing is said."""
+    rod = dataclasses.replace(SingleLinkArm.textbook(), gravity=9.81).ladder()[0]
+    L, m, load = rod.link.length, rod.link.mass, rod.payload
+    moment, inertia = (m / 2 + load.mass) * L, rod.hub_inertia + (m / 3 + load.mass) * L**2 + load.inertia
+    with pytest.warns(UnstableRestWarning, match=r"unstable: .* grow by exp\((\S+) t\), most in hub_angle") as told:
+        rod.equilibrium(hub_angle=np.pi / 2)
+    rate = float(str(told[0].message).split("exp(")[1].split(" ")[0])
+    assert rate == pytest.approx(np.sqrt(9.81 * moment / inertia), rel=5e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rod.equilibrium(hub_angle=-np.pi / 2)
+        ARM.equilibrium(theta1=-np.pi / 2, theta2=0.0)
+        dataclasses.replace(ARM, gravity=0.0).equilibrium(theta1=0.3, theta2=0.4)  # roots near a double one at zero

@@ -1,7 +1,5 @@
 """LTVModel: order four against closed forms, Floquet multipliers of Mathieu's equation, speed."""
 
-import time
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -140,22 +138,6 @@ def test_frozen_model():
     np.testing.assert_array_equal(frozen.f0, [0.5, 1.0])
     with pytest.raises(ValueError, match="k = 5 must be an integer"):
         model.at(5)
-
-
-def test_two_thousand_steps_of_twenty_states_are_fast():
-    rng = np.random.default_rng(4)
-    parts = rng.normal(size=(2, 20, 20))
-    spent = []
-    for _ in range(3):
-        model = build(
-            np.linspace(0, 10, 2001),
-            lambda t: parts[0] + np.sin(t) * parts[1],
-            lambda t: np.ones((20, 2)) * np.cos(t),
-        )
-        start = time.process_time()
-        model.transition()
-        spent.append(time.process_time() - start)
-    assert min(spent) < 1.0  # 0.15 s on a quiet core
 
 
 @pytest.mark.parametrize(

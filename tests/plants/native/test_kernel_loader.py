@@ -94,8 +94,8 @@ def test_threads_change_nothing() -> None:
 
 def test_fortran_order_is_used_in_place() -> None:
     x = np.asfortranarray(states(64))
-    want = ARM.stepper(0.01, batch=64)(x.copy(), np.ones(2))
-    step = ARM.stepper(0.01, batch=64)
+    want = ARM.stepper(0.003, batch=64)(x.copy(), np.ones(2))
+    step = ARM.stepper(0.003, batch=64)
     after = step(x, np.ones(2), out=x)
     assert after is x
     assert np.array_equal(x, want)
@@ -120,8 +120,8 @@ def test_single_precision_follows_double() -> None:
         (lambda: ARM.stepper(0.01, batch=0), "stepper.batch = 0 must be an integer from 1"),
         (lambda: ARM.stepper(0.01, method="euler"), "stepper.method = 'euler' must be one of 'rk4'"),
         (lambda: ARM.stepper(0.01, dtype="int32"), "native.dtype = 'int32' must be one of"),
-        (lambda: ARM.stepper(0.01, batch=4)(np.zeros((3, 12))), r"stepper.x has shape \(3, 12\), must be \(4, 12\)"),
-        (lambda: ARM.stepper(0.01, batch=4)(np.zeros((4, 12)), np.zeros(3)), "stepper.u has shape"),
+        (lambda: ARM.stepper(0.003, batch=4)(np.zeros((3, 12))), r"stepper.x has shape \(3, 12\), must be \(4, 12\)"),
+        (lambda: ARM.stepper(0.003, batch=4)(np.zeros((4, 12)), np.zeros(3)), "stepper.u has shape"),
     ],
 )
 def test_bad_input_is_named(build, message: str) -> None:
