@@ -51,7 +51,10 @@ class SingleLinkArm(SingleLinkDeclaration):
         return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
 
     def ladder(self) -> tuple[Self, ...]:
-        """From the rigid link through one to four modes, with and without shortening."""
+        """From the rigid link through one to four modes, with and without shortening.
+
+        Modes of a free tip know nothing of a payload's force and moment; above them stands one rung that does.
+        """
         steps: list[Self] = [dataclasses.replace(self, kinematics="rigid")]
         for kinematics, n in (
             ("linear", 1),
@@ -62,6 +65,8 @@ class SingleLinkArm(SingleLinkDeclaration):
             ("stiffened", 4),
         ):
             steps.append(dataclasses.replace(self, kinematics=kinematics, modes=n))
+        if self.basis == "clamped-free":
+            steps.append(dataclasses.replace(steps[-1], basis="payload"))
         return tuple(steps)
 
     @cached_property

@@ -125,12 +125,7 @@ class SingleLinkDeclaration(LagrangianPlant):
     def elastic(self) -> ElasticLink:
         """The link with its shape functions, which come from the nominal parameters."""
         own = self.nominal
-        ratios = {}
-        if self.basis == "payload":
-            ratios = {
-                "tip_mass_ratio": own.payload.mass / own.link.mass,
-                "tip_inertia_ratio": own.payload.inertia_z / (own.link.mass * own.link.length**2),
-            }
+        ratios = own.payload.ratios(own.link.mass, own.link.length)
         if self.theory == "timoshenko":
             section = own.link.length**2
             ratios["rotary"] = own.link.I_z / own.link.area / section

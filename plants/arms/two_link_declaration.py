@@ -121,14 +121,7 @@ class TwoLinkDeclaration(LagrangianPlant):
         n1, n2 = own.mode_counts
         stiffened = self.kinematics == "stiffened"
         a, b, load = own.link1, own.link2, own.payload
-        carried = own.joint_mass + b.mass + load.mass
-        shapes1 = beams.basis(self.basis, n1, **_ratios(self.basis, a, carried, 0.0))
-        shapes2 = beams.basis(self.basis, n2, **_ratios(self.basis, b, load.mass, load.inertia_z))
+        carried = Payload(mass=own.joint_mass + b.mass + load.mass)  # joint 2 passes no inertia on
+        shapes1 = beams.basis(self.basis, n1, **carried.ratios(a.mass, a.length))
+        shapes2 = beams.basis(self.basis, n2, **load.ratios(b.mass, b.length))
         return ElasticLink(self.link1, shapes1, stiffened), ElasticLink(self.link2, shapes2, stiffened)
-
-
-def _ratios(basis: str, link: Beam, mass: float, inertia: float) -> dict[str, float]:
-    """What the loaded link's modes depend on; the other bases need nothing."""
-    if basis != "payload":
-        return {}
-    return {"tip_mass_ratio": mass / link.mass, "tip_inertia_ratio": inertia / (link.mass * link.length**2)}

@@ -24,6 +24,7 @@ from pliant.plants.core.parameters import require_choice, require_count
 MOST_MODES = 200
 LARGEST_RATIO = 1e12  # tip mass or inertia against the beam's own
 BOUNDARIES = ("clamped-free", "pinned-pinned", "clamped-clamped", "pinned-free")
+LOADED = ("payload", "pinned-payload")
 _SERIES_BELOW = 1.0  # beta under which powers replace the trigonometric form, which cancels as eps / beta^3
 
 # What vanishes at each end, as orders of derivative.
@@ -107,6 +108,30 @@ def loaded_roots(n: int, mass: float, inertia: float, coupling: float = 0.0) -> 
     return 0.5 * (lower + upper)
 
 
+def pinned_loaded_roots(n: int, mass: float, inertia: float, coupling: float = 0.0) -> np.ndarray:
+    """The lowest n roots beta (n,) of a pinned beam with a load at its tip, without the rigid rotation.
+
+    Clamping the root adds one constraint: one root lies between each two neighbours of the clamped, loaded beam. There
+    (1 - beta^4 (m j - e^2)) (s ch - c sh) + 2 beta m s sh + 2 beta^2 e (s ch + c sh) + 2 beta^3 j c ch changes sign.
+    """
+    clamped = loaded_roots(n + 1, mass, inertia, coupling) if n else np.zeros(1)
+    lower, upper = clamped[:-1], clamped[1:]
+
+    def determinant(beta: np.ndarray) -> np.ndarray:
+        plus_one, pole, plus, minus, sin_sinh = _products(beta)
+        found = (1 - beta**4 * (mass * inertia - coupling**2)) * minus + 2 * beta * mass * sin_sinh
+        return found + 2 * beta**2 * coupling * plus + beta**3 * inertia * (plus_one - pole)
+
+    side = np.sign(determinant(lower * (1 + 1e-15)))
+    for _ in range(80):
+        middle = 0.5 * (lower + upper)
+        same = np.sign(determinant(middle)) == side
+        lower, upper = np.where(same, middle, lower), np.where(same, upper, middle)
+        if np.all(upper - lower <= 2e-16 * upper):
+            break
+    return 0.5 * (lower + upper)
+
+
 def count_loaded(beta: np.ndarray, mass: float, inertia: float, coupling: float = 0.0) -> np.ndarray:
     """How many roots of the loaded clamped beam lie below each beta (...,), none missed.
 
@@ -181,16 +206,22 @@ def _columns(beta: np.ndarray, xi: np.ndarray, derivative: int) -> list[np.ndarr
 
 
 def shapes(boundary: str, n: int, *, mass: float = 0.0, inertia: float = 0.0, coupling: float = 0.0) -> ModeShapes:
-    """The lowest n modes of a beam with these ends; "payload" is clamped-free with a loaded tip.
+    """The lowest n modes of a beam with these ends; "payload" is clamped-free with a loaded tip, "pinned-payload"
+    pinned-free with one.
 
     The coefficients are the null vector of the 4 x 4 matrix of end conditions, by singular value
     decomposition. Loaded modes are orthogonal in the mass of beam and load together, but scaled to int phi^2
     dxi = 1 as the rest.
     """
-    require_choice("modes", "boundary", boundary, (*BOUNDARIES, "payload"))
-    loaded = boundary == "payload"
-    beta = loaded_roots(n, mass, inertia, coupling) if loaded else roots(boundary, n)
-    left, right = ("clamped", "free") if loaded else boundary.split("-")
+    require_choice("modes", "boundary", boundary, (*BOUNDARIES, *LOADED))
+    loaded = boundary in LOADED
+    if loaded:
+        found = loaded_roots if boundary == "payload" else pinned_loaded_roots
+        beta = found(n, mass, inertia, coupling)
+        left, right = "clamped" if boundary == "payload" else "pinned", "free"
+    else:
+        beta = roots(boundary, n)
+        left, right = boundary.split("-")
     at_0 = [np.stack(_columns(beta, np.zeros(()), d), axis=-1) for d in range(4)]
     at_1 = [np.stack(_columns(beta, np.ones(()), d), axis=-1) for d in range(4)]
     rows = [at_0[d] for d in _ENDS[left]]

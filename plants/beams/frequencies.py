@@ -25,17 +25,10 @@ def frequencies(beam: Beam, n: int, boundary: str = "clamped-free", payload: Pay
     if payload is None:
         return scale * roots(boundary, n) ** 2
     require_choice("frequencies", "boundary", boundary, ("clamped-free",))
-    x, y, z = payload.offset
+    z = payload.offset[2]
     if z != 0:
         raise ValueError(f"Payload.offset[2] = {z!r} must be 0 [m]: it couples bending with torsion")
-    about_tip = payload.inertia_z + payload.mass * (x * x + y * y)
-    beta = loaded_roots(
-        n,
-        payload.mass / beam.mass,
-        about_tip / (beam.mass * beam.length**2),
-        payload.mass * x / (beam.mass * beam.length),
-    )
-    return scale * beta**2
+    return scale * loaded_roots(n, *payload.ratios(beam.mass, beam.length).values()) ** 2
 
 
 def coupled_frequencies(beam: Beam, n: int, payload: Payload) -> np.ndarray:

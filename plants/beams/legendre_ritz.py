@@ -138,13 +138,20 @@ def matrices(shapes: StrainShapes) -> Matrices:
 
 
 @lru_cache(maxsize=64)
-def modes(n: int, rotary: float, shear: float, tip_mass: float, tip_inertia: float) -> StrainShapes:
-    """The lowest n modes of the clamped, loaded Timoshenko beam, int w^2 dx = 1, psi'(0) > 0."""
+def modes(
+    n: int, rotary: float, shear: float, tip_mass: float, tip_inertia: float, coupling: float = 0.0
+) -> StrainShapes:
+    """The lowest n modes of the clamped, loaded Timoshenko beam, int w^2 dx = 1, psi'(0) > 0.
+
+    `coupling`: mass times its offset along the beam/(rho A L^2), with tip_inertia about the tip.
+    """
     size = enough(n)
     trial = StrainShapes.unit(size, size)
     found = matrices(trial)
     tip, turn = trial(1.0), trial.rotation(1.0)
     M = found.mass + rotary * found.rotary + tip_mass * np.outer(tip, tip) + tip_inertia * np.outer(turn, turn)
+    both = coupling * np.outer(tip, turn)
+    M = M + both + both.T
     stiffness = np.concatenate([np.ones(size), np.full(size, 1 / shear)])
     scale = 1 / np.sqrt(stiffness)
     _, vectors = linalg.eigh(M * scale * scale[:, None])

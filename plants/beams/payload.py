@@ -36,7 +36,24 @@ class Payload:
     @property
     def inertia_z(self) -> Any:
         """Moment of inertia [kg m^2] about z through the mass centre."""
-        return self.inertia[2][2] if isinstance(self.inertia, tuple) else self.inertia
+        return self.moment(2)
+
+    def moment(self, axis: int) -> Any:
+        """Moment of inertia [kg m^2] about an axis, x, y or z by its number, through the mass centre."""
+        return self.inertia[axis][axis] if isinstance(self.inertia, tuple) else self.inertia
+
+    def about_tip(self, axis: int) -> Any:
+        """The same about that axis through the tip."""
+        across = [self.offset[k] ** 2 for k in range(3) if k != axis]
+        return self.moment(axis) + self.mass * sum(across)
+
+    def ratios(self, mass: float, length: float, axis: int = 2) -> dict[str, float]:
+        """What `basis` asks of a load, about y (1) or z (2), on a beam of this mass [kg] and length [m]."""
+        return {
+            "tip_mass_ratio": self.mass / mass,
+            "tip_inertia_ratio": self.about_tip(axis) / (mass * length**2),
+            "tip_coupling_ratio": self.mass * self.offset[0] / (mass * length),
+        }
 
 
 def _as_tuple(value: Any) -> Any:

@@ -1,6 +1,6 @@
 """Shape functions for a Ritz beam: a named kind, how many, and every integral that a plant needs of them.
 
-Kinds   natural modes for a pair of ends, "payload" (clamped, loaded tip), "polynomial" (clamped)
+Kinds   natural modes for a pair of ends, "payload" (clamped, loaded tip), "pinned-payload", "polynomial" (clamped)
 Shear   the clamped kinds also for Timoshenko beams, see `legendre_ritz`
 """
 
@@ -17,6 +17,7 @@ from pliant.plants.core.parameters import require_choice, require_count
 from .euler_bernoulli_modes import (
     BOUNDARIES,
     LARGEST_RATIO,
+    LOADED,
     MOST_MODES,
     ModeShapes,
     checked_position,
@@ -26,7 +27,7 @@ from .euler_bernoulli_modes import (
 from .legendre_ritz import StrainShapes, matrices, polynomial
 from .legendre_ritz import modes as timoshenko_modes
 
-BASES = (*BOUNDARIES, "payload", "polynomial")
+BASES = (*BOUNDARIES, *LOADED, "polynomial")
 SHEARABLE = ("clamped-free", "payload", "polynomial")
 MOST_SHEARABLE = 40
 MOST_POLYNOMIALS = 30  # their highest frequency grows as n^4, that of modes as n^2
@@ -116,14 +117,16 @@ def basis(
     *,
     tip_mass_ratio: float = 0.0,
     tip_inertia_ratio: float = 0.0,
+    tip_coupling_ratio: float = 0.0,
     rotary: float = 0.0,
     shear: float = 0.0,
 ) -> Basis:
     """The first n shape functions of a kind in BASES, each scaled to int phi^2 dxi = 1. Cached.
 
-    The ratios, mass/(rho A L) and inertia about the tip/(rho A L^3), shape "payload" only; other kinds ignore
-    them. `shear` = E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2). ValueError for another
-    kind, n above 200 (30 for "polynomial", 40 with shear), or a ratio outside [0, 1e12].
+    The ratios, mass/(rho A L), inertia about the tip/(rho A L^3) and mass times the offset of its centre along the
+    beam/(rho A L^2), shape "payload" and "pinned-payload" only; other kinds ignore them. `shear` = E I/(kappa G A L^2)
+    > 0 makes a Timoshenko beam with `rotary` = I/(A L^2). ValueError for another kind, n above 200 (30 for
+    "polynomial", 40 with shear), or a ratio outside [0, 1e12].
     """
     require_choice("basis", "kind", kind, BASES)
     require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind == "polynomial" else MOST_MODES)
@@ -136,23 +139,20 @@ def basis(
     if shear:
         require_choice("basis", "kind", kind, SHEARABLE)
         require_count("basis", "n", n, 0, MOST_SHEARABLE)
-        loaded = kind == "payload"
-        tip = (float(tip_mass_ratio), float(tip_inertia_ratio)) if loaded else (0.0, 0.0)
-        return _sheared(kind, int(n), float(rotary), float(shear), *tip)
-    if kind != "payload":
-        return _basis(kind, int(n), 0.0, 0.0)
-    return _basis(kind, int(n), float(tip_mass_ratio), float(tip_inertia_ratio))
+    tip = (float(tip_mass_ratio), float(tip_inertia_ratio), float(tip_coupling_ratio))
+    tip = tip if kind in LOADED else (0.0, 0.0, 0.0)
+    return _sheared(kind, int(n), float(rotary), float(shear), *tip) if shear else _basis(kind, int(n), *tip)
 
 
 @lru_cache(maxsize=128)
-def _basis(kind: str, n: int, tip_mass_ratio: float, tip_inertia_ratio: float) -> Basis:
+def _basis(kind: str, n: int, mass: float, inertia: float, coupling: float) -> Basis:
     phi: ModeShapes | Polynomials
     if kind == "polynomial":
         phi = Polynomials(n)
         x, w = np.polynomial.legendre.leggauss(n + 3)  # exact to degree 2 n + 5; the integrands reach 2 n + 4
         xi, w = (1 + x) / 2, w / 2
     else:
-        phi = shapes(kind, n, mass=tip_mass_ratio, inertia=tip_inertia_ratio)
+        phi = shapes(kind, n, mass=mass, inertia=inertia, coupling=coupling)
         xi, w = quadrature(n)
     value, slope, curvature = (phi(xi, d) for d in range(3))
 
@@ -160,17 +160,17 @@ def _basis(kind: str, n: int, tip_mass_ratio: float, tip_inertia_ratio: float) -
         product = f.T @ (weight[:, None] * f)
         return (product + product.T) / 2
 
-    if isinstance(phi, ModeShapes) and kind != "payload":  # orthogonal: no rounding where theory has a zero
-        mass, stiffness = np.eye(n), np.diag(phi.roots**4)
+    if isinstance(phi, ModeShapes) and kind not in LOADED:  # orthogonal: no rounding where theory has a zero
+        products, stiffness = np.eye(n), np.diag(phi.roots**4)
     else:
-        mass = np.eye(n) if kind == "polynomial" else gram(value, w)
+        products = np.eye(n) if kind == "polynomial" else gram(value, w)
         stiffness = gram(curvature, w)
     built = Basis(
         kind=kind,
         phi=phi,
         tip=phi(1.0),
         tip_slope=phi(1.0, 1),
-        mass=mass,
+        mass=products,
         stiffness=stiffness,
         first=w @ value,
         moment=(w * xi) @ value,
@@ -182,11 +182,11 @@ def _basis(kind: str, n: int, tip_mass_ratio: float, tip_inertia_ratio: float) -
 
 
 @lru_cache(maxsize=128)
-def _sheared(kind: str, n: int, rotary: float, shear: float, tip_mass_ratio: float, tip_inertia_ratio: float) -> Basis:
+def _sheared(kind: str, n: int, rotary: float, shear: float, mass: float, inertia: float, coupling: float) -> Basis:
     if kind == "polynomial":
         phi = polynomial(n)
     else:
-        phi = timoshenko_modes(n, rotary, shear, tip_mass_ratio, tip_inertia_ratio)
+        phi = timoshenko_modes(n, rotary, shear, mass, inertia, coupling)
     found = matrices(phi)
     x, w = np.polynomial.legendre.leggauss(max(len(phi.curvature), len(phi.shear)) + 4)
     xi, w = (1 + x) / 2, w / 2

@@ -7,18 +7,24 @@ from functools import cached_property
 
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
+from pliant.plants.core import parameters
+from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 from . import tangent_field
 from .fields import Fields, of_chain, of_rotations
+from .resolution import FINEST, Resolved, check_given, enough
 from .sub_beam_chain import FRAMES, Chain
+from .torsion import TorsionShapes
 
 ROOTS = ("clamped", "hinged", "driven")
 KINEMATICS = ("strain", "substructured")
 BASES = {"modes": 30, "polynomial": 20}  # basis: most shapes
 MOST_SEGMENTS = 32
+MOST_TWISTS = 12
+TRUNCATED = 2e-3  # error of the rule for bending shapes, well below that of leaving the others out
+EXACT = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +59,11 @@ class LargeBeamDeclaration(LagrangianPlant):
             raise ValueError(f"{owner}.gravity = {self.gravity!r} must be a tuple of 3 numbers [m/s^2]")
         require_count(owner, "modes", self.modes, 1, BASES[self.basis] if self.kinematics == "strain" else 12)
         require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
-        require_count(owner, "twists", self.twists, 0, 12)
+        require_count(owner, "twists", self.twists, 0, MOST_TWISTS)
         if self.points is not None:
-            require_count(owner, "points", self.points, 2, 64)
+            require_count(owner, "points", self.points, 2, FINEST)
+            if not any(is_symbolic(parameters.get(self, path)) for path in parameters.quantities(self)):
+                check_given(owner, self.points, *self._resolved)
 
     @property
     def coordinates(self) -> tuple[Signal, ...]:
@@ -134,14 +142,11 @@ class LargeBeamDeclaration(LagrangianPlant):
     def fields(self) -> Fields:
         """What the coordinates turn, shapes from the nominal parameters."""
         if self.kinematics == "substructured":
-            chain = Chain(self.segments, self.modes, self.frame, self.root != "clamped")
-            return of_chain(self.beam, self.payload, chain, self.points or self.modes + 3, self._twists)
-        own = self.nominal
-        assert isinstance(own, LargeBeamDeclaration)
-        at, loads = tangent_field.points(self.points or 2 * self.modes + 1), own.load_ratios
-        bend = tangent_field.rotations(self.root, self.basis, self.modes, *loads)
-        flap = bend if self.planar else tangent_field.rotations("clamped", self.basis, self.modes, *loads)
-        return of_rotations(self.beam, self.payload, bend, flap, at, self._twists)
+            twists = None if self.planar else self.twists
+            return of_chain(self.beam, self.payload, self._chain, self.point_count, twists)
+        own: LargeBeamDeclaration = self.nominal
+        at = tangent_field.points(own.point_count)
+        return of_rotations(self.beam, self.payload, *own._rotations, at, None if self.planar else own._torsion)
 
     @property
     def shapes(self) -> tangent_field.Rotations | Chain:
@@ -149,12 +154,34 @@ class LargeBeamDeclaration(LagrangianPlant):
         return self.fields.shapes
 
     @property
-    def _twists(self) -> int | None:
-        return None if self.planar else self.twists
+    def _chain(self) -> Chain:
+        return Chain(self.segments, self.modes, self.frame, self.root != "clamped")
+
+    @cached_property
+    def _rotations(self) -> tuple[tangent_field.Rotations, tangent_field.Rotations]:
+        """Bending about z and about y; a payload's inertia differs between them."""
+        mass, length, load = self.beam.mass, self.beam.length, self.payload
+        bend = tangent_field.rotations(self.root, self.basis, self.modes, **load.ratios(mass, length))
+        return bend, tangent_field.rotations("clamped", self.basis, self.modes, **load.ratios(mass, length, axis=1))
+
+    @cached_property
+    def _torsion(self) -> TorsionShapes:
+        own = self.beam.density * self.beam.polar_moment * self.beam.length
+        return TorsionShapes(self.twists, self.payload.about_tip(0) / own)
 
     @property
-    def load_ratios(self) -> tuple[float, float]:
-        """Payload mass and inertia about the tip, against the beam's m and m L^2."""
-        mass, load = self.beam.mass, self.payload
-        about_tip = load.inertia_z + load.mass * (load.offset[0] ** 2 + load.offset[1] ** 2)
-        return load.mass / mass, about_tip / (mass * self.beam.length**2)
+    def _resolved(self) -> tuple[list[Resolved], int]:
+        """What the quadrature points must resolve, and the fewest by default; a chain's, of each sub-beam."""
+        named = f"modes = {self.modes}"
+        if self.kinematics == "substructured":
+            one = Chain(1, self.modes, self.frame, False)
+            return [Resolved(named, one.section_angles, True, EXACT)], self.modes + 3
+        kinds = [Resolved(named, psi, True, TRUNCATED) for psi in self._rotations[: 1 if self.planar else 2]]
+        if not self.planar:
+            kinds.append(Resolved(f"twists = {self.twists}", self._torsion, False, EXACT))
+        return kinds, 2 * self.modes + 1
+
+    @cached_property
+    def point_count(self) -> int:
+        """Quadrature points, of each sub-beam if "substructured"."""
+        return self.points or enough(*self._resolved)

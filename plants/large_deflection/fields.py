@@ -17,6 +17,7 @@ from .spatial_sub_beam_chain import SpatialChain
 from .spatial_tangent_field import SpatialSections
 from .sub_beam_chain import Chain
 from .tangent_field import Array, Points, Rotations, TangentField, planar_field
+from .torsion import TorsionShapes
 
 
 class Fields(NamedTuple):
@@ -42,14 +43,14 @@ def of_chain(beam: Beam, payload: Payload, chain: Chain, points: int, twists: in
 
 
 def of_rotations(
-    beam: Beam, payload: Payload, bend: Rotations, flap: Rotations, at: Points, twists: int | None
+    beam: Beam, payload: Payload, bend: Rotations, flap: Rotations, at: Points, twist: TorsionShapes | None
 ) -> Fields:
-    """One rotation field known at these points; flaps and `twists` torsion shapes in space, None in the plane."""
+    """One rotation field known at these points; flaps and torsion shapes in space, None in the plane."""
     bent = bend.curvature(np.zeros(1))[0]
-    if twists is None:
+    if twist is None:
         sections = PlanarSections(beam, payload, bend.stiffness, bend.inertia(at), bend(np.ones(1))[0])
         return Fields(bend, planar_field(bend, at), sections, bent)
-    spatial = SpatialSections(beam, payload, bend, flap, twists, at)
+    spatial = SpatialSections(beam, payload, bend, flap, twist, at)
     return Fields(bend, spatial.field(), spatial, _row(spatial.n, slice(bend.n), bent))
 
 

@@ -26,7 +26,7 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
 
 from .cross_sections import PlanarSections
-from .declaration import LargeBeamDeclaration
+from .declaration import MOST_TWISTS, LargeBeamDeclaration
 from .tangent_field import Array, Tangents
 
 
@@ -45,7 +45,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return cls(beam=beam)
 
     def ladder(self) -> tuple[Self, ...]:
-        """Rotation fields with one to eight shapes, chains of sub-beams between them."""
+        """Rotation fields with one to eight shapes and chains of sub-beams; in space twice the twists last."""
         steps: list[Self] = []
         for kinematics, segments, modes in (
             ("strain", 1, 1),
@@ -61,6 +61,8 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         ):
             step = dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
             steps.append(step)
+        if not self.planar:
+            steps.append(dataclasses.replace(steps[-1], twists=min(max(2 * self.twists, 1), MOST_TWISTS)))
         return tuple(steps)
 
     @property

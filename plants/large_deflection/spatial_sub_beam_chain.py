@@ -124,7 +124,7 @@ class SpatialChain:
     @cached_property
     def _integrals(self) -> list[tuple[Array, Array, Array]]:
         """int psi, int psi psi^T and int psi' psi'^T over a sub-beam, of its twists, flaps and bends."""
-        fine = points(4 * self.chain.modes + 12)
+        fine = points(4 * max(self.chain.modes, self.twists) + 12)
         found = []
         for shapes in (self._twist, self._slopes, self._slopes):
             psi, slope = shapes(fine.xi), shapes(fine.xi, 1)

@@ -27,6 +27,7 @@ from pliant.plants.core.parameters import is_symbolic
 
 from .cross_sections import payload_tensor, rotation, series, spin, turned_about_z
 from .tangent_field import Array, Points, Rotations, TangentField, sparse
+from .torsion import TorsionShapes
 
 
 def _turned_tangent() -> tuple[ca.SX, ca.SX]:
@@ -52,13 +53,13 @@ class SpatialSections:
     payload: Payload
     bend: Rotations  # about z; shape 0 is the root angle where the root turns
     flap: Rotations  # about y
-    twists: int
+    twist: TorsionShapes
     at: Points
 
     @property
     def n(self) -> int:
         """How many coordinates."""
-        return self.bend.n + self.flap.n + self.twists
+        return self.bend.n + self.flap.n + self.twist.n
 
     def _rows(self, xi: Array, derivative: int = 0) -> tuple[Array, Array, Array, Array]:
         """Root angle, beta, gamma and twist at xi (k,), or their slopes, each times q: (k, n)."""
@@ -69,10 +70,7 @@ class SpatialSections:
         parts[0][:, :turns] = bent[:, :turns]
         parts[2][:, turns:b] = bent[:, turns:]
         parts[1][:, b : b + f] = own[1](xi)
-        rate = (np.arange(self.twists) + 0.5) * np.pi
-        sign = (-1.0) ** np.arange(self.twists)
-        turned = np.multiply.outer(xi, rate)
-        parts[3][:, b + f :] = sign * (rate * np.cos(turned) if derivative else np.sin(turned))
+        parts[3][:, b + f :] = self.twist(xi, derivative)
         return parts[0], parts[1], parts[2], parts[3]
 
     def field(self) -> TangentField:
@@ -90,7 +88,8 @@ class SpatialSections:
         return not (is_symbolic(y) or is_symbolic(z)) and y == z
 
     def _strains(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
-        """At the points: beta', gamma', bending k_y, k_z in the section's axes, and a with the tip's as last entry."""
+        """At the points: beta', gamma', bending k_y, k_z in the section's axes (a round one's: turned back by a, where
+        its energy is the same), and a with the tip's as last entry."""
         _, beta, gamma, twist = (sparse(R) @ q for R in self._rows(self.at.xi))
         _, beta_s, gamma_s, _ = (sparse(R) @ q for R in self._rows(self.at.xi, 1))
         z = beta**2 + gamma**2
@@ -108,10 +107,9 @@ class SpatialSections:
     def _plain(self, q: ca.SX) -> ca.SX:
         """Strain energy of small rotations: what is quadratic in q."""
         beam, b, f = self.beam, self.bend.n, self.flap.n
-        rate = (np.arange(self.twists) + 0.5) * np.pi
         stiff = ca.bilin(sparse(self.bend.stiffness), q[:b], q[:b]) * beam.EI
         stiff += ca.bilin(sparse(self.flap.stiffness), q[b : b + f], q[b : b + f]) * beam.E * beam.I_y
-        stiff += ca.dot(ca.DM(rate**2 / 2), q[b + f :] ** 2) * beam.GJ
+        stiff += ca.dot(ca.DM(self.twist.stiffness), q[b + f :] ** 2) * beam.GJ
         return stiff / beam.length / 2
 
     def strain_energy(self, q: ca.SX) -> ca.SX:
@@ -124,7 +122,10 @@ class SpatialSections:
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """Rayleigh function [W] of the Kelvin-Voigt damping."""
         beam = self.beam
-        beta_s, gamma_s, ky, kz, _ = (ca.jtimes(k, q, v) for k in self._strains(q))
+        strains = self._strains(q)
+        beta_s, gamma_s, ky, kz, a = (ca.jtimes(k, q, v) for k in strains)
+        if self._round:  # the fibres of axes that turn on at a' strain at k' + a' x k
+            ky, kz = ky + a[:-1] * strains[3], kz - a[:-1] * strains[2]
         more = beam.EI * (kz**2 - gamma_s**2) + beam.E * beam.I_y * (ky**2 - beta_s**2)
         return beam.damping * (self._plain(v) + ca.dot(ca.DM(self.at.weight), more) / beam.length / 2)
 

@@ -13,7 +13,7 @@ Source   the geometric variable-strain approach, with rotations expanded in plac
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -171,7 +171,10 @@ def sparse(matrix: Array) -> ca.DM:
 
 @dataclass(frozen=True, eq=False)
 class Rotations:
-    """Rotation shapes psi_i(xi), i < n, each one at the tip: a coordinate is the tip rotation [rad] it brings."""
+    """Rotation shapes psi_i(xi), i < n, each one at the tip: a coordinate is the tip rotation [rad] it brings.
+
+    Where a heavy payload keeps the tip from turning, the largest rotation on the way is at most ten.
+    """
 
     basis: beams.Basis
     rotating: bool  # whether shape 0 is a rigid rotation about the root, psi = 1
@@ -181,10 +184,13 @@ class Rotations:
         """How many coordinates."""
         return self.basis.n + self.rotating
 
-    @property
+    @cached_property
     def scale(self) -> Array:
-        """Rotation at the tip that each slope brings, relative to the root."""
-        return self.basis.tip_slope - self._root_slope
+        """Rotation at the tip that each slope brings, relative to the root, or a tenth of the largest."""
+        tip = self.basis.tip_slope - self._root_slope
+        along = self.basis.phi(np.linspace(0.0, 1.0, 8 * self.basis.n + 9), 1) - self._root_slope
+        least = 0.1 * np.abs(along).max(axis=0)
+        return np.where(np.abs(tip) > least, tip, np.copysign(least, tip))
 
     @property
     def _root_slope(self) -> Array:
@@ -213,12 +219,14 @@ class Rotations:
         return (S + S.T) / 2
 
 
-def rotations(root: str, kind: str, n: int, mass_ratio: float = 0.0, inertia_ratio: float = 0.0) -> Rotations:
-    """n bending shapes for a clamped, hinged or driven root, from natural modes ("modes") or polynomials."""
+def rotations(root: str, kind: str, n: int, **ratios: float) -> Rotations:
+    """n bending shapes for a clamped, hinged or driven root, from natural modes ("modes") or polynomials.
+
+    `ratios`: those of the payload, see `Payload.ratios`.
+    """
     if kind == "modes":
-        kind = "pinned-free" if root == "hinged" else "payload"
-    basis = beams.basis(kind, n, tip_mass_ratio=mass_ratio, tip_inertia_ratio=inertia_ratio)
-    return Rotations(basis, root != "clamped")
+        kind = "pinned-payload" if root == "hinged" else "payload"
+    return Rotations(beams.basis(kind, n, **ratios), root != "clamped")
 
 
 def planar_field(shapes: Rotations, at: Points) -> TangentField:

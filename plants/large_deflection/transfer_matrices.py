@@ -59,7 +59,7 @@ class TransferMatrices:
         length, offset = beam.length / chain.segments, shapes.offset(chain.frame)
         Y, rate = ca.SX.sym("Y", 3 + chain.modes), ca.SX.sym("rate", 3 + chain.modes)
         origin, angle, q = Y[:2], Y[2], Y[3:]
-        at = points(plant.points or chain.modes + 3)
+        at = points(plant.point_count)
         slope = ca.DM(shapes(at.xi, 1) - offset) @ q
 
         def position(xi: Array) -> ca.SX:

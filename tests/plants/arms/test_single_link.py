@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from pliant.plants import Beam, Material, Payload, SingleLinkArm
+from pliant.plants import Beam, Material, Payload, SingleLinkArm, beams
 
 ARM = SingleLinkArm.textbook()
 HELD = ("hub_angle",)
@@ -87,6 +87,28 @@ def test_clamped_free_modes_converge_at_the_rate_of_what_they_miss(payload, rate
     ]
     assert min(errors) > 0
     assert np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(rate, abs=0.1 * abs(rate))
+
+
+@pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
+@pytest.mark.parametrize("offset", [(0.2, 0.0, 0.0), (-0.3, 0.1, 0.0), (0.0, 0.4, 0.0)])
+def test_payload_modes_know_the_offset_of_the_mass_centre(offset, theory):
+    """As `frequencies` tells them; the two theories agree to (radius of gyration/length)^2 beta^2 = 1e-4 or so."""
+    slender = Beam.rectangular(1.0, width=0.01, depth=0.003, material=beams.STEEL)
+    payload = Payload(mass=3.0 * slender.mass, inertia=0.1 * slender.mass, offset=offset)
+    arm = SingleLinkArm(link=slender, hub_inertia=1.0, payload=payload, basis="payload", modes=3, theory=theory)
+    exact = beams.frequencies(arm.link, 3, payload=payload)
+    within = {"euler-bernoulli": 1e-9, "timoshenko": 1e-3}[theory]
+    np.testing.assert_allclose(arm.natural_frequencies(locked=HELD), exact, rtol=within)
+
+
+def test_ladder_of_free_tip_modes_ends_where_the_payload_is_known():
+    """A heavy payload: rungs of free-tip modes agree within 0.5 % and are 1 % off; the last is exact."""
+    arm = unit(payload=Payload(mass=1.0, inertia=0.3), basis="clamped-free")
+    exact = beams.frequencies(arm.link, 1, payload=arm.payload)[0]
+    steps = arm.ladder()[-3:]
+    three, four, last = (step.natural_frequencies(locked=HELD)[0] / exact - 1 for step in steps)
+    assert three - four < 0.005 and four > 0.01 and abs(last) < 1e-9
+    assert steps[-1].basis == "payload"
 
 
 def reaction(free, driven, x, acceleration):

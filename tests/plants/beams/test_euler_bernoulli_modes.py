@@ -81,8 +81,8 @@ def test_loaded_roots_bracket_a_sign_change(load):
         assert loaded_characteristic(b - wide, *load) * loaded_characteristic(b + wide, *load) < 0
 
 
-def finite_elements(mass, inertia, coupling, elements=40):
-    """beta of a clamped beam of cubic elements with a loaded tip: too high by O(h^4), 8e-5 at mode 10."""
+def finite_elements(mass, inertia, coupling, elements=40, held=2):
+    """beta of a clamped (held=1: pinned) beam of cubic elements with a loaded tip: high by O(h^4), 8e-5 at mode 10."""
     h, n = 1 / elements, 2 * elements + 2
     k = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]]) / h**3
     k = np.vstack([k, -k[0], [6 / h**2, 2 / h, -6 / h**2, 4 / h]])
@@ -94,7 +94,7 @@ def finite_elements(mass, inertia, coupling, elements=40):
         K[at, at] += k
         M[at, at] += m
     M[-2:, -2:] += [[mass, coupling], [coupling, inertia]]
-    return eigh(K[2:, 2:], M[2:, 2:], eigvals_only=True) ** 0.25
+    return eigh(K[held:, held:], M[held:, held:], eigvals_only=True)[2 - held :] ** 0.25
 
 
 def test_random_loads_agree_with_finite_elements_so_no_root_is_missed():
@@ -104,6 +104,31 @@ def test_random_loads_agree_with_finite_elements_so_no_root_is_missed():
         coupling = rng.uniform(-0.99, 0.99) * math.sqrt(mass * inertia)
         beta = euler_bernoulli_modes.loaded_roots(10, mass, inertia, coupling)
         np.testing.assert_allclose(beta, finite_elements(mass, inertia, coupling)[:10], rtol=1e-4)
+
+
+def test_pinned_loaded_roots_agree_with_finite_elements_so_no_root_is_missed():
+    rng = np.random.default_rng(8)
+    for _ in range(25):
+        mass, inertia = 10.0 ** rng.uniform(-4, 3, 2)
+        coupling = rng.uniform(-0.99, 0.99) * math.sqrt(mass * inertia)
+        beta = euler_bernoulli_modes.pinned_loaded_roots(9, mass, inertia, coupling)
+        np.testing.assert_allclose(beta, finite_elements(mass, inertia, coupling, held=1)[:9], rtol=1e-4)
+    bare = euler_bernoulli_modes.pinned_loaded_roots(60, 0.0, 0.0)
+    np.testing.assert_allclose(bare, euler_bernoulli_modes.roots("pinned-free", 60), rtol=1e-15)
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_pinned_loaded_shapes_meet_their_ends(load):
+    mass, inertia, coupling = load
+    phi = euler_bernoulli_modes.shapes("pinned-payload", 6, mass=mass, inertia=inertia, coupling=coupling)
+    size = phi.roots ** np.arange(4)[:, None]
+    root, tip = (np.array([phi(xi, d) for d in range(4)]) / size for xi in (0.0, 1.0))
+    np.testing.assert_allclose(root[[0, 2]], 0.0, atol=1e-13)
+    b = phi.roots
+    force = tip[3] + b * mass * tip[0] + b**2 * coupling * tip[1]
+    moment = tip[2] - b**2 * coupling * tip[0] - b**3 * inertia * tip[1]
+    np.testing.assert_allclose(force, 0.0, atol=1e-13 * (1 + b.max() * mass + b.max() ** 2 * abs(coupling)))
+    np.testing.assert_allclose(moment, 0.0, atol=1e-13 * (1 + b.max() ** 2 * abs(coupling) + b.max() ** 3 * inertia))
 
 
 def test_count_steps_by_one_at_every_loaded_root():

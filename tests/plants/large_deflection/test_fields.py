@@ -11,6 +11,7 @@ from pliant.plants.large_deflection.spatial_sub_beam_chain import SpatialChain
 from pliant.plants.large_deflection.spatial_tangent_field import SpatialSections
 from pliant.plants.large_deflection.sub_beam_chain import Chain
 from pliant.plants.large_deflection.tangent_field import points, rotations
+from pliant.plants.large_deflection.torsion import TorsionShapes
 
 BEAM = LargeDeflectionBeam.textbook().beam
 
@@ -36,7 +37,7 @@ def test_curvature_at_the_root_of_a_loaded_cantilever():
     bend = rotations("clamped", "polynomial", 1)
     fields = of_rotations(BEAM, Payload(), bend, bend, points(4), None)
     np.testing.assert_allclose(fields.root_curvature, [1.0], rtol=1e-12)
-    turned = of_rotations(BEAM, Payload(), rotations("driven", "polynomial", 1), bend, points(4), 2)
+    turned = of_rotations(BEAM, Payload(), rotations("driven", "polynomial", 1), bend, points(4), TorsionShapes(2))
     np.testing.assert_allclose(turned.root_curvature, [0.0, 1.0, 0.0, 0.0, 0.0], atol=1e-12)
 
 
