@@ -166,8 +166,16 @@ def normalised(shapes: StrainShapes) -> StrainShapes:
     return shapes.combined(np.diag(sign / np.sqrt(np.diag(matrices(shapes).mass))))
 
 
-def polynomial(n: int) -> StrainShapes:
-    """n shapes, strain polynomials of rising degree, curvature and shear in turn."""
-    curved, sheared = math.ceil(n / 2), n // 2
-    order = [i // 2 + (curved if i % 2 else 0) for i in range(n)]
-    return normalised(StrainShapes.unit(curved, sheared).combined(np.eye(n)[:, order]))
+def polynomial(n: int, shear: float) -> StrainShapes:
+    """n shapes: curvatures of rising degree with the shear that balances them; shear alone for two of five.
+
+    A section without rotary inertia is at rest where M' + Q = 0: its shear strain is -shear psi''. What rotary inertia
+    changes of that the shapes of pure shear make up for, so that the whole converges to Timoshenko's beam.
+    """
+    sheared = max(0, 2 * (n - 2) // 5)
+    curved = n - sheared
+    slope = _integrals(curved)[0]  # of the curvatures, by Legendre polynomials that are not normalised
+    b = max(sheared, curved)
+    balance = -shear * slope[:b] / np.sqrt(2 * np.arange(b) + 1)[:, None]
+    alone = np.eye(b, sheared)
+    return normalised(StrainShapes(np.eye(curved, n), np.hstack([balance, alone])))

@@ -12,6 +12,7 @@ from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.quaternions import skew
 
 Array = np.ndarray
+RANK = 1e-9  # of lengths: what rounding and the text of a file leave of a zero
 LOST = 0.05  # of the rigid body's first moment and inertia that lumping may change
 
 
@@ -43,6 +44,7 @@ def clamped_modes(
         raise ValueError(f"from_matrices.mass: nodal masses {lumped.tolist()} must be equal along the axes and >= 0")
     masses = lumped.mean(axis=1)
     _check_lumped(M, masses, positions)
+    _check_held(K, positions, places[list(root)].ravel())
     free_nodes = np.setdiff1d(np.arange(nodes), list(root))
     free = moved[free_nodes].ravel()
     inner = np.setdiff1d(turned, places[list(root)].ravel())
@@ -60,21 +62,44 @@ def clamped_modes(
     squares, vectors = linalg.eigh(
         (Kff + Kff.T) / 2, np.diag(np.repeat(masses[free_nodes], 3)), subset_by_index=[0, modes - 1]
     )
-    if squares[0] <= 1e-9 * np.abs(np.diag(Kff)).max() / masses[free_nodes].max():
-        raise ValueError(f"from_matrices.root = {list(root)} leaves a rigid motion free (omega^2 = {squares[0]:.3g})")
+    noise = len(Kff) * np.finfo(float).eps * np.abs(np.diag(Kff) / np.repeat(masses[free_nodes], 3)).max()
+    if squares[0] <= noise:
+        raise ValueError(
+            f"from_matrices.stiffness lets a mechanism move, or nearly: omega^2 = {squares[0]:.3g} is within its "
+            f"rounding of {noise:.3g} 1/s^2"
+        )
     shapes = np.zeros((modes, nodes, 3))
     shapes[:, free_nodes] = vectors.T.reshape(modes, len(free_nodes), 3)
     return masses, shapes, np.sqrt(squares)
 
 
-def _check_lumped(M: Array, masses: Array, positions: Array) -> None:
-    """ValueError where the lumped masses (N,) have another first moment or inertia about the origin than M."""
-    moved = np.zeros((len(positions), len(M) // len(positions), 6))  # of each freedom in six rigid motions
+def _check_held(K: Array, positions: Array, clamped: Array) -> None:
+    """ValueError where a rigid motion that leaves `clamped` freedoms in place meets no force beyond rounding."""
+    rigid = _rigid_motions(positions, len(K) // len(positions))
+    _, sizes, axes = np.linalg.svd(rigid[clamped])
+    motions = rigid @ axes[np.count_nonzero(sizes > RANK * sizes.max(initial=0.0)) :].T  # root in place
+    left, sizes, _ = np.linalg.svd(motions, full_matrices=False)
+    motions = left[:, sizes > RANK * np.abs(rigid).max()]  # those that move something
+    rounding = len(K) * np.finfo(float).eps * np.abs(K).sum(axis=1)
+    felt = np.delete(K @ motions, clamped, axis=0) / np.maximum(np.delete(rounding, clamped), 1e-300)[:, None]
+    if felt.shape[1] and np.linalg.svd(felt, compute_uv=False).min() < 1.0:
+        raise ValueError(f"from_matrices.root clamps {len(clamped)} freedoms, which leaves a rigid motion free")
+
+
+def _rigid_motions(positions: Array, per_node: int) -> Array:
+    """Of each freedom in the six rigid motions, (N * per_node, 6): translations, then turns about the origin."""
+    moved = np.zeros((len(positions), per_node, 6))
     moved[:, :3, :3] = np.eye(3)
     moved[:, :3, 3:] = -skew(positions)
-    if moved.shape[1] == 6:
+    if per_node == 6:
         moved[:, 3:, 3:] = np.eye(3)
-    rigid = moved.reshape(len(M), 6)
+    return moved.reshape(-1, 6)
+
+
+def _check_lumped(M: Array, masses: Array, positions: Array) -> None:
+    """ValueError where the lumped masses (N,) have another first moment or inertia about the origin than M."""
+    rigid = _rigid_motions(positions, len(M) // len(positions))
+    moved = rigid.reshape(len(positions), -1, 6)
     whole, points = rigid.T @ M @ rigid, np.einsum("p,pia,pib->ab", masses, moved[:, :3], moved[:, :3])
     reach = np.abs(positions).max(initial=0.0)
     for name, part, size in (
