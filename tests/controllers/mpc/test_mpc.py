@@ -412,6 +412,8 @@ def test_after_reset_it_acts_bit_for_bit_as_a_new_one():
         ({"dt": None}, "MPC.dt = None"),
         ({"horizon": 0}, "MPC.horizon = 0"),
         ({"blocks": (2, 3)}, "MPC.blocks"),
+        ({"blocks": (20, 30)}, "MPC.blocks"),
+        ({"blocks": (21, -1)}, "MPC.blocks"),
         ({"limits": (1.0, -1.0)}, "MPC.limits of torque"),
         ({"rates": -1.0}, "MPC.rates"),
         ({"rates": {"nothing": 1.0}}, "MPC.rates"),
@@ -532,3 +534,26 @@ def test_bounds_and_limits_of_a_scene_are_on_both_sides():
     assert dict(zip(found.bounded, found.ceiling)) == bounds
     np.testing.assert_array_equal(found.low, [-value for value in scene.limits])
     np.testing.assert_array_equal(found.high, scene.limits)
+
+
+def test_a_sampled_model_has_its_own_period():
+    sampled = LINK.discretize(DT)
+    MPC.design(sampled, Q, R, dt=DT * (1 + 1e-12))
+    for other in (DT * (1 + 1e-6), DT * (1 - 1e-6)):
+        with pytest.raises(ValueError, match=r"MPC\.dt = .* must be .*, the model's"):
+            MPC.design(sampled, Q, R, dt=other)
+
+
+def test_a_point_that_moves_is_refused_also_far_from_zero():
+    """A state of 1e3 m, moved by less than a ten thousandth of itself in a step, and by more."""
+    far = dataclasses.replace(LINK, x0=np.full(4, 1e3))
+    still, moving = (dataclasses.replace(far, f0=np.full(4, rate)) for rate in (1e-9, 1e3))
+    MPC.design(still, Q, R, dt=DT)
+    with pytest.raises(ValueError, match="the model's point is no equilibrium"):
+        MPC.design(moving, Q, R, dt=DT)
+
+
+def test_an_input_price_that_is_no_price_is_refused_at_the_end_of_the_way_too():
+    ltv = swinging()
+    with pytest.raises(ValueError, match=r"MPC\.R"):
+        MPC.along(ltv, np.eye(4), np.zeros((2, 2)), horizon=10, P=np.eye(4))

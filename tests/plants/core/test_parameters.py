@@ -100,7 +100,19 @@ def test_varied_plant_pickles_and_climbs_its_ladder(random_state):
 
 
 def test_an_offset_that_is_zero_may_be_varied(random_state):
-    varied = LINK.vary("payload.offset.1")
-    bent = dataclasses.replace(LINK, payload=Payload(mass=1.0, inertia=0.001, offset=(0.0, 0.05, 0.0)))
-    x = random_state(LINK, 7)
+    link = dataclasses.replace(LINK, basis="clamped-free")  # shapes that know nothing of the payload
+    varied = link.vary("payload.offset.1")
+    bent = dataclasses.replace(link, payload=Payload(mass=1.0, inertia=0.001, offset=(0.0, 0.05, 0.0)))
+    x = random_state(link, 7)
     np.testing.assert_allclose(varied.dynamics(x, [1.0], p=[0.05]), bent.dynamics(x, [1.0]), rtol=1e-11)
+
+
+def test_quantities_are_those_with_units_and_the_uncertain_ones_among_them():
+    """A link has length, section and material, of which only some are marked uncertain; none hides those after it."""
+    beam = SingleLinkArm.textbook().link
+    every, unsure = parameters.quantities(beam), parameters.quantities(beam, uncertain=True)
+    assert {"length", "area", "E", "density"} <= set(every) and set(unsure) < set(every)
+    marked = [f.name for f in dataclasses.fields(beam) if f.metadata.get("uncertain")]
+    assert marked and list(unsure) == marked
+    arm = parameters.quantities(SingleLinkArm.textbook())
+    assert {"link.E", "payload.mass", "gravity"} <= set(arm)

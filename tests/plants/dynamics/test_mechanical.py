@@ -66,3 +66,20 @@ def test_a_stop_is_explained_where_the_mass_matrix_is_lost_and_not_elsewhere():
         with pytest.raises(MassMatrixError, match="rigid-inertia is not positive definite"):
             arm.explain_stop(passed, last, None, None)
     assert arm.explain_stop(rest[None], np.full(arm.nx, np.nan), None, None) is None
+
+
+def test_of_a_batch_the_state_that_has_lost_its_mass_matrix_is_given():
+    arm = dataclasses.replace(PLANTS[0], modes=(2, 2), reduction="rigid-inertia")
+    x = np.zeros((3, arm.nx))
+    x[:, 1] = np.pi / 2
+    x[2, [2, 4]] = -0.4e-3  # as above
+    with pytest.raises(MassMatrixError) as lost:
+        arm.dynamics(x)
+    np.testing.assert_array_equal(lost.value.state, x[2])
+
+
+def test_rigid_motions_are_left_out_of_the_frequencies_unless_asked_for():
+    arm = SingleLinkArm.textbook()  # a free hub: one rigid turn
+    free, all_of_it = arm.natural_frequencies(), arm.natural_frequencies(rigid=True)
+    assert len(all_of_it) == len(free) + 1 == arm.nx // 2
+    assert abs(all_of_it[0]) < 1e-6 * free[0] and free[0] > 1.0

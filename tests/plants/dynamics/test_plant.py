@@ -126,3 +126,23 @@ def test_power_of_a_tip_force_is_force_times_velocity(arm, random_state):
         pytest.skip("the reaction of a driven hub changes with the force")
     change = plant.power(x, w=force)[0] - plant.power(x)[0]
     assert change == pytest.approx(force @ velocity, rel=1e-10)
+
+
+def test_a_stepper_takes_one_step_unless_it_is_told_how_many():
+    x = np.array([[0.3, -0.2, *[0.001] * 4, *[0.0] * 6]])
+    one, alone = ARM.stepper(0.002)(x), ARM.simulate(x[0], None, [0.0, 0.002], method="rk4", step=0.002).x[-1]
+    np.testing.assert_allclose(one[0], alone, rtol=1e-12, atol=1e-15)
+    assert np.abs(ARM.stepper(0.002, substeps=2)(x) - one).max() > 1e-9
+
+
+@pytest.mark.parametrize("call", ["dynamics", "measure", "jacobians", "linearize"])
+@pytest.mark.parametrize("size", [11, 13])
+def test_arrays_of_another_length_are_refused_in_every_call(call, size):
+    with pytest.raises(ValueError, match=rf"TwoLinkArm\.x has shape \({size},\)"):
+        getattr(ARM, call)(np.zeros(size), np.zeros(2))
+
+
+def test_a_linear_model_is_about_one_point():
+    for x, u in ((np.zeros((2, 12)), np.zeros(2)), (np.float64(0.0), np.zeros(2))):
+        with pytest.raises(ValueError, match=r"TwoLinkArm\.x"):
+            ARM.linearize(x, u)
