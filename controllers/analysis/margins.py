@@ -15,7 +15,7 @@ Source   Seiler, Packard and Gahinet 2020, "An introduction to disk margins", wi
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -23,6 +23,7 @@ from scipy.optimize import brentq, minimize
 from pliant.controllers.solvers.hinf_norm import Array, Peak, peak
 from pliant.plants.core.errors import PliantError
 
+from .late_loops import shortest
 from .loops import Loop
 
 NOTHING = 1e-14  # sensitivity that rounding leaves where the loop integrates
@@ -39,7 +40,7 @@ class Channel:
     name: str
     gain: tuple[float, float]  # smallest and largest factor, apart from 1, at which the loop is at its limit
     phase_deg: float
-    delay: float  # [s]
+    delay: float  # [s] of a sampled loop exact where its model is continuous, else whole periods; see `late_loops`
     disk: float
     crossover_hz: float  # highest at which |L_i| = 1; 0 where there is none
 
@@ -106,7 +107,10 @@ def margins(loop: Loop) -> Margins:
     for i, name in enumerate(loop.channels):
         alone = Loop(closed, B[:, [i]], C[[i]], direct[i : i + 1, i : i + 1], loop.dt, (name,))
         disk = 1 / peak(closed, alone.B, alone.C, half[i : i + 1, i : i + 1], loop.dt).value
-        each.append(_channel(alone, disk, grid))
+        found = _channel(alone, disk, grid)
+        if loop.dt is not None:
+            found = replace(found, delay=shortest(loop.late, i, loop.dt, found.delay))
+        each.append(found)
     whole = 1 / scaled_peak(Loop(closed, B, C, half, loop.dt, loop.channels), grid) if n > 1 else each[0].disk
     T = peak(closed, B, -C, np.eye(n) - direct, loop.dt)
     return Margins(tuple(each), float(whole), peak(closed, S.B, S.C, S.D, loop.dt), T)
@@ -173,6 +177,9 @@ def _channel(sensitivity: Loop, disk: float, grid: Array) -> Channel:
     real = [z.real for z in found if np.isfinite(z) and z.real < 0 and abs(z.imag) <= 1e-6 * abs(z.real)]
     factors = [-1 / z for z in real]
     gain = max([k for k in factors if k < 1], default=0.0), min([k for k in factors if k > 1], default=np.inf)
+    at_infinity = np.inf if sensitivity.D[0, 0] == 0 else abs(1 / sensitivity.D[0, 0] - 1)
+    if sensitivity.dt is None and at_infinity >= 1:
+        lags.append(0.0)  # a delayed feedthrough has a pole for every turn of its phase, all of them growing
     phase, lag = float(np.rad2deg(min(phases))), float(min(lags))
     return Channel(sensitivity.channels[0], gain, phase, lag, disk, crossover / (2 * np.pi))
 

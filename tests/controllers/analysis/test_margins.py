@@ -252,3 +252,20 @@ def test_a_norm_that_is_not_found_is_not_told(monkeypatch):
     monkeypatch.setattr(hinf_norm, "MOST_ROUNDS", 0)
     with pytest.raises(PliantError, match="the norm is not found"):
         peak(A, B, C, D)
+
+
+@pytest.mark.parametrize(("gain", "bears"), [(2.0, False), (1.0, False), (0.5, True), (-0.5, True)])
+def test_feedthrough_of_one_and_more_bears_no_delay(gain, bears):
+    """x'' = -x - 0.2 x' + u with u = -gain x'': read tau late, poles come near exp(-s tau) = -1 / gain, whose real part
+    is log(gain) / tau: right of the axis however short tau, where the gain is more than one.
+    """
+    plant = LinearModel.from_matrices([[0, 1], [-1, -0.2]], [[0], [1.0]], [[-1, -0.2]], [[1.0]], outputs=["a"])
+    [c] = margins(loop(plant, Feedback(np.array([[gain]]), ("a",)))).channels
+    assert (c.delay > 0) == bears
+    if gain == 2.0:
+        for tau in (1.0, 1e-3):  # a root of s^2 + 0.2 s + 1 + 2 s^2 exp(-s tau), by Newton from its asymptote
+            s = complex(np.log(gain), 101 * np.pi) / tau
+            for _ in range(50):
+                late = np.exp(-s * tau)
+                s -= (s**2 + 0.2 * s + 1 + gain * s**2 * late) / (2 * s + 0.2 + gain * (2 * s - s**2 * tau) * late)
+            assert abs(s**2 + 0.2 * s + 1 + gain * s**2 * np.exp(-s * tau)) < 1e-6 * abs(s) ** 2 and s.real > 0

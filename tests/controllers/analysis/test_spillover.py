@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pliant.controllers import LQR, MPC, Feedback
-from pliant.controllers.analysis.loops import closed_loop, linearised, loop
+from pliant.controllers.analysis.linear_laws import linearised
+from pliant.controllers.analysis.loops import closed_loop, loop
 from pliant.controllers.analysis.spillover import case_of, crossover_hz, growth, origin, spillover
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import sensors_of

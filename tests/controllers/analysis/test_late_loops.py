@@ -1,0 +1,126 @@
+"""Sampled loops with one channel late, against motions whose held inputs are followed from event to event."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from pliant.controllers import LQR, Feedback
+from pliant.controllers.analysis.late_loops import LateLoop, shortest
+from pliant.controllers.analysis.loops import loop
+from pliant.controllers.analysis.margins import margins
+from pliant.plants.linear.lti import LinearModel
+
+DT = 0.1
+
+
+def moved(A, B, x, pieces):
+    """x after pieces (duration, u) of constant inputs."""
+    n, nu = B.shape
+    for duration, u in pieces:
+        block = scipy.linalg.expm(duration * np.block([[A, B], [np.zeros((nu, n + nu))]]))
+        x = block[:n, :n] @ x + block[:n, n:] @ u
+    return x
+
+
+def growth(model, K, D, at, channel, delay, steps=400):
+    """The factor per period by which a motion of the loop grows in the end, by its own events."""
+    A, B, C = model.A, model.B, model.C
+    rng = np.random.default_rng(1)
+    x, inputs = rng.normal(size=len(A)), [np.zeros(B.shape[1])] * 200
+    states, sizes = [], []
+    m, rest = int(np.floor(delay / DT * (1 + 1e-12))), 0.0
+    rest = delay - m * DT
+    for k in range(steps):
+        held = np.array(inputs[-1])  # what acts as the sample is taken
+        if at == "input":
+            held[channel] = inputs[-1 - m][channel]
+        y = C @ x + D @ held
+        states.append((x, [np.array(u) for u in inputs[-2:]]))
+        if at == "output":
+            back = k - m
+            if rest > 0:
+                past, acted = (states[back - 1][0], inputs[-1 - m]) if back > 0 else (np.zeros(len(A)), 0 * held)
+                then = moved(A, B, past, [(DT - rest, acted)])
+                y[channel] = (C @ then + D @ acted)[channel]
+            elif m:
+                past, acted = (states[back][0], inputs[-1 - m]) if back >= 0 else (np.zeros(len(A)), 0 * held)
+                y[channel] = (C @ past + D @ acted)[channel]
+        inputs.append(-K @ y)
+        early, late = np.array(inputs[-1]), np.array(inputs[-1])
+        if at == "input":
+            early[channel], late[channel] = inputs[-2 - m][channel], inputs[-1 - m][channel]
+        x = moved(A, B, x, [(rest, early), (DT - rest, late)])
+        sizes.append(np.linalg.norm(np.concatenate([x, *inputs[-3:]])))
+        if sizes[-1] > 1e100 or sizes[-1] < 1e-100:
+            inputs = [u / sizes[-1] for u in inputs]
+            states = [(s / sizes[-1], u) for s, u in states]
+            x = x / sizes[-1]
+            sizes = [s / sizes[-1] for s in sizes]
+    half = len(sizes) // 2
+    return (np.mean(sizes[-20:]) / np.mean(sizes[half : half + 20])) ** (1 / (len(sizes) - half - 20))
+
+
+def case(seed):
+    """A random plant with two inputs and two readings with feedthrough, modes to ten times the Nyquist frequency."""
+    rng = np.random.default_rng(seed)
+    wn, zeta = rng.uniform(1.0, 300.0, 2), rng.uniform(0.01, 0.3, 2)
+    A = scipy.linalg.block_diag(*[[[0, 1], [-(w**2), -2 * z * w]] for w, z in zip(wn, zeta)])
+    B, C = rng.normal(size=(4, 2)), rng.normal(size=(2, 4))
+    D = rng.normal(size=(2, 2)) * 0.3
+    K = rng.normal(size=(2, 2)) * 0.5
+    return LinearModel.from_matrices(A, B, C, D, outputs=["a", "b"]), K, D
+
+
+@pytest.mark.parametrize("at", ["input", "output"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_closed_matrix_grows_as_the_motion_does(seed, at):
+    model, K, D = case(seed)
+    law = Feedback(K, ("a", "b"), dt=DT)
+    late = loop(model, law, at=at).late
+    for channel, delay in ((0, 0.0), (1, 0.037), (0, 0.1), (1, 0.263), (0, 0.3)):
+        radius = np.abs(np.linalg.eigvals(late.closed(channel, delay))).max()
+        assert growth(model, K, D, at, channel, delay) == pytest.approx(radius, rel=2e-2)
+
+
+@pytest.mark.parametrize("at", ["input", "output"])
+def test_without_delay_it_is_the_loop_itself(at):
+    model, K, _ = case(7)
+    whole = loop(model, Feedback(K, ("a", "b"), dt=DT), at=at)
+    for channel in range(2):
+        poles = np.linalg.eigvals(whole.late.closed(channel, 0.0))
+        for pole in np.linalg.eigvals(whole.closed()):
+            assert np.abs(poles - pole).min() < 1e-6
+
+
+def shaken():
+    """A double integrator with a mode of 8 Hz, sampled at 10 Hz, and its LQR."""
+    A = np.array([[0, 1.0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1.0], [0, 0, -2500.0, -0.5]])
+    model = LinearModel.from_matrices(A, [[0], [1.0], [0], [1.0]])
+    return model, LQR.design(model, np.diag([1, 0.1, 100.0, 0.1]), [[0.01]], dt=DT)
+
+
+def test_a_mode_above_the_nyquist_frequency_bears_less_than_the_sampled_response_says():
+    model, law = shaken()
+    whole = loop(model, law)
+    [c] = margins(whole).channels
+    assert 0.05 < c.delay < 0.0625
+    radius = lambda delay: np.abs(np.linalg.eigvals(whole.late.closed(0, delay))).max()  # noqa: E731
+    assert all(radius(delay) < 1 for delay in np.linspace(0, 0.999 * c.delay, 200))
+    assert radius(1.001 * c.delay) > 1
+    assert shortest(None, 0, DT, 0.207) == pytest.approx(0.2)  # two whole periods, of which the second is not borne
+
+
+def test_where_only_the_sampled_model_is_known_whole_periods_are_told():
+    law = LQR.design(shaken()[0], np.diag([1, 0.1, 100.0, 0.1]), [[0.01]], dt=DT)
+    sampled = loop(shaken()[0].discretize(DT), law)
+    assert sampled.late is None
+    [c] = margins(sampled).channels
+    assert c.delay / DT == pytest.approx(round(c.delay / DT), abs=1e-12)
+
+
+def test_a_long_margin_is_whole_periods_beyond_those_looked_at():
+    assert shortest(None, 0, 0.01, np.inf) == np.inf
+    assert shortest(None, 0, 0.01, 0.005) == 0.0
+    model = LinearModel.from_matrices([[-1.0]], [[1.0]])
+    late = LateLoop(model, loop(model, Feedback([[0.5]], ("x1",), dt=0.01)).late.law, "input")
+    assert shortest(late, 0, 0.01, 5.005) == pytest.approx(5.0)
