@@ -87,7 +87,8 @@ def tell_unstable(plant: Plant, x0: np.ndarray, u0: np.ndarray, p: Any) -> None:
     except np.linalg.LinAlgError:
         return
     k = int(np.argmax(roots.real))
-    size = np.linalg.norm(right[:, k]) * np.linalg.norm(left[k])
+    with np.errstate(over="ignore"):  # a vector beside a nearly equal one
+        size = np.linalg.norm(right[:, k]) * np.linalg.norm(left[k])
     error = len(A) * np.finfo(float).eps * np.linalg.norm(A) * size
     if roots[k].real > 10 * error:
         most = plant.states[int(np.argmax(np.abs(right[:, k])))]
