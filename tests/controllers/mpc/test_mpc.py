@@ -539,6 +539,10 @@ def test_bounds_and_limits_of_a_scene_are_on_both_sides():
 def test_a_sampled_model_has_its_own_period():
     sampled = LINK.discretize(DT)
     MPC.design(sampled, Q, R, dt=DT * (1 + 1e-12))
+    fast = LINK.discretize(1e-5)
+    MPC.design(fast, Q, R, dt=1e-5)
+    with pytest.raises(ValueError, match=r"MPC\.dt = 2e-05 must be 1e-05, the model's"):
+        MPC.design(fast, Q, R, dt=2e-5)
     for other in (DT * (1 + 1e-6), DT * (1 - 1e-6)):
         with pytest.raises(ValueError, match=r"MPC\.dt = .* must be .*, the model's"):
             MPC.design(sampled, Q, R, dt=other)

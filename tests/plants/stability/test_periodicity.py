@@ -43,3 +43,14 @@ def test_slow_coefficients_beside_fast_modes_are_seen_to_vary(model_of):
     slow = model_of(t, A[:, ::2, ::2])
     assert assess(slow).verdict == "unstable"
     assert not why_not(model_of(t, A), np.pi / 1e-3) and why_not(model_of(t, A), 2.0 / 1e-3)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e6, 1e-6])
+def test_a_given_period_is_compared_in_any_unit_of_time(model_of, unit):
+    """A(t) of period 1 and of 0.9, each given as 1: in seconds, megaseconds and microseconds."""
+    t = np.linspace(0.0, 4.0, 401)
+    for period in (1.0, 0.9):
+        swing = 1.0 + 0.5 * np.cos(2 * np.pi * t / period)
+        A = np.zeros((len(t), 2, 2))
+        A[:, 0, 1], A[:, 1, 0], A[:, 1, 1] = 1.0, -swing, -0.1
+        assert bool(why_not(model_of(t * unit, A / unit), 1.0 * unit)) == (period != 1.0)
