@@ -6,7 +6,8 @@ model lacks that mode; one that the design model has at another frequency can gr
 the two frequencies apart.
 
 How far the bandwidth must fall is found by closing the loop again: with the controller's output scaled down, or with a
-controller redesigned for dearer effort, until all plants are stable with a gain margin in reserve.
+controller redesigned for dearer effort, until all plants are stable with a gain margin in reserve. What holds may be
+a window of factors, as where an unstable plant needs a least gain: many are tried, and what is said is said of those.
 
 Source   Balas 1978, "Feedback control of flexible systems", on control and observation spillover
 """
@@ -28,7 +29,8 @@ from .loops import Array, Loop, closed_loops, law_of, loop, plant_of
 
 GAINS = 100  # steps in which the feedback is raised
 RESERVE = 1.25  # gain margin that a loop which holds must have
-STEP = 2.0  # between the factors tried
+TRIED = {"gain": 24, "effort": 4}  # factors in an octave: one costs a few eigenvalues, or a design
+WITHIN = 5  # gains between that of a factor and its reserve
 NEAR = 0.01  # of the factor: how near the limit it is found
 MOST = 1e9  # largest factor tried
 CROSSINGS = 2000  # frequencies at which the bandwidth is looked for
@@ -76,7 +78,7 @@ class Spillover:
     cases: tuple[Case, ...]
     bandwidth_hz: float  # of the loop on the design model: highest at which the largest singular value of L is 1
     by: str  # "gain" or "effort"
-    factor: float | None
+    factor: float | None  # the first of those tried
     allowed_hz: float | None  # bandwidth with that factor
     controller: Any = None  # what `redesign` gave for that factor
 
@@ -98,7 +100,8 @@ class Spillover:
             return f"holds on all {len(self.cases)} plants; slowest on {worst.plant}: {worst.mode}"
         words = f"unstable on {self.first.plant}: {self.first.mode}"
         if self.factor is None:
-            return f"{words}; no factor on the {self.by} up to {MOST:g} makes it hold"
+            tried = f"{TRIED[self.by]} factors on the {self.by} in each octave up to {MOST:g}"
+            return f"{words}; of {tried} none makes it hold"
         fall = f"bandwidth from {self.bandwidth_hz:.3g} Hz to {self.allowed_hz:.3g} Hz"
         return f"{words}; it holds with {self.by} times {self.factor:.3g}: {fall}"
 
@@ -137,9 +140,10 @@ def spillover(
             else:
                 law, gain = redesign(f), 1.0
                 loops = [closed_loops(model, law) for model in models]
-            return all(_rates(np.linalg.eigvals(at(gain * k)), dt).max() < 0 for at in loops for k in (1.0, reserve))
+            more = np.geomspace(1.0, reserve, WITHIN)
+            return all(_rates(np.linalg.eigvals(at(gain * k)), dt).max() < 0 for k in more for at in loops)
 
-        effort = _least(holds)
+        effort = _first(holds, TRIED[by])
         if effort is not None:
             factor, gain = (1 / effort, 1 / effort) if redesign is None else (effort, 1.0)
             changed = None if redesign is None else redesign(effort)
@@ -232,11 +236,12 @@ def _rates(values: Array, dt: float | None) -> Array:
     return np.log(np.maximum(np.abs(values), np.finfo(float).tiny)) / dt
 
 
-def _least(holds: Callable[[float], bool]) -> float | None:
-    """The smallest factor > 1 found that holds: doubled until one does, then halved in between."""
-    low, high = 1.0, STEP
+def _first(holds: Callable[[float], bool], octave: int) -> float | None:
+    """The first factor > 1 that holds, of `octave` in each octave, then nearer to the last before it that does not."""
+    step = 2.0 ** (1 / octave)
+    low, high = 1.0, step
     while not holds(high):
-        low, high = high, high * STEP
+        low, high = high, high * step
         if high > MOST:
             return None
     while high / low > 1 + NEAR:

@@ -8,7 +8,7 @@ import pytest
 from pliant.controllers import LQR, MPC, Feedback
 from pliant.controllers.analysis.linear_laws import linearised
 from pliant.controllers.analysis.loops import closed_loop, loop
-from pliant.controllers.analysis.spillover import case_of, crossover_hz, growth, origin, spillover
+from pliant.controllers.analysis.spillover import NEAR, RESERVE, case_of, crossover_hz, growth, origin, spillover
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import sensors_of
 from pliant.controllers.linear_quadratic.lqg import LQG
@@ -92,7 +92,7 @@ def test_sampling_makes_it_spill():
     assert spillover(slower, ladder, held).holds
     folded = spillover(dataclasses.replace(law, K=0.1 * law.K, dt=0.02), ladder, held)
     assert folded.first.dominant_state == "eta2" and 1 / 0.02 / 2 < folded.first.frequency_hz < 1 / 0.02
-    assert folded.factor is None and "no factor on the gain" in folded.verdict
+    assert folded.factor is None and "factors on the gain in each octave" in folded.verdict
 
 
 def test_modes_are_followed_from_the_open_loop():
@@ -130,7 +130,7 @@ def test_redesign_and_what_cannot_be_helped():
     assert report.allowed_hz < report.bandwidth_hz and "holds with effort times" in report.verdict
     grows = LinearModel.from_matrices([[0, 1], [0, 3.0]], [[0], [0.01]], np.eye(2), **SIGNALS)
     lost = spillover(FAR_SIDE, [RIGID, grows])
-    assert lost.factor is None and "no factor on the gain" in lost.verdict
+    assert lost.factor is None and "factors on the gain in each octave" in lost.verdict
 
 
 def test_laws_without_a_gain_are_linearised():
@@ -155,3 +155,36 @@ def test_bad_input():
         spillover(FAR_SIDE, [RIGID], reserve=0.5)
     with pytest.raises(PliantError, match="has no linear form"):
         spillover(lambda t, y: y, [RIGID])
+
+
+LAG = 0.4  # [s] each of two lags that the design model lacks
+MOST_GAIN = 1 + (2 - LAG) * (1 - 2 * LAG) / LAG
+
+
+def unstable_with_lags():
+    """x' = x + b, b two lags of u: (s - 1)(LAG s + 1)^2 + k = 0 is stable where MOST_GAIN > k > 1 (Routh)."""
+    design = LinearModel.from_matrices([[1.0]], [[1.0]], states=["a"])
+    fine = LinearModel.from_matrices(
+        [[1.0, 1, 0], [0, -1 / LAG, 1 / LAG], [0, 0, -1 / LAG]], [[0], [0], [1 / LAG]], states=["a", "b", "c"]
+    )
+    return design, fine
+
+
+@pytest.mark.parametrize("gain", [3.0, 7.0, 40.0])
+def test_a_window_of_gains_is_found(gain):
+    """The largest gain that holds with its reserve, though half of it may not."""
+    design, fine = unstable_with_lags()
+    found = spillover(Feedback(np.array([[gain]]), ("a",)), [design, fine])
+    assert not found.holds and found.factor is not None
+    assert gain * found.factor == pytest.approx(MOST_GAIN / RESERVE, rel=NEAR)
+    assert 1 < gain * found.factor <= MOST_GAIN / RESERVE
+
+
+def test_where_no_factor_holds_it_is_said_which_were_tried():
+    design, _ = unstable_with_lags()
+    slow = LinearModel.from_matrices(  # no gain holds 1 / (s - 1) behind lags of a second
+        [[1.0, 1, 0], [0, -1.0, 1.0], [0, 0, -1.0]], [[0], [0], [1.0]], states=["a", "b", "c"]
+    )
+    found = spillover(Feedback(np.array([[3.0]]), ("a",)), [design, slow])
+    assert found.factor is None
+    assert "of 24 factors on the gain in each octave up to 1e+09 none makes it hold" in found.verdict
