@@ -18,6 +18,7 @@ from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.signals import rows_by_name
 from pliant.plants.linear.lti import LinearModel
 
+from .conserved import conserved, moved
 from .late_loops import LateLoop
 from .linear_laws import Array, LinearLaw, closed_matrix, law_of, readings_under_way
 from .linear_laws import linearised as linearised  # under its old name too
@@ -32,6 +33,7 @@ class Loop(NamedTuple):
     D: Array
     dt: float | None
     channels: tuple[str, ...]
+    conserved: tuple[str, ...] = ()  # what no input of the plant changes: not among the states
     late: LateLoop | None = None  # the same with one channel late by any time, where a continuous model is sampled
 
     def closed(self) -> Array:
@@ -51,8 +53,10 @@ class Loop(NamedTuple):
 def plant_of(model: LinearModel, law: LinearLaw) -> tuple[Array, Array, Array, Array]:
     """(A, B, C, D) from the inputs to what the law reads, sampled where it is.
 
-    The input held before, where it is read, and readings under way join the states.
+    The input held before, where it is read, and readings under way join the states; what the model conserves is not
+    among them (see `conserved`).
     """
+    model = moved(model)
     if model.dt is not None and model.dt != law.dt:
         raise ValueError(f"model.dt = {model.dt} must be the controller's, {law.dt}, or None")
     if law.dt is not None and model.dt is None:
@@ -83,8 +87,17 @@ def loop(model: LinearModel, controller: Any, *, at: str = "input") -> Loop:
         first, second, channels = second, first, law.reads
     (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
     wide = np.block([[A1, np.zeros((len(A1), len(A2)))], [B2 @ C1, A2]])
-    late = None if law.dt is None or model.dt is not None else LateLoop(model, law, at)
-    return Loop(wide, np.vstack([B1, B2 @ D1]), np.hstack([D2 @ C1, C2]), D2 @ D1, law.dt, channels, late)
+    late = None if law.dt is None or model.dt is not None else LateLoop(moved(model), law, at)
+    return Loop(
+        wide,
+        np.vstack([B1, B2 @ D1]),
+        np.hstack([D2 @ C1, C2]),
+        D2 @ D1,
+        law.dt,
+        channels,
+        conserved(model).names,
+        late,
+    )
 
 
 def closed_loops(model: LinearModel, controller: Any) -> Callable[[float], Array]:

@@ -25,6 +25,7 @@ from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear import modal_analysis
 from pliant.plants.linear.lti import LinearModel
 
+from .conserved import conserved, moved
 from .loops import Array, Loop, closed_loops, law_of, loop, plant_of
 
 GAINS = 100  # steps in which the feedback is raised
@@ -81,6 +82,7 @@ class Spillover:
     factor: float | None  # the first of those tried
     allowed_hz: float | None  # bandwidth with that factor
     controller: Any = None  # what `redesign` gave for that factor
+    conserved: tuple[str, ...] = ()  # by the design plant: what no input changes is not in the loop
 
     @property
     def holds(self) -> bool:
@@ -95,6 +97,10 @@ class Spillover:
     @property
     def verdict(self) -> str:
         """In words."""
+        apart = f"; apart from what no input changes: {', '.join(self.conserved)}" if self.conserved else ""
+        return f"{self._found()}{apart}"
+
+    def _found(self) -> str:
         if self.first is None:
             worst = max(self.cases, key=lambda case: case.growth)
             return f"holds on all {len(self.cases)} plants; slowest on {worst.plant}: {worst.mode}"
@@ -149,7 +155,7 @@ def spillover(
             changed = None if redesign is None else redesign(effort)
             allowed = crossover_hz(loop(models[0], changed or controller), gain)
     bandwidth = crossover_hz(loop(models[0], controller))
-    return Spillover(cases, bandwidth, by, factor, allowed, changed)
+    return Spillover(cases, bandwidth, by, factor, allowed, changed, conserved(models[0]).names)
 
 
 def model_of(plant: Plant | LinearModel, at: Point) -> LinearModel:
@@ -188,7 +194,7 @@ def origin(model: LinearModel, controller: Any, value: complex) -> tuple[complex
     plant's rather than the controller's own.
     """
     law = law_of(controller)
-    plant = modal_analysis.rates(model.eigenvalues, model.dt)
+    plant = modal_analysis.rates(moved(model).eigenvalues, model.dt)
     more = len(plant_of(model, law)[0]) - len(plant)  # inputs held and readings under way: poles at zero
     begin = plant if law.dt is None else np.exp(plant * law.dt)
     now = np.concatenate([begin, np.zeros(more), law.poles])
