@@ -90,7 +90,7 @@ def learn(
             _start(model, env, lanes, fresh=not resume)
             done = model.num_timesteps
             left = max(0, steps - done) if steps is not None else 10**15
-            if run.share < 1:
+            if run.share < 1 or run.best is None:  # a first look at least, where setting up has taken all the time
                 model.learn(left, callback=run, reset_num_timesteps=False)
                 took = time.perf_counter() - run.learning_since
                 rate = (model.num_timesteps - run.first_steps) / took
