@@ -89,6 +89,6 @@ def _sparse(w: Array) -> Array:
 def _words(own: Array, row: Array, names: tuple[str, ...]) -> str:
     """A sum of the states that take part, by their scaled share, in their own units."""
     most = int(np.argmax(np.abs(own)))
-    part = np.flatnonzero(np.abs(own) > 1e-9 * abs(own[most]))
-    terms = [f"{own[i] * row[i] / (own[most] * row[most]):+.3g} {names[i]}" for i in part]
-    return " ".join(terms).removeprefix("+").removeprefix("1 ")
+    part = [most, *(i for i in np.flatnonzero(np.abs(own) > 1e-9 * abs(own[most])) if i != most)]
+    others = [f"{own[i] * row[i] / (own[most] * row[most]):+.3g} {names[i]}" for i in part[1:]]
+    return " ".join([names[most], *others])

@@ -18,9 +18,11 @@ from pliant.plants.linear.lti import LinearModel
 
 from .linear_laws import Array, LinearLaw, closed_matrix, readings_under_way
 
-MOST_PERIODS = 64  # of delay that are looked at between the samples
+MOST_PERIODS = 64  # of delay, for which poles are computed; all that are looked at where the response tells no end
 ACROSS = 0.15  # turn of the fastest mode between two delays that are looked at [rad], and
-PARTS = 32  # at least so many in a period
+PARTS = 8  # at least so many in a period
+EVEN = 4000  # frequencies up to Nyquist's, beside those that crowd at the poles
+TOGETHER = 1000  # frequencies that are worked on at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,83 +33,161 @@ class LateLoop:
     law: LinearLaw
     at: str
 
+    @property
+    def dt(self) -> float:
+        assert self.law.dt is not None
+        return self.law.dt
+
     def closed(self, channel: int, delay: float) -> Array:
         """A of the closed loop with this channel late by `delay` [s]."""
-        dt = float(self.law.dt or 0.0)
-        periods = int(np.floor(delay / dt * (1 + 1e-12)))
-        rest = min(max(delay - periods * dt, 0.0), dt)
+        periods = int(np.floor(delay / self.dt * (1 + 1e-12)))
+        rest = min(max(delay - periods * self.dt, 0.0), self.dt)
         make = self._late_input if self.at == "input" else self._late_reading
-        A, B, C = make(channel, periods, rest)
+        return self._closed(*make(channel, periods, rest))
+
+    def response(self, channel: int, rests: Array, z: Array) -> Array:
+        """T (len(rests), len(z)) of the loop cut at this channel: late by m periods and a rest, its poles are where
+        z^-m T = 1.
+
+        A rest changes the way of the late signal alone: of an input into the plant, of a reading out of it.
+        """
+        n, at = len(self.model.A), len(self.model.A) + self.model.B.shape[1]  # of the late signal among the states
+        if self.at == "input":
+            A, B, C = self._late_input(channel, 0, 0.0)
+            A[:n, -1] = B[:n, channel] = 0.0
+            whole = self._closed(A, B, C)
+            inner, into, out = _cut(whole, at)
+            seen = _solved(inner.T, out, z)  # out (z - A)^-1
+            ways = [self._transitions(rest)[1::2] for rest in rests]
+            old, new = (np.array([(G - late, late)[k][:, channel] for G, late in ways]) for k in range(2))
+            return np.asarray((new + old / z[:, None, None]) @ seen[:, :n, None])[..., 0].T + (
+                (seen @ into + whole[at, at]) / z
+            )
+        found, moved = [], None
+        for rest in rests:
+            whole = self._closed(*self._late_reading(channel, 0, rest))
+            inner, into, out = _cut(whole, at)
+            moved = _solved(inner, into, z) if moved is None else moved  # (z - A)^-1 into
+            found.append((moved @ out + whole[at, at]) / z)
+        return np.array(found)
+
+    def _closed(self, A: Array, B: Array, C: Array) -> Array:
         A, B, C = readings_under_way(A, B, C, self.law.delay)
         return closed_matrix((A, B, C, np.zeros((len(C), B.shape[1]))), self.law)
 
-    def _parts(self, rest: float) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """Transitions over a period and over its end, dt - rest, and the readings' C and D."""
-        dt, n = float(self.law.dt or 0.0), len(self.model.A)
+    def _transitions(self, rest: float) -> tuple[Array, Array, Array, Array]:
+        """F, G of x+ = F x + G u over a period, and over its end, dt - rest."""
+        n = len(self.model.A)
         block = np.zeros((n + self.model.B.shape[1],) * 2)
         block[:n] = np.hstack([self.model.A, self.model.B])
-        whole, end = (linalg.expm(h * block)[:n] for h in (dt, dt - rest))
-        _, C, D, _ = rows_by_name(self.model, self.law.reads)
-        return whole[:, :n], whole[:, n:], end[:, :n], end[:, n:], C, D
+        whole, end = (linalg.expm(h * block)[:n] for h in (self.dt, self.dt - rest))
+        return whole[:, :n], whole[:, n:], end[:, :n], end[:, n:]
 
-    def _late_input(self, i: int, periods: int, rest: float) -> tuple[Array, Array, Array]:
-        """States: the plant's, the inputs held before, then input i of 1 to periods + 1 samples ago."""
-        F, G, _, new, C, D = self._parts(rest)
+    def _with_past(self, i: int, periods: int, F: Array, G: Array) -> tuple[Array, Array, Array]:
+        """The plant, the inputs held before, and a chain of periods + 1 earlier values; what is read without those."""
         n, nu = G.shape
         past = n + nu
         A, B = np.zeros((past + periods + 1,) * 2), np.zeros((past + periods + 1, nu))
         A[:n, :n], B[:n], B[n:past] = F, G, np.eye(nu)
-        B[:n, i] = 0.0
         A[past + 1 :, past:-1] = np.eye(periods)
-        B[past, i] = 1.0
+        _, C, D, _ = rows_by_name(self.model, self.law.reads)
+        return A, B, np.hstack([C, D, np.zeros((len(C), periods + 1))])
+
+    def _late_input(self, i: int, periods: int, rest: float) -> tuple[Array, Array, Array]:
+        """The chain holds input i of 1 to periods + 1 samples ago."""
+        F, G, _, new = self._transitions(rest)
+        n, nu = G.shape
+        A, B, seen = self._with_past(i, periods, F, G)
+        B[:n, i], B[n + nu, i] = 0.0, 1.0
         if periods:
             A[:n, -2] = new[:, i]
         else:
             B[:n, i] = new[:, i]
         A[:n, -1] += G[:, i] - new[:, i]
-        seen = np.hstack([C, D, np.zeros((len(C), periods + 1))])
-        seen[:, n + i] = 0.0
-        seen[:, -1] = D[:, i]
+        seen[:, -1], seen[:, n + i] = seen[:, n + i], 0.0
         return A, B, seen
 
     def _late_reading(self, i: int, periods: int, rest: float) -> tuple[Array, Array, Array]:
-        """States: the plant's, the inputs held before, then reading i under way, the latest first."""
-        F, G, end, new, C, D = self._parts(rest)
+        """The chain holds reading i under way, the latest first."""
+        F, G, end, new = self._transitions(rest)
         n, nu = G.shape
-        past = n + nu
-        A, B = np.zeros((past + periods + 1,) * 2), np.zeros((past + periods + 1, nu))
-        A[:n, :n], B[:n], B[n:past] = F, G, np.eye(nu)
-        A[past, :n], B[past] = C[i] @ end, C[i] @ new + D[i]
-        A[past + 1 :, past:-1] = np.eye(periods)
-        seen = np.hstack([C, D, np.zeros((len(C), periods + 1))])
+        A, B, seen = self._with_past(i, periods, F, G)
+        C, D = seen[i, :n], seen[i, n : n + nu].copy()
+        A[n + nu, :n], B[n + nu] = C @ end, C @ new + D
         seen[i] = 0.0
         seen[i, -1] = 1.0
         return A, B, seen
 
 
-def shortest(late: LateLoop | None, channel: int, dt: float, lag: float) -> float:
+def _cut(whole: Array, at: int) -> tuple[Array, Array, Array]:
+    """A system without its state number `at`, how that state drives it, and how it drives that state."""
+    rest = np.delete(np.arange(len(whole)), at)
+    return whole[np.ix_(rest, rest)], whole[rest, at], whole[at, rest]
+
+
+def _solved(A: Array, b: Array, z: Array) -> Array:
+    """(z - A)^-1 b (len(z), n)."""
+    parts = [
+        np.linalg.solve(some[:, None, None] * np.eye(len(A)) - A, np.broadcast_to(b[:, None], (len(some), len(b), 1)))
+        for some in np.array_split(z, len(z) // TOGETHER + 1)
+    ]
+    return np.concatenate(parts)[..., 0]
+
+
+def shortest(late: LateLoop | None, channel: int, dt: float, lag: float, grid: Array) -> float:
     """The delay [s] below which a sampled loop stays stable, from the `lag` [s] of its sampled response.
 
-    Exact where the model is continuous and the delay within MOST_PERIODS: delays are looked at ACROSS of its fastest
-    mode apart, and the first limit is closed in on. Else a whole number of periods, all of which are borne.
+    Where the model is continuous, by how many poles are outside the unit circle, see `_outside`. Delays are looked at
+    ACROSS of the model's fastest mode apart, and the first that is not borne is closed in on by its poles; past
+    MOST_PERIODS the last before it is told. Where only a sampled model is known, a whole number of periods, all of
+    which are borne.
     """
     whole = np.inf if np.isinf(lag) else max(int(np.ceil(lag / dt * (1 - 1e-9))) - 1, 0) * dt
     if late is None:
         return float(whole)
     fastest = np.abs(np.linalg.eigvals(late.model.A)).max(initial=0.0)
     parts = int(np.ceil(max(PARTS, fastest * dt / ACROSS)))
+    omega = np.unique(np.concatenate([grid * dt, np.pi * np.linspace(1 / EVEN, 1.0, EVEN)]))
+    omega = omega[omega <= np.pi]
+    T = late.response(channel, np.arange(parts) * dt / parts, np.exp(1j * omega))
+    if (np.abs(T) < 1).all():
+        return np.inf  # no pole reaches the circle, whatever the delay
 
-    def radius(delay: float) -> float:
-        return float(np.abs(np.linalg.eigvals(late.closed(channel, delay))).max())
+    def leaves(delay: float) -> bool:
+        return bool(np.abs(np.linalg.eigvals(late.closed(channel, delay))).max() >= 1.0)
 
-    periods = min(MOST_PERIODS, MOST_PERIODS if np.isinf(whole) else round(whole / dt) + 1)
-    before = 0.0
-    for k in range(1, periods * parts + 1):
-        at = k * dt / parts
-        if radius(at) >= 1.0:
-            while at - before > 1e-9 * at:
-                middle = (before + at) / 2
-                before, at = (before, middle) if radius(middle) >= 1.0 else (middle, at)
-            return before
-        before = at
-    return float(max(whole, before))
+    step, most = dt / parts, MOST_PERIODS if np.isinf(whole) else round(whole / dt) + 1
+    for k in np.flatnonzero(_outside(T, omega, most + 1).T.ravel() > 0):  # in order of the delay
+        before, at = max(k - 1, 0) * step, k * step
+        if at > MOST_PERIODS * dt:
+            return float(before)
+        if not leaves(at):
+            continue
+        while before > 0 and leaves(before):
+            before, at = max(before - step, 0.0), before
+        while at - before > 1e-9 * at:
+            middle = (before + at) / 2
+            before, at = (before, middle) if leaves(middle) else (middle, at)
+        return float(before)
+    return float(whole)
+
+
+def _outside(T: Array, omega: Array, periods: int) -> Array:
+    """How many poles of 1 = z^-m T are outside the unit circle, (len(T), periods) for m = 0, 1, ..; none of T[0] at 0.
+
+    At m = 0 by the turns of 1 - T around zero along the half circle z = exp(j omega). A response that falls through 1
+    with the phase phi at omega_c sends a pair out for every m that passes (phi + 2 pi k) / omega_c, one that rises
+    brings it back; so Cooke and van den Driessche 1986, "On zeroes of some transcendental equations", of real delays.
+    """
+    f = 1 - T
+    turns = np.angle(f[:, 1:] / f[:, :-1]).sum(axis=1)
+    m = np.arange(periods)
+    found = -np.round((turns - turns[0]) / np.pi)[:, None] + m * (np.abs(T[:, -1:]) > 1)
+    size, turn = np.log(np.abs(T)), np.angle(T[:, 1:] / T[:, :-1])
+    for row, k in zip(*np.nonzero(np.diff(size > 0, axis=1))):
+        share = size[row, k] / (size[row, k] - size[row, k + 1])
+        at = omega[k] + share * (omega[k + 1] - omega[k])
+        phase = (np.angle(T[row, k]) + share * turn[row, k]) % (2 * np.pi)
+        pairs = np.floor((m * at - phase) / (2 * np.pi)) + 1
+        found[row] += 2 * pairs * (1 if size[row, k] > 0 else -1)
+    return np.asarray(found)

@@ -111,7 +111,7 @@ def margins(loop: Loop) -> Margins:
         disk = 1 / peak(closed, alone.B, alone.C, half[i : i + 1, i : i + 1], loop.dt).value
         found = _channel(alone, disk, grid)
         if loop.dt is not None:
-            found = replace(found, delay=shortest(loop.late, i, loop.dt, found.delay))
+            found = replace(found, delay=shortest(loop.late, i, loop.dt, found.delay, grid))
         each.append(found)
     whole = 1 / scaled_peak(Loop(closed, B, C, half, loop.dt, loop.channels), grid) if n > 1 else each[0].disk
     T = peak(closed, B, -C, np.eye(n) - direct, loop.dt)

@@ -11,7 +11,7 @@ outside of it.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import casadi as ca
@@ -51,10 +51,24 @@ def check_substep(scene: Scene, randomise: bool) -> None:
     """Raise StabilityLimitError where RK4's substep is too long at the goal, with `randomise` also for the corners of
     the parameters' ranges.
     """
+    (_check_substep_of_corners if randomise else _check_substep_of_goal)(scene)
+
+
+@once_per_scene
+def _check_substep_of_goal(scene: Scene) -> None:
+    _check_substep(scene, [(1.0,) * len(scene.randomise)])
+
+
+@once_per_scene
+def _check_substep_of_corners(scene: Scene) -> None:
+    corners = itertools.product(*((low, high) for _, low, high in scene.randomise))
+    _check_substep(scene, itertools.islice(corners, MOST_CORNERS))
+
+
+def _check_substep(scene: Scene, factors: Iterable[tuple[float, ...]]) -> None:
     x, u = scene.target
-    factors = [(low, high) if randomise else (1.0,) for _, low, high in scene.randomise]
-    for corner in itertools.islice(itertools.product(*factors), MOST_CORNERS):
-        p = scene.varied_plant.nominal_parameters * np.array(corner)
+    for own in factors:
+        p = scene.varied_plant.nominal_parameters * np.array(own)
         check_step(scene.varied_plant, x, "rk4", scene.dt / scene.substeps, u=u, p=p)
 
 

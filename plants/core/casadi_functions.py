@@ -17,6 +17,7 @@ LONG = 20_000  # operations past which common subexpressions stay; no compiler i
 FEW = 3000  # calls that lose what looking for common subexpressions takes: 12 us an operation, 4 ns of it lost a call
 KEPT = 32  # plants whose properties are kept
 T = TypeVar("T")
+_building = threading.RLock()  # expressions of equal plants are shared between threads, and must be built by one
 
 
 class NumericFunction:
@@ -38,10 +39,11 @@ class NumericFunction:
     @property
     def function(self) -> ca.Function:
         """The function itself, without common subexpressions."""
-        if self.raw:
-            symbols = self._function.sx_in()
-            self._function = ca.Function(self._function.name(), symbols, ca.cse(self._function.call(symbols)))
-            self.raw = False
+        with _building:
+            if self.raw:
+                symbols = self._function.sx_in()
+                self._function = ca.Function(self._function.name(), symbols, ca.cse(self._function.call(symbols)))
+                self.raw = False
         return self._function
 
     def _buffer(self, batch: int) -> tuple:
@@ -107,12 +109,13 @@ class built_once(cached_property[T]):
         if instance is None or instance.nominal is not instance:
             return super().__get__(instance, owner)
         name = str(self.attrname)
-        shared = instance.__dict__.get("_shared")
-        if shared is None:  # for good: all that an instance takes must be in the same symbols
-            shared = instance.__dict__["_shared"] = self._of_equals(instance)
-        if name not in shared:
-            shared[name] = super().__get__(instance, owner)
-        instance.__dict__[name] = shared[name]
+        with _building:
+            shared = instance.__dict__.get("_shared")
+            if shared is None:  # for good: all that an instance takes must be in the same symbols
+                shared = instance.__dict__["_shared"] = self._of_equals(instance)
+            if name not in shared:
+                shared[name] = super().__get__(instance, owner)
+            instance.__dict__[name] = shared[name]
         return shared[name]
 
     @classmethod
@@ -122,6 +125,6 @@ class built_once(cached_property[T]):
             cls._kept.move_to_end(instance)
             if len(cls._kept) > KEPT:
                 cls._kept.popitem(last=False)
-        except (TypeError, KeyError):  # a plant with a field that has no hash, or two threads at once
+        except TypeError:  # a plant with a field that has no hash
             return {}
         return found

@@ -88,6 +88,15 @@ def require_seconds(name: str, value: Any, least: float = 0.0, most: float = mat
     return float(value)
 
 
+def require_parts(name: str, part: float, whole: float, most: int, what: str) -> None:
+    """ValueError where parts [s] of a time [s] are more than `most`; `what` they are, in words."""
+    count = whole / part if whole < part * sys.float_info.max else math.inf
+    if count > most:
+        raise ValueError(
+            f"{name} = {part:.6g} s makes {count:.3g} {what} of the {whole:.6g} s of t, at most {most:,} are taken"
+        )
+
+
 def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
     """`value` as a float array; ValueError unless it has `shape` and is finite (a single -1 means any length)."""
     array = np.asarray(value, dtype=float)

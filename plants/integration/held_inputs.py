@@ -7,7 +7,7 @@ from typing import Any, Protocol, cast
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_finite, require_seconds
+from pliant.plants.core.parameters import require_finite, require_parts, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import index
 
@@ -29,13 +29,7 @@ def sampling_grid(t: np.ndarray, u: Input) -> tuple[np.ndarray, np.ndarray]:
     if period is None:
         return t, np.arange(len(t))
     period = require_seconds("controller dt", period)
-    with np.errstate(over="ignore"):
-        count = float((t[-1] - t[0]) / np.float64(period))
-    if count > MOST_SAMPLES:
-        raise ValueError(
-            f"controller dt = {period:.6g} s makes {count:.3g} samples of the {t[-1] - t[0]:.6g} s of t, at most "
-            f"{MOST_SAMPLES:,} are taken"
-        )
+    require_parts("controller dt", period, float(t[-1] - t[0]), MOST_SAMPLES, "samples")
     ticks = t[0] + period * np.arange(1, int(np.ceil((t[-1] - t[0]) / period)))
     after = np.searchsorted(t, ticks)
     gap = np.minimum(np.abs(t[after] - ticks), np.abs(t[after - 1] - ticks))

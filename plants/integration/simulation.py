@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.errors import IntegrationError, StabilityLimitError
-from pliant.plants.core.parameters import require_choice, require_seconds
+from pliant.plants.core.parameters import require_choice, require_parts, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import read_only_times
 from pliant.plants.core.trajectory import Trajectory
@@ -44,13 +44,7 @@ def simulate(
         raise ValueError(f"step = {step!r} must be a number of seconds for {', '.join(METHODS)}, and None otherwise")
     if step is not None:
         step = require_seconds("step", step)
-        with np.errstate(over="ignore"):
-            count = float((t[-1] - t[0]) / np.float64(step))
-        if count > MOST_STEPS:
-            raise ValueError(
-                f"step = {step:.6g} s makes {count:.3g} steps of the {t[-1] - t[0]:.6g} s of t, at most {MOST_STEPS:,} "
-                "are taken; take a longer step, or go on from the last state"
-            )
+        require_parts("step", step, float(t[-1] - t[0]), MOST_STEPS, "steps")
     for name, value in (("rtol", rtol), ("atol", atol)):
         if not 0 < value < 1:
             raise ValueError(f"{name} = {value!r} must be > 0 and < 1")

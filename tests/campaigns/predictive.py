@@ -8,13 +8,9 @@ bounds   exceeded only where no plan over the horizon keeps them all (a linear p
 A seed that finds a wrong claim is printed; the script then exits with status 1.
 """
 
-import argparse
-import json
-import sys
-import time
 from collections import Counter
-from pathlib import Path
 
+import by_seed
 import numpy as np
 from scipy.optimize import linprog, lsq_linear
 
@@ -150,29 +146,5 @@ def summary(rows: list) -> str:
     )
 
 
-def main() -> None:
-    ask = argparse.ArgumentParser(description=__doc__)
-    ask.add_argument("--count", type=int, default=2000)
-    ask.add_argument("--first", type=int, default=0)
-    ask.add_argument("--out", type=Path, default=Path("build/predictive.jsonl"))
-    given = ask.parse_args()
-    given.out.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
-    done = {r["seed"] for r in rows}
-    seeds = [k for k in range(given.first, given.first + given.count) if k not in done]
-    began = time.perf_counter()
-    with given.out.open("a") as file:
-        for k, seed in enumerate(seeds, start=1):
-            rows.append(run(seed))
-            file.write(json.dumps(rows[-1]) + "\n")
-            if k % 50 == 0 or k == len(seeds):
-                file.flush()
-                left = (time.perf_counter() - began) / k * (len(seeds) - k)
-                print(f"\r{k} of {len(seeds)}, {left:.0f} s left ", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-    print(summary(rows))
-    sys.exit(any(r["wrong"] for r in rows))
-
-
 if __name__ == "__main__":
-    main()
+    by_seed.main(__doc__, 2000, run, summary, lambda row: bool(row["wrong"]))

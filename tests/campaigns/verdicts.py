@@ -1,6 +1,6 @@
 """Verdicts on systems whose answer is known: a seeded campaign.
 
-    python tests/campaigns/verdicts.py --count 4000 --out build/verdicts.jsonl      # goes on where it was stopped
+    python tests/campaigns/verdicts.py
 
 Truth comes from outside the code under test: eigenvalues that the model was made with, products of matrix exponentials
 (SciPy) for waves that are constant between jumps, Dormand and Prince's method of order 8 at 1e-12, started anew at each
@@ -12,17 +12,14 @@ What leaves no trace at any node is not asked: each stretch of a wave between tw
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
+import by_seed
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
@@ -392,29 +389,5 @@ def summary(rows: list[dict[str, Any]]) -> str:
     return text
 
 
-def main() -> None:
-    ask = argparse.ArgumentParser(description=__doc__)
-    ask.add_argument("--count", type=int, default=4000)
-    ask.add_argument("--first", type=int, default=0)
-    ask.add_argument("--out", type=Path, default=Path("build/verdicts.jsonl"))
-    given = ask.parse_args()
-    given.out.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
-    done = {r["seed"] for r in rows}
-    seeds = [k for k in range(given.first, given.first + given.count) if k not in done]
-    began = time.perf_counter()
-    with given.out.open("a") as file:
-        for k, seed in enumerate(seeds, start=1):
-            rows.append(run(seed))
-            file.write(json.dumps(rows[-1]) + "\n")
-            if k % 50 == 0 or k == len(seeds):
-                file.flush()
-                left = (time.perf_counter() - began) / k * (len(seeds) - k)
-                print(f"\r{k} of {len(seeds)}, {left:.0f} s left ", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-    print(summary(rows))
-    sys.exit(any(r["wrong"] or r["short"] > 0 for r in rows))
-
-
 if __name__ == "__main__":
-    main()
+    by_seed.main(__doc__, 4000, run, summary, lambda row: row["wrong"] or row["short"] > 0)

@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg
 
 from pliant.controllers import LQR, Feedback
-from pliant.controllers.analysis.late_loops import LateLoop, shortest
+from pliant.controllers.analysis.late_loops import shortest
 from pliant.controllers.analysis.loops import loop
 from pliant.controllers.analysis.margins import margins
 from pliant.plants.linear.lti import LinearModel
@@ -107,7 +107,7 @@ def test_a_mode_above_the_nyquist_frequency_bears_less_than_the_sampled_response
     radius = lambda delay: np.abs(np.linalg.eigvals(whole.late.closed(0, delay))).max()  # noqa: E731
     assert all(radius(delay) < 1 for delay in np.linspace(0, 0.999 * c.delay, 200))
     assert radius(1.001 * c.delay) > 1
-    assert shortest(None, 0, DT, 0.207) == pytest.approx(0.2)  # two whole periods, of which the second is not borne
+    assert shortest(None, 0, DT, 0.207, np.ones(1)) == pytest.approx(0.2)  # periods
 
 
 def test_where_only_the_sampled_model_is_known_whole_periods_are_told():
@@ -118,9 +118,32 @@ def test_where_only_the_sampled_model_is_known_whole_periods_are_told():
     assert c.delay / DT == pytest.approx(round(c.delay / DT), abs=1e-12)
 
 
-def test_a_long_margin_is_whole_periods_beyond_those_looked_at():
-    assert shortest(None, 0, 0.01, np.inf) == np.inf
-    assert shortest(None, 0, 0.01, 0.005) == 0.0
+def test_a_loop_whose_response_stays_below_one_bears_every_delay():
     model = LinearModel.from_matrices([[-1.0]], [[1.0]])
-    late = LateLoop(model, loop(model, Feedback([[0.5]], ("x1",), dt=0.01)).late.law, "input")
-    assert shortest(late, 0, 0.01, 5.005) == pytest.approx(5.0)
+    [c] = margins(loop(model, Feedback([[0.5]], ("x1",), dt=0.01))).channels
+    assert c.delay == np.inf
+
+
+def test_many_short_periods_of_delay():
+    """x' = u, u = -x late by tau: pi / 2 seconds less half a period, to second order in the period; of more than 64
+    periods an eighth of one is left open, on the safe side.
+    """
+    model = LinearModel.from_matrices([[0.0]], [[1.0]])
+    for dt, left in ((0.05, 0.0), (0.01, 1 / 8), (0.001, 1 / 8)):
+        [c] = margins(loop(model, Feedback([[1.0]], ("x1",), dt=dt))).channels
+        exact = np.pi / 2 - dt / 2
+        assert exact - left * dt - dt**2 < c.delay < exact + dt**2
+
+
+@pytest.mark.parametrize("at", ["input", "output"])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_response_of_the_cut_loop_is_one_at_its_poles(seed, at):
+    """At the poles z of the closed matrix, computed apart: 1 = z^-m T(z)."""
+    model, K, _ = case(seed)
+    late = loop(model, Feedback(K, ("a", "b"), dt=DT), at=at).late
+    for channel in range(2):
+        for periods, rest in ((0, 0.0), (0, 0.03), (2, 0.07)):
+            poles = np.linalg.eigvals(late.closed(channel, periods * DT + rest)).astype(complex)
+            poles = poles[np.abs(poles) > 0.05]
+            found = poles**-periods * late.response(channel, np.array([rest]), poles)[0]
+            np.testing.assert_allclose(found, 1.0, atol=1e-6)

@@ -3,8 +3,10 @@
 What is built for one plant serves all equal ones, in the same symbols.
 """
 
+import contextlib
 import dataclasses
 import pickle
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -120,6 +122,24 @@ def test_all_that_an_instance_takes_is_in_the_same_symbols(monkeypatch):
     assert late.symbols is not symbols and late.expression is not None
     assert float(ca.Function("f", [symbols], [early.expression])(4.0)) == pytest.approx(8.0)
     assert len(built_once._kept) == 1
+
+
+def test_equal_plants_in_two_threads_are_built_once():
+    """Each waits for the other, so that both would build if nothing kept them from it."""
+    together = threading.Barrier(2, timeout=0.5)
+
+    @dataclass(frozen=True)
+    class Slow(Counted):
+        @built_once
+        def symbols(self):
+            with contextlib.suppress(threading.BrokenBarrierError):
+                together.wait()
+            return ca.SX.sym("x")
+
+    plants = [Slow(2.0), Slow(2.0)]
+    with ThreadPoolExecutor(2) as pool:
+        first, second = pool.map(lambda plant: plant.symbols, plants)
+    assert first is second and together.broken
 
 
 def test_what_has_no_hash_builds_its_own():
