@@ -61,6 +61,7 @@ $(VENV)/docs: $(VENV)/ready
 	@touch $@
 
 docs: $(VENV)/docs
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m docs tests/test_examples.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet --site-dir build/site
 	@echo "build/site/index.html" >&2
 

@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -217,3 +218,15 @@ def installed(wheel_file, tmp_path_factory):
     with zipfile.ZipFile(wheel_file) as archive:  # a wheel of Python files alone: unpacked is installed
         archive.extractall(folder)
     return folder
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """`every(n)`: the first of each n variants of a test runs in `make test`, all of them in `make campaign`."""
+    seen = Counter()
+    for item in items:
+        if mark := item.get_closest_marker("every"):
+            test = item.nodeid.partition("[")[0]
+            if seen[test] % mark.args[0]:
+                item.add_marker(pytest.mark.campaign)
+            seen[test] += 1

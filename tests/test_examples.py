@@ -108,8 +108,10 @@ assert abs(bend).max() < 0.006 + 1e-6
 
 @pytest.mark.parametrize(
     ("page", "least", "checks"),
-    [("README.md", 4, README_CHECKS), ("docs/methods.md", 12, METHODS_CHECKS)],
-    ids=["README", "methods"],
+    [
+        pytest.param("README.md", 4, README_CHECKS, id="README"),
+        pytest.param("docs/methods.md", 12, METHODS_CHECKS, id="methods", marks=pytest.mark.docs),
+    ],
 )
 def test_blocks_run_in_order(page, least, checks, alone, tmp_path_factory) -> None:
     found = blocks(ROOT / page)

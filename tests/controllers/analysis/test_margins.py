@@ -123,7 +123,7 @@ def test_python_control_agrees(name):
     assert c.phase_deg == pytest.approx(np.abs(pm).min(), rel=1e-6)
     assert c.crossover_hz == pytest.approx(wp.max() / (2 * np.pi), rel=1e-6)
     if not system.dt:
-        disk, _, phase = control.disk_margins(system, np.geomspace(1e-2, 1e3, 40000))
+        disk, _, phase = control.disk_margins(system, np.geomspace(1e-2, 1e3, 40_000 if name == "resonant" else 4000))
         assert c.disk == pytest.approx(disk, rel=1e-4) and disk_phase_deg(c.disk) == pytest.approx(phase, rel=1e-4)
 
 

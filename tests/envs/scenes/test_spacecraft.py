@@ -57,6 +57,7 @@ def test_spin_by_eulers_equations(axis):
         assert 1e-9 < own[np.argmin(np.abs(own - wanted))].real < 1e-6
 
 
+@pytest.mark.campaign
 def test_spin_about_the_intermediate_axis_tumbles_and_lqr_holds_it():
     from pliant.studies.closed_loop.closed_loop import closed_loop
 

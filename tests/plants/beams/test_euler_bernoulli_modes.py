@@ -170,6 +170,7 @@ def textbook_shape(k, xi, derivative):
     return float(value * b**derivative), float(b**derivative)
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("k", [1, 2, 14, 60, 200])
 @pytest.mark.parametrize("derivative", range(5))
 def test_shapes_against_the_textbook_form_at_320_digits(k, derivative):

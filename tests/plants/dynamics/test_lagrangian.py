@@ -94,6 +94,7 @@ def test_driving_hinges_takes_the_power_of_torques(random_state):
         assert abs(put_in) > 1e-3
 
 
+@pytest.mark.every(4)
 def test_work_done_equals_energy_gained(undamped):
     """Over two seconds, a swing; over twenty in tests/campaigns/long_motions.py."""
     seconds = int(os.environ.get("PLIANT_TEST_SECONDS", "2"))
@@ -232,6 +233,7 @@ def test_mirror_image_moves_in_mirror_image(arm, random_state):
         np.testing.assert_allclose(straight.measure(-x), mirrored * straight.measure(x), atol=1e-14)
 
 
+@pytest.mark.every(3)
 def test_stiff_plant_tends_to_the_rigid_one(arm):
     """At rest with its deflections settled, joint accelerations and tip differ from the rigid arm's as 1/EI."""
     plant = arm
@@ -292,6 +294,7 @@ LTV_ARMS = {
 SIZES = np.array([1 / 32, 1 / 64, 1 / 128])
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("name", list(LTV_ARMS))
 def test_nonlinear_minus_ltv_error_falls_quadratically(name):
     arm, times = LTV_ARMS[name], np.linspace(0, 1, 1001)
@@ -329,6 +332,7 @@ def at_its_own_accelerations(arm, ltv):
     return dataclasses.replace(ltv, A=A, B=B, E=E)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("name", list(RIGID_NOMINALS))
 def test_nominal_of_the_rigid_arm_is_corrected_by_its_residual(name):
     """The nominal goes from the elastic arm's own motion (size 0) to the rigid arm's (size 1).

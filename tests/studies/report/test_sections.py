@@ -43,7 +43,7 @@ def drawn_once():
 
 @pytest.fixture(
     scope="module",
-    params=[*(pytest.param(name, marks=pytest.mark.campaign) for name in ("cantilever-drop", "spin-up")), *NO_LAW],
+    params=[*(pytest.param(name, marks=pytest.mark.campaign) for name in ("cantilever-drop", "spin-up", *NO_LAW))],
 )
 def made(request, drawn_once, tmp_path_factory):
     """A scene, the folder of its report and the page's text."""

@@ -81,6 +81,7 @@ def test_following_keeps_up_with_the_goal():
         assert np.abs(motion[f"attitude_{c}"][-100:]).max() < 0.01
 
 
+@pytest.mark.campaign
 def test_slew_from_any_attitude_is_brought_to_the_goal():
     """40 degrees about an axis out of all planes, with 12 more degrees of freedom in the plant than are read."""
     scene = scenes.get("spacecraft-slew")

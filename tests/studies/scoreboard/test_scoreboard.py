@@ -19,7 +19,7 @@ TIMES = ("act_median", "act_p99")
 
 @pytest.fixture(scope="module")
 def board():
-    return scoreboard(["single-link-slew", "cantilever-drop"], NAMES, seeds=2, bounds=1, jobs=1)
+    return scoreboard(["single-link-slew", "spin-up"], NAMES, seeds=2, bounds=1, jobs=1)
 
 
 def untimed(board):
@@ -35,16 +35,16 @@ def test_rows_do_not_depend_on_the_number_of_processes(board):
 
 def test_every_scene_case_and_controller_has_a_row(board):
     cases = ("exact", "finer", "varied", "delayed")
-    wanted = {(s, c, n) for s in ("single-link-slew", "cantilever-drop") for c in cases for n in NAMES}
+    wanted = {(s, c, n) for s in ("single-link-slew", "spin-up") for c in cases for n in NAMES}
     assert {(r.scene, r.case, r.controller) for r in board.rows} == wanted
     for row in board.rows:
         assert row.runs in ((0,) if row.reason.startswith("ValueError") else (1,) if row.case in cases[:2] else (2,))
 
 
 def test_a_controller_that_cannot_be_had_says_why(board):
-    row = board.row("cantilever-drop", "exact", "trained policy")
+    row = board.row("spin-up", "exact", "trained policy")
     assert row.cost is None and row.runs == 0
-    assert row.reason.startswith("ValueError: Policy.scene = 'cantilever-drop' must be one of")
+    assert row.reason.startswith("ValueError: Policy.scene = 'spin-up' must be one of")
 
 
 def refuses(scene):
@@ -97,7 +97,7 @@ def test_bound_is_what_the_runs_cost_and_lqr_reaches_it_where_all_is_linear(boar
 def test_tables_and_pictures(board, tmp_path):
     files = board.save(tmp_path / "board", "pliant scoreboard ...")
     assert [f.name for f in files] == [
-        *("scoreboard.json", "scoreboard.md", "single-link-slew.png", "cantilever-drop.png")
+        *("scoreboard.json", "scoreboard.md", "single-link-slew.png", "spin-up.png")
     ]
     table = json.loads(files[0].read_text())
     assert len(table["rows"]) == 16 and table["command"] == "pliant scoreboard ..."
