@@ -167,6 +167,7 @@ def test_a_long_case_is_sampled_in_its_rounds_only(bench):
     assert [len(r.samples) for r in found] == [4, 2]
 
 
+@pytest.mark.campaign
 def test_stability_and_spacecraft_are_checked(bench):
     sampling, asked = bench("harness.sampling"), bench("harness.targets")
     stability, spacecraft = bench("cases.stability"), bench("cases.spacecraft")

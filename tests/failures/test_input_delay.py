@@ -56,6 +56,7 @@ def test_it_is_noticed_before_any_simulation(scene, bears):
     assert one_loop_at_a_time < (bears + 1) * scene.dt
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("periods", [pytest.param(1, marks=pytest.mark.campaign), 2])
 @pytest.mark.parametrize(
     "more",

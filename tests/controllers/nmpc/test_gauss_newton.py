@@ -138,9 +138,9 @@ def test_costates_are_the_slopes_of_the_optimal_cost():
 
 
 def test_iterate_says_that_it_has_not_converged():
-    nmpc = NMPC.for_scene(REACH, horizon=8)
+    nmpc = NMPC.for_scene(SLEW, horizon=30)
     with pytest.raises(PliantError, match="inputs still change by"):
-        nmpc.iterate(REACH.initial[0], limit=1)
+        nmpc.iterate(SLEW.initial[0], limit=1)
 
 
 def test_merit_is_the_cost_the_gaps_and_the_bounds(cart):

@@ -96,6 +96,7 @@ def test_return_is_minus_the_scenes_cost_of_the_same_motion(env_id: str) -> None
     assert all(s[4]["cost"] == -s[1] and s[4]["early_end_cost"] == 0.0 for s in steps)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("env_id", SAMPLED)
 def test_drawn_parameters_are_those_simulated(env_id: str) -> None:
     """The plant with the drawn numbers written into it moves as the environment does."""
@@ -169,6 +170,7 @@ def within_reach(scene: Scene) -> Scene:
     return dataclasses.replace(scene, bounds=bounds)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("env_id", SAMPLED)
 def test_leaving_the_bounds_ends_the_episode_and_does_not_pay(env_id: str) -> None:
     env = PlantEnv(within_reach(gymnasium.make(env_id).unwrapped.scene))

@@ -87,6 +87,7 @@ def test_two_polynomials_meet_the_fine_mesh_within_a_hundredth_of_a_per_cent(ref
     np.testing.assert_allclose(many.natural_frequencies()[:6], fine["joints_free_omega"], rtol=1e-6)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("basis", ["clamped-free", "payload", "polynomial"])
 def test_no_frequency_is_lost_with_many_modes(basis):
     n = 20 if basis == "polynomial" else 40
@@ -113,6 +114,7 @@ def test_frequency_error_falls_as_one_over_the_number_of_modes(basis):
     assert np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(-1, abs=0.05)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("variant", ["CS_n2", "rigid"])
 def test_five_seconds_from_hanging(reference, variant):
     expected = np.array(reference("two_link")["simulation"][variant])

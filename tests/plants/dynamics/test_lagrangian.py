@@ -254,6 +254,7 @@ def test_stiff_plant_tends_to_the_rigid_one(arm):
     assert slope(factors, errors) == pytest.approx(-1, abs=0.02)
 
 
+@pytest.mark.campaign
 def test_outputs_of_all_fidelities_agree_as_stiffness_grows():
     for arm in (dataclasses.replace(ARM, hub_inertia=(0.1, 0.02)), dataclasses.replace(LINK, gravity=9.81)):
 

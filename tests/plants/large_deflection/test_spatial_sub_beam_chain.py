@@ -49,6 +49,7 @@ def test_spatial_equations_are_those_of_the_energies():
         np.testing.assert_allclose(np.asarray(got), np.asarray(expected), rtol=0, atol=1e-12 * scale)
 
 
+@pytest.mark.campaign
 def test_spatial_chain_hangs_where_the_exact_beam_does():
     """Sideways gravity and a payload beside the axis: bending in two planes with torsion."""
     load = Payload(mass=0.2, inertia=0.01, offset=(0.0, 0.0, 0.3))

@@ -62,6 +62,7 @@ def test_the_paper_two_sub_beams_to_every_printed_digit():
     assert np.abs(deformed).max() == pytest.approx(0.418, abs=1e-3)
 
 
+@pytest.mark.campaign
 def test_peak_deformation_by_frame(reference):
     """That of the exact motion, read in each frame; the tangent frame's own motion is far from it."""
     peaks = reference("large_beam")["release"]["peak_deformation_of_sub_beam_1_when_N_is_2"]
@@ -86,6 +87,7 @@ def test_two_sub_beams_at_all_reference_times(reference):
         assert max(found[:3]) < 0.025 and found[3] == pytest.approx(0.065, abs=0.002) and found[4] < 0.02
 
 
+@pytest.mark.campaign
 def test_converges_to_the_exact_beam_with_the_number_of_sub_beams(reference):
     rows = reference("large_beam")["release"]["M0_inextensible"]
     worst = [max(errors(chain(N), rows)) for N in (1, 2, 3, 4)]

@@ -79,6 +79,7 @@ def test_error_falls_with_the_number_of_coordinates(reference):
     assert errors[0] < 1e-2 and errors[1] < 1e-3 and errors[2] < 1e-4 and errors[3] < 3e-5
 
 
+@pytest.mark.campaign
 def test_default_points_change_little_against_many():
     """Quadrature error stays well below the error of truncation."""
     for modes, truncation in ((3, 3e-3), (6, 1.6e-4)):

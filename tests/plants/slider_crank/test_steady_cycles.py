@@ -86,6 +86,7 @@ def short_crank(ratio):
     return plant, np.sqrt((eps / 4) ** 2 - zeta**2), eps, zeta
 
 
+@pytest.mark.campaign
 def test_first_tongue_is_where_theory_puts_it():
     misses = []
     for ratio in (0.004, 0.002):

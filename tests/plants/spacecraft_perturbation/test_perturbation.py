@@ -93,6 +93,7 @@ def with_torques(made, motion):
     return moved
 
 
+@pytest.mark.campaign
 def test_error_falls_with_the_square_about_a_slewing_rigid_nominal():
     """A rigid nominal of fixed size; the stiffer the booms, the smaller the deviations and, squared, the error of
     the LTV model. Linearised at the accelerations that the plant would have there, it is a hundred times larger.

@@ -14,6 +14,7 @@ def case(request):
     return scene, *closed_loop(scene)
 
 
+@pytest.mark.every(2)
 def test_scene_regulator_is_stable_on_every_variation(case):
     _, _, loops = case
     assert [loop.name for loop in loops[:3]] == ["the design plant", "payload.mass -50%", "payload.mass +50%"]

@@ -69,6 +69,7 @@ def test_past_the_critical_speed_it_is_needed_without_more_ado():
     assert found.speed == pytest.approx(80.0 * 1.875 / 3.0)
 
 
+@pytest.mark.campaign
 def test_two_links_need_it_under_gravity():
     scene = scenes.get("two-link-reach")
     found = stiffening_needed(scene)

@@ -14,12 +14,13 @@ from pliant.studies.scoreboard.scoreboard import scoreboard
 ROOT = Path(__file__).parents[3]
 SLEW = scenes.get("single-link-slew")
 NAMES = ("LQR", "trained policy")
+SHORT = scenes.get("spin-up", duration=0.5)
 TIMES = ("act_median", "act_p99")
 
 
 @pytest.fixture(scope="module")
 def board():
-    return scoreboard(["single-link-slew", "spin-up"], NAMES, seeds=2, bounds=1, jobs=1)
+    return scoreboard([SLEW, SHORT], NAMES, seeds=2, bounds=1, jobs=1)
 
 
 def untimed(board):
@@ -96,9 +97,7 @@ def test_bound_is_what_the_runs_cost_and_lqr_reaches_it_where_all_is_linear(boar
 
 def test_tables_and_pictures(board, tmp_path):
     files = board.save(tmp_path / "board", "pliant scoreboard ...")
-    assert [f.name for f in files] == [
-        *("scoreboard.json", "scoreboard.md", "single-link-slew.png", "spin-up.png")
-    ]
+    assert [f.name for f in files] == [*("scoreboard.json", "scoreboard.md", "single-link-slew.png", "spin-up.png")]
     table = json.loads(files[0].read_text())
     assert len(table["rows"]) == 16 and table["command"] == "pliant scoreboard ..."
     assert {r["scene"] for r in table["rows"]} == {s["scene"] for s in table["scenes"]}
