@@ -40,11 +40,12 @@ def test_without_native_code_it_is_the_function_itself(monkeypatch) -> None:
 
 
 @needs_compiler
-def test_a_function_that_disagrees_is_not_used(monkeypatch, tmp_path) -> None:
+@pytest.mark.parametrize("shape", [ca.sin, lambda x: ca.sqrt(0.05 - x)], ids=["finite", "finite near zero alone"])
+def test_a_function_that_disagrees_is_not_used(monkeypatch, tmp_path, shape) -> None:
     monkeypatch.setenv("PLIANT_CACHE", str(tmp_path))
     monkeypatch.setattr(single_point, "_made", {})
     x = ca.SX.sym("x")
-    machine = ca.Function("rate", [x], [ca.sin(x) * 1.25])
+    machine = ca.Function("rate", [x], [shape(x) * 1.25])
     writes = compiler.build
     monkeypatch.setattr(compiler, "build", lambda source, flags: writes(source.replace("1.25", "1.5"), flags))
     monkeypatch.setattr(kernel_loader, "_told", False)
