@@ -83,7 +83,7 @@ def _load(name: str, path: Path) -> ca.Function:
 
 
 def _agree(made: ca.Function, function: ca.Function) -> None:
-    """At a point by chance, closer to zero where the function is not finite there; both are finite in the same places."""
+    """At a point by chance, closer to zero where the function is not finite there."""
     draw = np.random.default_rng(1).uniform
     at = [draw(0.1, 1.0, function.size_in(i)) for i in range(function.n_in())]
     for scale in SCALES:
