@@ -8,9 +8,10 @@ cubic       Hermite cubic, slopes from five nodes. Its error is w |f[5 nodes]|, 
             than that of every other node the cubic is believed; else its error counts ROUGH times: a kink in
             mid-interval makes it 16 w |f[5 nodes]|. An interval much longer than one beside it shows neither.
 linear      Let `left` be the miss at t[k+1] of the line through nodes k-1, k and `right` that at t[k] of the line
-            through k+1, k+2. A kink at a share s of the interval makes them |ds| h (1-s) and |ds| h s, and the area
-            between f and the chord is |ds| h^2 s (1-s)/2 <= h min(left, right)/2; a jump J makes both J, and an area of
-            h J/2 at most; curvature f'' makes both h^2 f'' and an area of h^3 f''/12.
+            through k+1, k+2, or with the slope of the interval after it, which a kink beside this one spares. A kink at
+            a share s of the interval makes them |ds| h (1-s) and |ds| h s, and the area between f and the chord is
+            |ds| h^2 s (1-s)/2 <= h min(left, right)/2; a jump J makes both J, and an area of h J/2 at most; curvature
+            f'' makes both h^2 f'' and an area of h^3 f''/12.
 harmonics   equidistant nodes of a period, where a whole run of the last quarter of them, at least four, is quiet: what
             is beyond is taken as four times that run (it is 1.5 times for coefficients that fall as j^-4). One quiet
             coefficient shows nothing: symmetry makes it zero.
@@ -136,16 +137,18 @@ class Interpolant:
 
 def _linear(h: np.ndarray, d1: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Area (m, c) and size (m, c) of what the chord misses, from the slopes d1 (m, c) of all intervals h (m,)."""
-    turn = np.abs(np.diff(d1, axis=0))
     miss = np.zeros((2, *d1.shape))
-    if len(turn):
+    if len(d1) == 1:
+        miss[:] = np.abs(d1)
+    else:
+        turn = np.abs(np.diff(d1, axis=0))
         miss[0, 1:], miss[1, :-1] = turn, turn
         miss[0, 0], miss[1, -1] = turn[0], turn[-1]  # ends: what the one neighbour shows
-    else:
-        miss[:] = np.abs(d1)
-    miss *= h[:, None]
-    least, largest = miss.min(axis=0), miss.max(axis=0)
-    return h[:, None] * (least / 2 + largest / 20), np.maximum(least, largest)
+    largest = miss.max(axis=0)
+    further = np.abs(d1[2:] - d1[:-2])  # where the neighbour holds a kink of its own
+    miss[0, 2:], miss[1, :-2] = np.maximum(miss[0, 2:], further), np.maximum(miss[1, :-2], further)
+    least = miss.min(axis=0)
+    return h[:, None] ** 2 * (least / 2 + largest / 20), h[:, None] * np.maximum(least, largest)
 
 
 def _cubic(t: np.ndarray, f: np.ndarray, h: np.ndarray, d1: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

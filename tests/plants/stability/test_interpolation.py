@@ -49,6 +49,21 @@ def test_jumps_and_kinks_have_the_bounds_of_their_closed_forms():
     assert h**2 * 4 / 8 <= kink.area[20, 0] < 1.2 * h**2 * 4 / 4
 
 
+def test_a_ramp_between_two_neighbouring_intervals_is_covered():
+    """Each interval's neighbour holds a kink of its own, and shows another slope than the wave's on that side."""
+    rng = np.random.default_rng(4)
+    for _ in range(300):
+        t = np.r_[0.0, np.cumsum(rng.uniform(0.1, 2.0, 16))]
+        k = int(rng.integers(4, 11))
+        low, high = t[k] + (t[k + 1] - t[k]) * rng.uniform(0, 1), t[k + 1] + (t[k + 2] - t[k + 1]) * rng.uniform(0, 1)
+
+        def wave(s, low=low, high=high):
+            return np.interp(s, [low, high], [0.0, 1.0])
+
+        f = Interpolant(t, wave(t)[:, None])
+        assert missed(f, wave, t).sum() <= 1.01 * f.area.sum()
+
+
 def test_smooth_data_are_known_to_the_fourth_order_and_harmonics_to_rounding():
     wave, sizes = WAVES["sharp"], []
     for m in (64, 128, 256):
