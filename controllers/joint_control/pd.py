@@ -22,6 +22,7 @@ from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import read_only
+from pliant.plants.linear.conserved import conserved, moved
 
 from .collocation import loop_eigenvalues, rigid_inertia, rows
 from .computed_torque import inverse_dynamics
@@ -51,6 +52,7 @@ class PD:
     inverse: NumericFunction | None = None  # (positions and rates (2 nu,), accelerations (nu,)) -> u (nu,)
     limits: Any = None
     dt: float | None = None
+    conserved: tuple[str, ...] = ()  # what no input changes, as the momentum of a craft with wheels
 
     def __post_init__(self) -> None:
         n = len(self.joints.positions)
@@ -113,6 +115,7 @@ class PD:
         at, model = joints(plant), plant.linearize(x, u)
         Kp, Kd = fastest_decay(model, at, scene.dt)
         law = cls._made(plant, x, u, Kp, Kd, at, motion_of(scene, at), (-high, high), scene.dt)
+        law = replace(law, conserved=conserved(model).names)
         return law if shape is None else law.shaped(model, shape)
 
     @classmethod
@@ -172,6 +175,7 @@ def fastest_decay(model: LinearModel, at: Joints, dt: float) -> tuple[np.ndarray
     Found by the simplex method from several starts. PliantError where the best loop still grows.
     """
     n = len(at.positions)
+    model = moved(model, rows(model, at.positions + at.rates))
     sampled, S = model.discretize(dt), rows(model, at.positions + at.rates)
     hub = np.abs(np.diag(np.linalg.inv(rows(model, at.rates) @ model.B)))
 

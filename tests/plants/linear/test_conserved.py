@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pliant.controllers import LQR, Feedback, loop, margins, spillover
-from pliant.controllers.analysis.conserved import conserved, moved
 from pliant.envs import scenes
 from pliant.plants import PliantError, Wheel
+from pliant.plants.linear.conserved import conserved, moved
 from pliant.plants.linear.lti import LinearModel
 
 SLEW = scenes.get("spacecraft-slew")
