@@ -177,9 +177,8 @@ class TVLQR:
         along = nominal_for(scene, nominal, reserve) if isinstance(nominal, str) else nominal
         t, x, u = nodes(along, scene.dt)
         Q, R, N = period_cost(terms.values(t[:-1], x[:-1], u, *given)[1], plant.nx, scene.dt, effort)
-        high = np.array(scene.limits, dtype=float)
         hold = K, about.goal_at(t[-1]), about.u_goal
-        one: dict[str, Any] = {"dt": scene.dt, "substeps": scene.substeps, "limits": (-high, high)}
+        one: dict[str, Any] = {"dt": scene.dt, "substeps": scene.substeps, "limits": about.limits}
         made = cls.along(plant, along, Q, R, N, **one, end=P, hold=hold, index=index)
         made.drift = about.drift if about.drift.any() else None
         made.conserved, made.free = unmoved(scene)
