@@ -100,7 +100,7 @@ def _held(part: Steerable, left: Conserved, A: Array, B: Array, weighed: Array) 
 
 
 def _weighed(part: Steerable, left: Conserved, start: Any) -> Steerable:
-    found = _within(part, left, np.eye(len(part.down)))._replace(fixed=left.quantities @ part.down)
+    found = _within(part, left, np.eye(len(part.down)))._replace(fixed=left.tidy @ part.down)
     if start is None or not found.same(start):
         what, has = "; ".join(left.names), "" if start is None else ", as the start has,"
         raise UncontrollableError(

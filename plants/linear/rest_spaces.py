@@ -32,6 +32,11 @@ class Conserved(NamedTuple):
     names: tuple[str, ...]
     size: Array
 
+    @property
+    def tidy(self) -> Array:
+        """Other quantities of the same space (k, nx), each with a one where the others have none, without rounding."""
+        return _tidy(self.quantities, self.size)
+
     def by_states(self) -> tuple[Array, list[int]]:
         """Another `up`, whose z are the states of the places that it returns."""
         if not self.names:

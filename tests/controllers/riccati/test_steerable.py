@@ -1,5 +1,6 @@
 """Designs of what is conserved: against closed forms and SciPy on the part that inputs steer."""
 
+import conserved as campaign
 import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_are
@@ -120,3 +121,9 @@ def test_what_conserves_nothing_is_left_alone():
     assert part.names == ("a", "b") and part.conserved == part.free == ()
     np.testing.assert_array_equal(part.system(A, B)[0], A)
     np.testing.assert_array_equal(part.gain(np.array([[1.0, 2.0, 3.0]])), [[1.0, 2.0, 3.0]])
+
+
+def test_a_sample_of_the_campaign():
+    """tests/campaigns/conserved.py, where `make campaign` runs a thousand."""
+    rows = [campaign.run(seed) for seed in range(20)]
+    assert not [row for row in rows if campaign.faulty(row)] and len(campaign.summary(rows)) > 20
