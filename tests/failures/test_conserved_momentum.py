@@ -125,3 +125,21 @@ def test_what_is_weighed_is_refused_by_name_and_a_loop_that_fails_still_fails():
     still = Feedback(np.zeros((3, 1)), ("body_rate_x",))
     with pytest.raises(PliantError, match="is not stable"):
         margins(loop(THREE.feedback_model, still))
+
+
+def test_pd_by_four_wheels_gives_a_rigid_craft_the_poles_that_were_asked_for():
+    """s^2 + 2 z b s + b^2 of each axis, whatever wheels share the torque; the momentum and the spin stay at rest."""
+    rigid = WHEELS.plant.ladder()[0]
+    law = PD.design(rigid, *rigid.equilibrium(), bandwidth=0.3, damping=0.5)
+    assert law.K.shape == (4, 6) and law.joints.positions == ("attitude_x", "attitude_y", "attitude_z")
+    values = np.linalg.eigvals(loop(rigid.feedback_model(*rigid.equilibrium()), law).closed())
+    np.testing.assert_allclose(
+        values[np.argsort(values.imag)], -0.15 + np.repeat([-1j, 1j], 3) * np.sqrt(0.09 - 0.0225), rtol=1e-5
+    )
+
+
+def test_pd_for_the_scene_turns_it_and_leaves_the_wheels_at_rest():
+    law = PD.for_scene(WHEELS)
+    motion = WHEELS.plant.simulate(WHEELS.initial[0], law, WHEELS.times, rtol=1e-6, atol=1e-8)
+    assert len(law.conserved) == 3 and np.abs(motion.x[-1] - WHEELS.target[0]).max() < 1e-3
+    np.testing.assert_allclose(WHEELS.plant.momentum(motion.x)[1], 0.0, atol=1e-4)
