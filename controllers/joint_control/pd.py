@@ -191,7 +191,7 @@ def _shared(plant: Plant, at: Joints) -> bool:
 
 
 def fastest_decay(
-    model: LinearModel, at: Joints, dt: float, share: np.ndarray | None = None
+    model: LinearModel, at: Joints, dt: float, inputs: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Diagonal Kp, Kd (n, n) whose loop, held over dt [s], decays fastest about the model's equilibrium.
 
@@ -199,7 +199,7 @@ def fastest_decay(
     """
     n = len(at.positions)
     model = moved(model, rows(model, at.positions + at.rates))
-    one_each = np.eye(n) if share is None else share
+    one_each = np.eye(n) if inputs is None else inputs
     sampled, S = model.discretize(dt), rows(model, at.positions + at.rates)
     hub = np.abs(np.diag(np.linalg.inv(rows(model, at.rates) @ model.B @ one_each)))
 

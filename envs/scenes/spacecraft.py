@@ -148,7 +148,9 @@ def spacecraft_wheels() -> Scene:
     | wheel4_momentum          | N m s | 6     |
     """
     slew = spacecraft_slew()
-    craft = dataclasses.replace(slew.plant, hub=dataclasses.replace(slew.plant.hub, wheels=PYRAMID))
+    own = FlexibleSpacecraft.textbook()
+    hub = dataclasses.replace(own.hub, wheels=PYRAMID)
+    craft = dataclasses.replace(own, hub=hub, appendages=panels(UPRIGHT), kinematics="linear", translation=False)
     tips, momenta = ("tip1_z", "tip2_z"), tuple(f"wheel{k}_momentum" for k in (1, 2, 3, 4))
     return dataclasses.replace(
         slew,
