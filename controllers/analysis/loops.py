@@ -16,9 +16,9 @@ import numpy as np
 
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.signals import rows_by_name
+from pliant.plants.linear.conserved import conserved, free, moved
 from pliant.plants.linear.lti import LinearModel
 
-from .conserved import conserved, moved
 from .late_loops import LateLoop
 from .linear_laws import Array, LinearLaw, closed_matrix, law_of, readings_under_way
 from .linear_laws import linearised as linearised  # under its old name too
@@ -35,6 +35,7 @@ class Loop(NamedTuple):
     channels: tuple[str, ...]
     conserved: tuple[str, ...] = ()  # what no input of the plant changes: not among the states
     late: LateLoop | None = None  # the same with one channel late by any time, where a continuous model is sampled
+    free: tuple[str, ...] = ()  # what inputs change and neither plant nor controller feels: not among the states
 
     def closed(self) -> Array:
         """A of the loop closed by e = -out."""
@@ -50,13 +51,18 @@ class Loop(NamedTuple):
         )
 
 
+def felt_by(law: LinearLaw, model: LinearModel) -> Array:
+    """(m, nx): all that a law makes of the states of a model."""
+    return np.vstack([law.B, law.D]) @ rows_by_name(model, law.reads).C
+
+
 def plant_of(model: LinearModel, law: LinearLaw) -> tuple[Array, Array, Array, Array]:
     """(A, B, C, D) from the inputs to what the law reads, sampled where it is.
 
-    The input held before, where it is read, and readings under way join the states; what the model conserves is not
-    among them (see `conserved`).
+    The input held before, where it is read, and readings under way join the states; what the model conserves, and what
+    neither it nor the law feels, is not among them (see `conserved`).
     """
-    model = moved(model)
+    model = moved(model, felt_by(law, model))
     if model.dt is not None and model.dt != law.dt:
         raise ValueError(f"model.dt = {model.dt} must be the controller's, {law.dt}, or None")
     if law.dt is not None and model.dt is None:
@@ -87,7 +93,7 @@ def loop(model: LinearModel, controller: Any, *, at: str = "input") -> Loop:
         first, second, channels = second, first, law.reads
     (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
     wide = np.block([[A1, np.zeros((len(A1), len(A2)))], [B2 @ C1, A2]])
-    late = None if law.dt is None or model.dt is not None else LateLoop(moved(model), law, at)
+    late = None if law.dt is None or model.dt is not None else LateLoop(moved(model, felt_by(law, model)), law, at)
     return Loop(
         wide,
         np.vstack([B1, B2 @ D1]),
@@ -97,6 +103,7 @@ def loop(model: LinearModel, controller: Any, *, at: str = "input") -> Loop:
         channels,
         conserved(model).names,
         late,
+        free(model, felt_by(law, model)),
     )
 
 

@@ -64,6 +64,7 @@ class Margins:
     S: Peak  # largest singular value of S = (I + L)^-1
     T: Peak  # of T = L S
     conserved: tuple[str, ...] = ()  # what no input changes: these are margins of all else
+    free: tuple[str, ...] = ()  # what inputs change and neither plant nor controller feels: left as it is
 
     @property
     def bandwidth_hz(self) -> float:
@@ -79,6 +80,7 @@ class Margins:
             classic = f"gain {c.gain[0]:.3g} to {c.gain[1]:.3g}, phase {c.phase_deg:.3g} deg, delay {c.delay:.3g} s"
             lines.append(f"{c.name}: {classic}, disk {c.disk:.3g}, crossover {c.crossover_hz:.3g} Hz")
         lines += [f"apart from what no input changes: {'; '.join(self.conserved)}"] if self.conserved else []
+        lines += [f"left as it is: {'; '.join(self.free)}"] if self.free else []
         return "\n".join(lines)
 
 
@@ -115,7 +117,7 @@ def margins(loop: Loop) -> Margins:
         each.append(found)
     whole = 1 / scaled_peak(Loop(closed, B, C, half, loop.dt, loop.channels), grid) if n > 1 else each[0].disk
     T = peak(closed, B, -C, np.eye(n) - direct, loop.dt)
-    return Margins(tuple(each), float(whole), peak(closed, S.B, S.C, S.D, loop.dt), T, loop.conserved)
+    return Margins(tuple(each), float(whole), peak(closed, S.B, S.C, S.D, loop.dt), T, loop.conserved, loop.free)
 
 
 def scaled_peak(system: Loop, grid: Array) -> float:

@@ -23,10 +23,10 @@ from scipy.optimize import linear_sum_assignment
 
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear import modal_analysis
+from pliant.plants.linear.conserved import moved
 from pliant.plants.linear.lti import LinearModel
 
-from .conserved import conserved, moved
-from .loops import Array, Loop, closed_loops, law_of, loop, plant_of
+from .loops import Array, Loop, closed_loops, felt_by, law_of, loop, plant_of
 
 GAINS = 100  # steps in which the feedback is raised
 RESERVE = 1.25  # gain margin that a loop which holds must have
@@ -83,6 +83,7 @@ class Spillover:
     allowed_hz: float | None  # bandwidth with that factor
     controller: Any = None  # what `redesign` gave for that factor
     conserved: tuple[str, ...] = ()  # by the design plant: what no input changes is not in the loop
+    free: tuple[str, ...] = ()  # of it: what inputs change and neither plant nor controller feels, left as it is
 
     @property
     def holds(self) -> bool:
@@ -98,7 +99,8 @@ class Spillover:
     def verdict(self) -> str:
         """In words."""
         apart = f"; apart from what no input changes: {', '.join(self.conserved)}" if self.conserved else ""
-        return f"{self._found()}{apart}"
+        free = f"; left as it is: {', '.join(self.free)}" if self.free else ""
+        return f"{self._found()}{apart}{free}"
 
     def _found(self) -> str:
         if self.first is None:
@@ -154,8 +156,9 @@ def spillover(
             factor, gain = (1 / effort, 1 / effort) if redesign is None else (effort, 1.0)
             changed = None if redesign is None else redesign(effort)
             allowed = crossover_hz(loop(models[0], changed or controller), gain)
-    bandwidth = crossover_hz(loop(models[0], controller))
-    return Spillover(cases, bandwidth, by, factor, allowed, changed, conserved(models[0]).names)
+    whole = loop(models[0], controller)
+    bandwidth = crossover_hz(whole)
+    return Spillover(cases, bandwidth, by, factor, allowed, changed, whole.conserved, whole.free)
 
 
 def model_of(plant: Plant | LinearModel, at: Point) -> LinearModel:
@@ -194,7 +197,7 @@ def origin(model: LinearModel, controller: Any, value: complex) -> tuple[complex
     plant's rather than the controller's own.
     """
     law = law_of(controller)
-    plant = modal_analysis.rates(moved(model).eigenvalues, model.dt)
+    plant = modal_analysis.rates(moved(model, felt_by(law, model)).eigenvalues, model.dt)
     more = len(plant_of(model, law)[0]) - len(plant)  # inputs held and readings under way: poles at zero
     begin = plant if law.dt is None else np.exp(plant * law.dt)
     now = np.concatenate([begin, np.zeros(more), law.poles])

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant.plants.core.errors import EquilibriumError
-from pliant.plants.linear.quadratic_cost import about_moving_goal, goal_drift
+from pliant.plants.linear.conserved import conserved, free
+from pliant.plants.linear.quadratic_cost import about_moving_goal, goal_drift, quadratic_cost
 
 if TYPE_CHECKING:
     from pliant.plants.linear.lti import LinearModel
@@ -32,6 +33,13 @@ def require_held(model: LinearModel) -> None:
             "linearise at one, or follow a nominal with TVLQR",
             float(moves.max()),
         )
+
+
+def unmoved(scene: CostedScene) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """In words what no input changes about a scene's goal, and what inputs change but neither plant nor cost feels."""
+    model = scene.plant.feedback_model(*scene.target)
+    cost = quadratic_cost(model, dict(scene.weights), {})
+    return conserved(model).names, free(model, np.vstack([cost.Q, cost.N.T]))
 
 
 def goal_model(scene: CostedScene) -> tuple[LinearModel, np.ndarray]:

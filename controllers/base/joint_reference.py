@@ -125,6 +125,14 @@ def joints(plant: Plant) -> Joints:
     return at
 
 
+def driven(plant: Plant) -> Joints:
+    """`joints`, or where there is not one for each input those that the inputs drive together."""
+    one_each = {joint.input for joint in plant.joints} == {s.name for s in plant.inputs}
+    if one_each or not plant.shared_joints:
+        return joints(plant)
+    return Joints(tuple(j.position for j in plant.shared_joints), tuple(j.rate for j in plant.shared_joints))
+
+
 def motion_of(scene: CostedScene, at: Joints) -> RestToRest | Follow:
     """From rest to rest in the scene's move_time; where the goal moves, the rigid plant under the nominal inputs."""
     if scene.goal_at_rest:

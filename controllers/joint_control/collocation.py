@@ -43,6 +43,23 @@ def accelerations(plant: Plant, at: Mapping[str, float], u0: Any, rates: tuple[s
     return moved
 
 
+def rigid_state(plant: Plant, x0: Any) -> np.ndarray:
+    """The state of the cheapest variant where the plant's is x0 (nx,), zero in what it lacks."""
+    at = dict(zip((s.name for s in plant.states), np.asarray(x0, dtype=float)))
+    return np.array([at.get(s.name, 0.0) for s in plant.ladder()[0].states])
+
+
+def sharing(model: LinearModel, rates: tuple[str, ...]) -> np.ndarray:
+    """(nu, n): the least inputs that accelerate one of n joints by one, the others by nothing.
+
+    PliantError where the inputs do not.
+    """
+    moved = rows(model, rates) @ model.B
+    if len(moved) > moved.shape[1] or not np.linalg.cond(moved) < 1e10:
+        raise PliantError(f"the inputs {model.input_names} do not move {rates} one by one: accelerations {moved}")
+    return np.linalg.pinv(moved)
+
+
 def loop_eigenvalues(model: LinearModel, K: np.ndarray, reads: tuple[str, ...], dt: float | None) -> np.ndarray:
     """[1/s] of u = -K y with y = `reads`, continuous or held over each dt [s]."""
     S = rows(model, reads)

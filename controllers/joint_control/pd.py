@@ -7,6 +7,9 @@ definite gains and no sampling, a collocated loop only takes energy out of the e
 1970, "Basic relations for control of flexible vehicles"). Sampled, Kd must stay below about 2 / dt of what turns at
 once, the bare hub: that limit binds first where links are heavy and hubs are light, so `for_scene` chooses the gains
 on the sampled loop. A shaper on the reference keeps the modes of the closed loop quiet too.
+
+Where more inputs than joints drive these together, as four wheels a spacecraft, or none alone, the bracket is an
+acceleration of each joint and `share` the least inputs that give it.
 """
 
 from __future__ import annotations
@@ -18,12 +21,13 @@ import numpy as np
 from scipy.optimize import minimize
 
 from pliant.controllers.base.controller import reading, saturation
-from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, joints, motion_of, values_of
+from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, driven, motion_of, values_of
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import read_only
+from pliant.plants.linear.conserved import conserved, moved
 
-from .collocation import loop_eigenvalues, rigid_inertia, rows
+from .collocation import loop_eigenvalues, rigid_inertia, rigid_state, rows, sharing
 from .computed_torque import inverse_dynamics
 from .input_shaping import light, shaper_for
 
@@ -43,21 +47,26 @@ STARTS = (0.03, 0.1, 0.3, 1.0)  # of the search for gains: Kd dt over the inerti
 class PD:
     """Made by `design` or `for_scene`; it reads the joints' positions, then their rates."""
 
-    Kp: np.ndarray  # (nu, nu)
-    Kd: np.ndarray  # (nu, nu)
+    Kp: np.ndarray  # (n, n) of n joints, as many as inputs where `share` is None
+    Kd: np.ndarray  # (n, n)
     joints: Joints
     reference: RestToRest | Follow
     u0: np.ndarray  # (nu,) held at the reference's end
     inverse: NumericFunction | None = None  # (positions and rates (2 nu,), accelerations (nu,)) -> u (nu,)
     limits: Any = None
     dt: float | None = None
+    share: np.ndarray | None = None  # (nu, n) inputs for a unit of what Kp and Kd give each joint; None: one each
+    conserved: tuple[str, ...] = ()  # what no input changes, as the momentum of a craft with wheels
 
     def __post_init__(self) -> None:
         n = len(self.joints.positions)
         for name in ("Kp", "Kd"):
             object.__setattr__(self, name, read_only(f"PD.{name}", getattr(self, name), (n, n)))
-        object.__setattr__(self, "u0", read_only("PD.u0", self.u0, (n,)))
-        object.__setattr__(self, "limits", saturation("PD", self.limits, [f"u{i + 1}" for i in range(n)]))
+        nu = n if self.share is None else np.shape(self.share)[0]
+        if self.share is not None:
+            object.__setattr__(self, "share", read_only("PD.share", self.share, (nu, n)))
+        object.__setattr__(self, "u0", read_only("PD.u0", self.u0, (nu,)))
+        object.__setattr__(self, "limits", saturation("PD", self.limits, [f"u{i + 1}" for i in range(nu)]))
         if len(self.reference.end) != n:
             raise ValueError(f"PD.reference has {len(self.reference.end)} positions, must have {n}")
         if self.dt is not None and not 0 < self.dt < np.inf:
@@ -72,8 +81,9 @@ class PD:
 
     @property
     def K(self) -> np.ndarray:
-        """(nu, 2 nu): u = .. - K y, for analysis of the loop."""
-        return np.hstack([self.Kp, self.Kd])
+        """(nu, 2 n): u = .. - K y, for analysis of the loop."""
+        own = np.hstack([self.Kp, self.Kd])
+        return own if self.share is None else self.share @ own
 
     @classmethod
     def design(
@@ -97,10 +107,13 @@ class PD:
         for name, value in (("bandwidth", bandwidth), ("damping", damping)):
             if not 0 < value < np.inf:
                 raise ValueError(f"PD.{name} = {value!r} must be > 0")
-        at = joints(plant) if at is None else at
-        J = rigid_inertia(plant, x0, u0, at.rates)
+        at = driven(plant) if at is None else at
+        if _shared(plant, at):
+            share, J = sharing(plant.ladder()[0].linearize(rigid_state(plant, x0), u0), at.rates), np.eye(len(at.rates))
+        else:
+            share, J = None, rigid_inertia(plant, x0, u0, at.rates)
         gains = bandwidth**2 * J, 2 * damping * bandwidth * J
-        return cls._made(plant, x0, u0, *gains, at, reference, limits, dt)
+        return cls._made(plant, x0, u0, *gains, at, reference, limits, dt, share)
 
     @classmethod
     def for_scene(cls, scene: CostedScene, *, shape: str | None = None) -> PD:
@@ -110,9 +123,11 @@ class PD:
         none is found that is stable.
         """
         plant, (x, u), high = scene.plant, scene.target, np.array(scene.limits)
-        at, model = joints(plant), plant.linearize(x, u)
-        Kp, Kd = fastest_decay(model, at, scene.dt)
-        law = cls._made(plant, x, u, Kp, Kd, at, motion_of(scene, at), (-high, high), scene.dt)
+        at, model = driven(plant), plant.linearize(x, u)
+        share = sharing(plant.ladder()[0].linearize(rigid_state(plant, x), u), at.rates) if _shared(plant, at) else None
+        Kp, Kd = fastest_decay(model, at, scene.dt, share)
+        law = cls._made(plant, x, u, Kp, Kd, at, motion_of(scene, at), (-high, high), scene.dt, share)
+        law = replace(law, conserved=conserved(model).names)
         return law if shape is None else law.shaped(model, shape)
 
     @classmethod
@@ -127,6 +142,7 @@ class PD:
         reference: RestToRest | Follow | None,
         limits: Any,
         dt: float | None,
+        share: np.ndarray | None = None,
     ) -> PD:
         held = values_of(plant, x0, u0, at.positions)
         rigid = {s.name for s in plant.ladder()[0].states}
@@ -139,6 +155,7 @@ class PD:
             inverse=inverse_dynamics(plant, at) if rigid == set(at.positions + at.rates) else None,
             limits=saturation("PD", limits, [s.name for s in plant.inputs]),
             dt=dt,
+            share=share,
         )
 
     def shaped(self, model: LinearModel, kind: str = "zvd") -> PD:
@@ -157,30 +174,41 @@ class PD:
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from positions and rates y (2 nu,) at time t [s]."""
-        n = len(self.u0)
+        n = len(self.joints.positions)
         y = reading("PD.y", y, 2 * n)
         r, dr, ddr = self.reference(t)
-        u = self._lack + self.Kp @ (r - y[:n]) + self.Kd @ (dr - y[n:])  # type: ignore[attr-defined]
+        push = self.Kp @ (r - y[:n]) + self.Kd @ (dr - y[n:])
+        u = self._lack + (push if self.share is None else self.share @ push)  # type: ignore[attr-defined]
         if self.inverse is not None:
             u += self.inverse(np.concatenate([r, dr]), ddr)[0]
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
 
 
-def fastest_decay(model: LinearModel, at: Joints, dt: float) -> tuple[np.ndarray, np.ndarray]:
-    """Diagonal Kp, Kd (nu, nu) whose loop, held over dt [s], decays fastest about the model's equilibrium.
+def _shared(plant: Plant, at: Joints) -> bool:
+    """Whether inputs drive joints together: fewer joints than inputs, or those that the plant says are shared."""
+    together = tuple(j.rate for j in plant.shared_joints)
+    return len(at.rates) < plant.nu or (at.rates == together and len(plant.joints) < plant.nu)
+
+
+def fastest_decay(
+    model: LinearModel, at: Joints, dt: float, inputs: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Diagonal Kp, Kd (n, n) whose loop, held over dt [s], decays fastest about the model's equilibrium.
 
     Found by the simplex method from several starts. PliantError where the best loop still grows.
     """
     n = len(at.positions)
+    model = moved(model, rows(model, at.positions + at.rates))
+    one_each = np.eye(n) if inputs is None else inputs
     sampled, S = model.discretize(dt), rows(model, at.positions + at.rates)
-    hub = np.abs(np.diag(np.linalg.inv(rows(model, at.rates) @ model.B)))
+    hub = np.abs(np.diag(np.linalg.inv(rows(model, at.rates) @ model.B @ one_each)))
 
     def gains(logs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         home, Kd = np.exp(logs).reshape(2, n)
         return (home + SLOWEST / dt) * Kd, Kd
 
     def growth(logs: np.ndarray) -> float:
-        K = np.hstack([np.diag(gain) for gain in gains(logs)])
+        K = one_each @ np.hstack([np.diag(gain) for gain in gains(logs)])
         radius = np.abs(np.linalg.eigvals(sampled.A - sampled.B @ K @ S)).max()
         return float(np.log(radius) / dt)
 

@@ -15,9 +15,11 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
-from pliant.controllers.base.goal_model import goal_model, require_held
+from pliant.controllers.base.goal_model import goal_model, require_held, unmoved
+from pliant.controllers.base.joint_reference import values_of
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.riccati.algebraic import with_integrals
+from pliant.controllers.riccati.steerable import Steerable, steerable
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.linear.quadratic_cost import signal_rows
 
@@ -34,7 +36,7 @@ class LQR:
 
     K: np.ndarray  # (nu, nx + ni)
     P: np.ndarray  # (nx + ni, nx + ni)
-    poles: np.ndarray  # (nx + ni,) of the closed loop: [1/s], or in the z plane where dt is given
+    poles: np.ndarray  # of the closed loop: [1/s], or in the z plane where dt is given; see `conserved`, `free`
     x0: np.ndarray  # (nx,)
     u0: np.ndarray  # (nu,)
     target: np.ndarray  # (ni,) values that the integrated signals are brought to
@@ -43,6 +45,9 @@ class LQR:
     limits: tuple[np.ndarray, np.ndarray]  # lowest, highest (nu,)
     dt: float | None  # [s]
     drift: np.ndarray | None = None  # (nx,) d(x0)/dt of a goal that moves steadily, from x0 at t = 0
+    conserved: tuple[str, ...] = ()  # what no input changes, as the momentum of a craft with wheels: not in the poles
+    free: tuple[str, ...] = ()  # what only inputs change and neither cost nor plant feels: left as it is, no pole
+    part: Steerable | None = None  # what of the states is steered
     xi: np.ndarray = field(init=False)  # (ni,) integrals since `reset` [unit s]
 
     def __post_init__(self) -> None:
@@ -59,6 +64,7 @@ class LQR:
         dt: float | None = None,
         integral: Mapping[str, float] | None = None,
         limits: Any = None,
+        start: Any = None,
     ) -> LQR:
         """Design on a continuous-time linear model, taken to be about an equilibrium.
 
@@ -68,7 +74,9 @@ class LQR:
         dt [s]: None designs for continuous time; else for an input held over dt, with the same cost,
         integrated exactly. integral: weights by name of the outputs (or states) to integrate, each at most
         as many as can be steered. limits: (lowest, highest), or {input: (lowest, highest)}.
-        UncontrollableError names modes that do not decay and are not reached, or not seen by the cost.
+        start: states (nx,) where the motion begins; what is conserved and weighed must have the goal's value there.
+        UncontrollableError names modes that do not decay and are not reached, or not seen by the cost; what is
+        conserved and not weighed is none of them (see `controllers.riccati.steerable`).
         """
         if model.dt is not None:
             raise ValueError(f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones")
@@ -79,9 +87,11 @@ class LQR:
         for name, value in wanted.items():
             if not 0 < value < np.inf:
                 raise ValueError(f"LQR.integral[{name!r}] = {value!r} must be > 0")
-        known = model.state_names + tuple(f"integral of {name}" for name in wanted)
-        ni, nx = len(wanted), len(model.states)
-        A, B = model.A, model.B
+        off = None if start is None else require_finite("LQR.start", start, model.x0.shape) - model.x0
+        part = steerable(model.A, model.B, Q, N, model.state_names, seen=Ci, start=off)
+        known = part.names + tuple(f"integral of {name}" for name in wanted)
+        ni, nx = len(wanted), len(part.names)
+        (A, B), (Q, N), Ci = part.system(model.A, model.B), part.weights(Q, N), Ci @ part.up
         if dt is not None:
             A, B, Q, R, N = riccati.sampled(A, B, Q, R, N, dt=dt)
             weight = dt * weight
@@ -93,11 +103,11 @@ class LQR:
         else:
             found = riccati.dlqr(A, B, Q, R, N, names=known, dt=dt)
         own = tuple(reads) if reads is not None else model.state_names
-        if len(own) != nx:
-            raise ValueError(f"LQR.reads = {own} must be {nx} names, one for each state of the model")
+        if len(own) != len(model.states):
+            raise ValueError(f"LQR.reads = {own} must be {len(model.states)} names, one for each state of the model")
         return cls(
-            found.K,
-            found.P,
+            part.gain(found.K),
+            part.cost(found.P),
             found.poles,
             x0=model.x0,
             u0=model.u0,
@@ -106,6 +116,9 @@ class LQR:
             picks=_picks(model, tuple(wanted)),
             limits=saturation("LQR", limits, model.input_names),
             dt=dt,
+            conserved=part.conserved,
+            free=part.free,
+            part=part,
         )
 
     @classmethod
@@ -137,7 +150,10 @@ class LQR:
             raise ValueError(f"LQR.for_scene.effort = {effort!r} must be > 0")
         model, drift = goal_model(scene)
         R, high = {name: effort * value for name, value in scene.effort}, np.array(scene.limits, dtype=float)
-        made = cls.design(model, dict(scene.weights), R, dt=scene.dt, integral=integral, limits=(-high, high))
+        start = values_of(scene.plant, *scene.initial, model.state_names)
+        options: dict[str, Any] = {"dt": scene.dt, "integral": integral, "limits": (-high, high), "start": start}
+        made = cls.design(model, dict(scene.weights), R, **options)
+        made.conserved, made.free = unmoved(scene)
         made.drift = drift if drift.any() else None
         return made
 
@@ -171,7 +187,10 @@ class LQR:
         """The cost from x (nx,) and integrals xi (ni,) (None: zero) on, linear and without limits."""
         x = require_finite("LQR.x", x, self.x0.shape)
         xi = np.zeros(len(self.target)) if xi is None else require_finite("LQR.xi", xi, self.target.shape)
-        error = np.concatenate([x - self.x0, xi])
+        off = x - self.x0
+        if self.part is not None and not self.part.same(off):
+            return np.inf  # what is conserved and weighed has not the goal's value
+        error = np.concatenate([off, xi])
         return float(error @ self.P @ error)
 
     def _free(self, y: np.ndarray) -> np.ndarray:

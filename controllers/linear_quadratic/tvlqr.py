@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
-from pliant.controllers.base.goal_model import goal_model
+from pliant.controllers.base.goal_model import goal_model, unmoved
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.optimal_control.nominal_motions import NOMINALS, nodes, nominal_for, rests
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
@@ -34,7 +34,7 @@ from pliant.plants.core.parameters import require_choice, require_finite
 from .funnel import Funnel
 from .hold_set import Hold
 from .nominal_loop import PathProgress, own_nominal
-from .period_cost import period_cost, period_weight, steady_law
+from .period_cost import law_at_goal, period_cost, period_weight
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
@@ -65,6 +65,8 @@ class TVLQR:
     fastest: float = 2.0  # at most
     start: float = 0.0  # [s] time of the first node
     drift: np.ndarray | None = None  # (nx,) d/dt of a goal that goes on moving after the end
+    conserved: tuple[str, ...] = ()  # what no input changes about the goal, as the momentum of a craft with wheels
+    free: tuple[str, ...] = ()  # what inputs change there and neither plant nor cost feels: left as it is
 
     def __post_init__(self) -> None:
         require_choice("TVLQR", "index", self.index, ("time", "phase"))
@@ -169,19 +171,17 @@ class TVLQR:
         nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
         if isinstance(nominal, str):
             require_choice("TVLQR.for_scene", "nominal", nominal, NOMINALS)
-            nominal = nominal_for(scene, nominal, reserve)
-        t, x, u = nodes(nominal, scene.dt)
+        start = scene.initial[0] if isinstance(nominal, str) else nominal.x[0]  # what it conserves is told by that
         terms, given = StageTerms(about, about.residual_expression), (np.zeros(plant.nw), plant.nominal_parameters)
+        K, P = law_at_goal(about, terms, scene.substeps, effort, held, start)
+        along = nominal_for(scene, nominal, reserve) if isinstance(nominal, str) else nominal
+        t, x, u = nodes(along, scene.dt)
         Q, R, N = period_cost(terms.values(t[:-1], x[:-1], u, *given)[1], plant.nx, scene.dt, effort)
-        goal = np.zeros(1), about.x_goal[None], about.u_goal[None]
-        last = [m[0] for m in period_cost(terms.values(*goal, *given)[1], plant.nx, scene.dt, effort)]
-        period = HeldSteps(plant, scene.dt, scene.substeps, goal[0], *given).slopes(*goal[1:]).slope[0]
-        K, P = steady_law(period, *last, names=[s.name for s in plant.states], held=held, dt=scene.dt)
-        high = np.array(scene.limits, dtype=float)
         hold = K, about.goal_at(t[-1]), about.u_goal
-        one: dict[str, Any] = {"dt": scene.dt, "substeps": scene.substeps}
-        made = cls.along(plant, nominal, Q, R, N, **one, end=P, hold=hold, limits=(-high, high), index=index)
+        one: dict[str, Any] = {"dt": scene.dt, "substeps": scene.substeps, "limits": about.limits}
+        made = cls.along(plant, along, Q, R, N, **one, end=P, hold=hold, index=index)
         made.drift = about.drift if about.drift.any() else None
+        made.conserved, made.free = unmoved(scene)
         return made
 
     @classmethod

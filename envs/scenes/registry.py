@@ -30,6 +30,7 @@ SCENES: Mapping[str, Callable[..., Scene]] = {
     "spin-up": beams.spin_up,
     "slider-crank-run": mechanisms.slider_crank_run,
     "spacecraft-slew": spacecraft.spacecraft_slew,
+    "spacecraft-wheels": spacecraft.spacecraft_wheels,
     "spacecraft-spin": spacecraft.spacecraft_spin,
     "spacecraft-orbit": spacecraft_orbit.spacecraft_orbit,
 }

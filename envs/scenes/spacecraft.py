@@ -1,4 +1,4 @@
-"""Scenes of a free spacecraft with two flexible solar panels: a slew and a spin.
+"""Scenes of a free spacecraft with two flexible solar panels: a slew, one by reaction wheels, and a spin.
 
 On the hub of FlexibleSpacecraft.textbook; see `spacecraft_parts` for the panels.
 """
@@ -16,7 +16,7 @@ from pliant.plants.core.parameters import require_choice
 from pliant.plants.spacecraft_parts.appendage import Hinge
 
 from .scene import Scene
-from .spacecraft_parts import AXES, FLAT, UPRIGHT, panels, turned
+from .spacecraft_parts import AXES, FLAT, PYRAMID, UPRIGHT, WHEEL_MOMENTUM, WHEEL_TORQUE, panels, turned
 
 
 def spacecraft_slew() -> Scene:
@@ -92,6 +92,80 @@ def spacecraft_slew() -> Scene:
         ),
         start_spread=0.02,
         compare=("tip1_z",),
+    )
+
+
+def spacecraft_wheels() -> Scene:
+    """Turn a spacecraft by 30 degrees about z by four reaction wheels, rest to rest, in 180 s; control period 0.2 s.
+
+    As "spacecraft-slew", but wheels in a pyramid turn the hub by the torque that they take, within their torque and the
+    momentum that they can store. The total momentum stays zero, whatever they do: they are at rest again when the hub
+    is, but for a spin that they can share without turning it. The cost weighs neither. A star tracker, gyros and the
+    wheels' tachometers are the plant's own `sensors()`. Nominal torques turn a rigid spacecraft in the first 90 s.
+
+    | observation              | unit  |
+    |--------------------------|-------|
+    | attitude_x               | 1     |
+    | attitude_y               | 1     |
+    | attitude_z               | 1     |
+    | body_rate_x              | rad/s |
+    | body_rate_y              | rad/s |
+    | body_rate_z              | rad/s |
+    | wheel1_momentum          | N m s |
+    | wheel2_momentum          | N m s |
+    | wheel3_momentum          | N m s |
+    | wheel4_momentum          | N m s |
+
+    | action                   | unit  | at -1 | at 1 |
+    |--------------------------|-------|-------|------|
+    | wheel1_torque            | N m   | -0.2  | 0.2  |
+    | wheel2_torque            | N m   | -0.2  | 0.2  |
+    | wheel3_torque            | N m   | -0.2  | 0.2  |
+    | wheel4_torque            | N m   | -0.2  | 0.2  |
+
+    | cost of the deviation in | unit  | weight |
+    |--------------------------|-------|--------|
+    | attitude_x               | 1     | 1      |
+    | attitude_y               | 1     | 1      |
+    | attitude_z               | 1     | 1      |
+    | body_rate_x              | rad/s | 100    |
+    | body_rate_y              | rad/s | 100    |
+    | body_rate_z              | rad/s | 100    |
+    | tip1_z                   | m     | 100    |
+    | tip2_z                   | m     | 100    |
+    | wheel1_torque            | N m   | 1      |
+    | wheel2_torque            | N m   | 1      |
+    | wheel3_torque            | N m   | 1      |
+    | wheel4_torque            | N m   | 1      |
+
+    | ends beyond              | unit  | bound |
+    |--------------------------|-------|-------|
+    | tip1_z                   | m     | 0.2   |
+    | tip2_z                   | m     | 0.2   |
+    | wheel1_momentum          | N m s | 6     |
+    | wheel2_momentum          | N m s | 6     |
+    | wheel3_momentum          | N m s | 6     |
+    | wheel4_momentum          | N m s | 6     |
+    """
+    slew = spacecraft_slew()
+    own = FlexibleSpacecraft.textbook()
+    hub = dataclasses.replace(own.hub, wheels=PYRAMID)
+    craft = dataclasses.replace(own, hub=hub, appendages=panels(UPRIGHT), kinematics="linear", translation=False)
+    tips, momenta = ("tip1_z", "tip2_z"), tuple(f"wheel{k}_momentum" for k in (1, 2, 3, 4))
+    return dataclasses.replace(
+        slew,
+        name="spacecraft-wheels",
+        about="turn a spacecraft with two flexible panels by 30 degrees, by four reaction wheels",
+        plant=craft,
+        start=turned(-30.0, "z"),
+        duration=180.0,
+        move_time=90.0,
+        dt=0.2,
+        substeps=4,
+        limits=(WHEEL_TORQUE,) * 4,
+        bounds=(*((n, 0.2) for n in tips), *((n, WHEEL_MOMENTUM) for n in momenta)),
+        effort=tuple((f"wheel{k}_torque", 1.0) for k in (1, 2, 3, 4)),
+        observe=(*(n for n, _ in slew.weights if n not in tips), *momenta),
     )
 
 

@@ -67,6 +67,13 @@ class PlantContract(Declaration):
         """Coordinates that a goal which names them holds, so that natural frequencies are told with them locked."""
         return tuple(name for name in self.rates if name not in self.prescribed)
 
+    @property
+    def shared_joints(self) -> tuple[Joint, ...]:
+        """Coordinates that all inputs drive together, where there is not one for each; their `input` is "". Default:
+        none.
+        """
+        return ()
+
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
         """For each input that drives one coordinate: the input, the coordinate and its rate, in the inputs' order.

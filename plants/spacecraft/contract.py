@@ -52,6 +52,14 @@ class SpacecraftContract(SpacecraftDeclaration):
                 found.append(Joint(s.name, angle, self.rates[angle]))
         return tuple(found)
 
+    @property
+    def shared_joints(self) -> tuple[Joint, ...]:
+        """The attitude, where wheels about any three or more directions are all the inputs there are."""
+        axes = np.array([wheel.axis for wheel in self.hub.wheels]).reshape(-1, 3)
+        if len(axes) != len(self.inputs) or np.linalg.matrix_rank(axes) < 3:
+            return ()
+        return tuple(Joint("", f"attitude_{c}", f"body_rate_{c}") for c in "xyz")
+
     def sensors(self) -> tuple[Sensed, ...]:
         """Star tracker, gyro, tachometers of the wheels, encoders of the hinges; not the place."""
         stars = (Sensed("star tracker", name, "rad") for name in self.attitude_outputs)

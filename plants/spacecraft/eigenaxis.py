@@ -1,7 +1,10 @@
 """A slew from rest to rest about one axis fixed in the body, by inverse dynamics of the rigid spacecraft.
 
-Without loads and wheels the rigid equations are J d(omega)/dt + omega x J omega = torque at any attitude, so that the
-inputs are a share of the angle's acceleration and one of its rate squared.
+Without loads the rigid equations are J d(omega)/dt + omega x (J omega + h) = torque at any attitude, h of the wheels.
+Without wheels the inputs are a share of the angle's acceleration and one of its rate squared. Wheels that start at rest
+keep J omega + h = 0, the total momentum: they take what the hub has, nothing precesses, and beside the share of the
+acceleration there is only their bearings' friction, a share of the rate. More wheels than three share the torque so
+that the sum of its squares is least.
 """
 
 from __future__ import annotations
@@ -17,24 +20,35 @@ from pliant.plants.spacecraft_parts.environment import Environment
 from .declaration import SpacecraftDeclaration
 
 Array = np.ndarray
+TURNED = 1e-9  # share of a turn that inputs may lack
 
 
 def slew(craft: SpacecraftDeclaration, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
     """u(t) (nu,) from the attitude of `begin` (nx,) to that of `end` in `time` [s], at rest at both, hinges as at
-    `begin`. ValueError with loads or wheels.
+    `begin`. ValueError with loads, with wheels that do not rest at `begin`, and where no input turns it about the axis.
     """
-    if craft.environment != Environment() or craft.hub.wheels:
-        raise ValueError("a spacecraft without loads and wheels, to turn about one axis")
+    if craft.environment != Environment():
+        raise ValueError("a spacecraft without loads, to turn about one axis")
     at, x = craft.layout, np.array(begin, dtype=float)
     first, last = x[at.quaternion], np.asarray(end, dtype=float)[at.quaternion]
     turn = _rotation_vector(product(first * [1.0, -1.0, -1.0, -1.0], last))  # in body axes
-    x[at.omega] = turn
+    if np.any(x[at.wheels]):
+        raise ValueError(f"wheels at rest at the start, not with {x[at.wheels]} N m s, to turn about one axis")
     B = craft.jacobians(x)[1][at.omega]
-    speeding, turning = (np.linalg.lstsq(B, v, rcond=None)[0] for v in (turn, -craft.dynamics(x)[at.omega]))
+    speeding = np.linalg.lstsq(B, turn, rcond=None)[0]
+    if np.abs(B @ speeding - turn).max() > TURNED * np.abs(turn).max():
+        raise ValueError(f"inputs that turn it about {turn / np.linalg.norm(turn)}, which wheels or thrusters do not")
+    wheels = len(craft.hub.wheels)
+    x[at.omega], x[at.wheels] = turn, -speeding[:wheels]
+    rubbed = np.zeros(craft.nu)  # as the wheels' friction acts on the hub at d(angle)/dt = turn
+    for k, wheel in enumerate(craft.hub.wheels):
+        rubbed[k] = wheel.friction * (x[at.wheels][k] / wheel.inertia - np.dot(wheel.axis, turn))
+    lacking = craft.dynamics(x, -rubbed)[at.omega]
+    turning = np.linalg.lstsq(B, -lacking, rcond=None)[0]
 
     def torque(t: float) -> Array:
         _, ds, dds = minimum_jerk(t / time)
-        return speeding * (dds / time**2) + turning * (ds / time) ** 2
+        return speeding * (dds / time**2) - rubbed * (ds / time) + turning * (ds / time) ** 2
 
     return torque
 

@@ -5,7 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.controllers.joint_control.collocation import accelerations, loop_eigenvalues, rigid_inertia
+from pliant.controllers.joint_control.collocation import (
+    accelerations,
+    loop_eigenvalues,
+    rigid_inertia,
+    rigid_state,
+    sharing,
+)
 from pliant.plants import LargeDeflectionBeam, LinearModel, PliantError, TwoLinkArm
 
 ARM = TwoLinkArm.textbook()
@@ -39,3 +45,18 @@ def test_eigenvalues_of_a_held_loop_tend_to_those_of_the_continuous_one():
     np.testing.assert_allclose(np.sort(loop_eigenvalues(model, K, reads, None).real), want, rtol=1e-12)
     off = [np.abs(np.sort(loop_eigenvalues(model, K, reads, h).real) - want).max() for h in (0.02, 0.01)]
     assert 1.8 < off[0] / off[1] < 2.2
+
+
+def test_inputs_that_share_joints_give_the_least_that_moves_one():
+    """Two equal pushes on one mass: half each (least squares); more joints than inputs cannot be moved one by one."""
+    model = LinearModel.from_matrices([[0.0, 1.0], [0.0, 0.0]], [[0.0, 0.0], [2.0, 2.0]], states=["x", "v"])
+    np.testing.assert_allclose(sharing(model, ("v",)), [[0.25], [0.25]])
+    with pytest.raises(PliantError, match="one by one"):
+        sharing(model, ("x", "v"))
+
+
+def test_the_state_of_the_rigid_variant_is_by_name():
+    plant = TwoLinkArm.textbook()
+    x = np.arange(plant.nx) / 10
+    known = dict(zip((s.name for s in plant.states), x))
+    np.testing.assert_array_equal(rigid_state(plant, x), [known[s.name] for s in plant.ladder()[0].states])

@@ -43,8 +43,30 @@ def test_the_shorter_way_round_is_taken():
     np.testing.assert_allclose(far(3.0), near(3.0), atol=1e-9 * np.abs(near(3.0)).max())
 
 
-def test_wheels_are_refused():
-    hub = dataclasses.replace(CRAFT.hub, wheels=(Wheel(axis=(0.0, 0.0, 1.0), inertia=0.1),))
-    craft = dataclasses.replace(CRAFT, hub=hub)
-    with pytest.raises(ValueError, match="without loads and wheels"):
-        slew(craft, craft.state(), craft.state(), TIME)
+PYRAMID = tuple((a / 3**0.5, b / 3**0.5, 1 / 3**0.5) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
+
+
+def with_wheels(axes, friction=0.0):
+    wheels = tuple(Wheel(axis=a, inertia=0.1, friction=friction) for a in axes)
+    return dataclasses.replace(CRAFT, hub=dataclasses.replace(CRAFT.hub, wheels=wheels))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.02])
+@pytest.mark.parametrize("axes", [((1.0, 0, 0), (0, 1.0, 0), (0, 0, 1.0)), PYRAMID])
+def test_wheels_take_up_the_momentum_and_give_it_back(axes, friction):
+    """The total momentum stays 0: on the way the wheels hold what the hub has, at the end they rest as it does."""
+    craft, axis = with_wheels(axes, friction), np.array([0.48, -0.6, 0.64])
+    end = craft.state(dict(zip([f"quaternion_{k}" for k in range(4)], turned(axis, 1.2)[CRAFT.layout.quaternion])))
+    motion = craft.simulate(craft.state(), slew(craft, craft.state(), end, TIME), np.linspace(0.0, TIME, 41))
+    np.testing.assert_allclose(motion.x[-1], end, atol=1e-7)
+    middle = motion.x[20]
+    assert np.abs(middle[craft.layout.wheels]).max() > 1.0
+    np.testing.assert_allclose(craft.momentum(middle)[1], 0.0, atol=1e-7)
+
+
+def test_what_it_cannot_do_is_refused():
+    craft, end = with_wheels([(0.0, 0.0, 1.0)]), turned((1.0, 0, 0), 0.5)
+    with pytest.raises(ValueError, match="inputs that turn it about"):
+        slew(craft, craft.state(), np.append(end, 0.0), TIME)
+    with pytest.raises(ValueError, match="wheels at rest"):
+        slew(craft, craft.state(wheel1_momentum=1.0), np.append(end, 0.0), TIME)
