@@ -26,7 +26,7 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.validity.ranges import Range
-from pliant.plants.validity.slender import Pull, lowest, pulled, small_slopes
+from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
 from .link_frames import to_clamped
 from .single_link_declaration import SingleLinkDeclaration
@@ -157,14 +157,13 @@ class SingleLinkArm(SingleLinkDeclaration):
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
         """Small slopes; without stiffening also the shortening and the axial force that it leaves out."""
         n = self.coordinates_slice.stop
-        q, spin, link, load = self._clamped(x[:n]), self._clamped(x[n:])[0], self.elastic, self.payload
-        own, weight = self.nominal, self.gravity * ca.sin(q[0])
-        out = spin**2 * (self.hub_radius + link.beam.length + load.offset[0]) - weight
-        pull = Pull(spin**2 * self.hub_radius - weight, spin**2, load.mass * out)
-        shape = lowest(own.elastic, own.payload.mass / own.link.mass)
-        stiffened = 'kinematics="stiffened"'
-        found = small_slopes("the link", link, q[1:], stiffened, LARGE)
-        return (*found, *pulled("the link", link, pull, shape, stiffened))
+        q, spin, link, load = self._clamped(x[:n]), self._clamped(x[n:])[0] ** 2, self.elastic, self.payload
+        c, s = ca.cos(q[0]), ca.sin(q[0])
+        out = spin * (self.hub_radius + link.beam.length + load.offset[0]) - self.gravity * s
+        force = load.mass * out + c * w[0] + s * w[1]
+        pull = Pull(spin * self.hub_radius - self.gravity * s, spin, force)
+        name = "the link"
+        return (*small_slopes(name, link, q[1:], LARGE), *pulled(name, link, self.nominal.elastic, pull))
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""

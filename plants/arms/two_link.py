@@ -24,7 +24,7 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.validity.ranges import Range
-from pliant.plants.validity.slender import NONE_HOLDS, Pull, lowest, pulled, small_slopes
+from pliant.plants.validity.slender import NONE_HOLDS, Pull, pulled, small_slopes
 
 from .two_link_declaration import TwoLinkDeclaration
 
@@ -175,26 +175,24 @@ class TwoLinkArm(TwoLinkDeclaration):
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
         """Small slopes; without stiffening also the shortening and the axial force that it leaves out."""
         n = self.coordinates_slice.stop
-        q, v, own = x[:n], x[n:], self.nominal
-        (_, _, q1, q2), (w1, w2, v1, _), (link1, link2) = self._split(q), self._split(v), self.links
+        q, v, links = x[:n], x[n:], self.links
+        (_, _, q1, q2), (w1, w2, v1, _) = self._split(q), self._split(v)
         c1, s1, c12, s12 = self._heights(q)
-        spin1, spin2 = w1**2, (w1 + w2 + (link1.slope(v1) if self.tip_slope else 0)) ** 2
+        spin1, spin2 = w1**2, (w1 + w2 + (links[0].slope(v1) if self.tip_slope else 0)) ** 2
         L1, L2, m2, mp, g = self.link1.length, self.link2.length, self.link2.mass, self.payload.mass, self.gravity
         beyond, aligned = self.joint_mass + m2 + mp, c1 * c12 + s1 * s12
-        out = (m2 / 2 + mp) * L2 * spin2 * aligned  # the second link's own spin, along the first
-        pull1 = Pull(-g * s1, spin1, beyond * (L1 * spin1 - g * s1) + out)
+        out = (m2 / 2 + mp) * L2 * spin2 * aligned + c1 * w[0] + s1 * w[1]  # of the second link's own spin
         root = L1 * spin1 * aligned - g * s12
-        pull2 = Pull(root, spin2, mp * (root + L2 * spin2))
-        carried = (own.joint_mass + own.link2.mass + own.payload.mass) / own.link1.mass
-        shapes = lowest(own.links[0], carried), lowest(own.links[1], own.payload.mass / own.link2.mass)
-        stiffened, found = 'kinematics="stiffened"', list[Range]()
-        for name, link, bent, pull, shape in zip(
-            ("link 1", "link 2"), (link1, link2), (q1, q2), (pull1, pull2), shapes
-        ):
-            found += small_slopes(name, link, bent, stiffened, LARGE) + pulled(name, link, pull, shape, stiffened)
+        pulls = (
+            Pull(-g * s1, spin1, beyond * (L1 * spin1 - g * s1) + out),
+            Pull(root, spin2, mp * (root + L2 * spin2) + c12 * w[0] + s12 * w[1]),
+        )
+        found = list[Range]()
+        for i, (link, numbers, bent, pull) in enumerate(zip(links, self.nominal.links, (q1, q2), pulls), start=1):
+            found += small_slopes(f"link {i}", link, bent, LARGE) + pulled(f"link {i}", link, numbers, pull)
         if not self.tip_slope and q1.shape[0]:
             keeps = "leaving it out misplaces the tip by less than 1 % of link 2's length"
-            turned = ca.fabs(link1.slope(q1))
+            turned = ca.fabs(links[0].slope(q1))
             found.append(Range("slope of link 1's tip", "rad", TURNED, keeps, "tip_slope=True", turned))
         return tuple(found)
 

@@ -53,6 +53,11 @@ class Plant(PlantContract):
         return ca.SX.sym("y", self.ny)
 
     @built_once
+    def _measured_ranges(self) -> bool:
+        """Whether any of them depends on an output."""
+        return bool(ca.depends_on(ca.vertcat(0, *[r.value for r in self.validity]), self.symbols_of_outputs))
+
+    @built_once
     def _reached(self) -> NumericFunction:
         given = [*self.symbols, self.symbols_of_outputs]
         return function("reached", given, [ca.vertcat(*[r.value for r in self.validity])])

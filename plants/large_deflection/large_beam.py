@@ -162,7 +162,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
             twists = None if self.planar else _largest_twist(q[first + 2 * each :], self.segments, self.twists)
             curved = [(curvature / L, moment) for (_, curvature), moment in zip(planes, MOMENTS)]
             slope = ca.norm_2(ca.vertcat(*[s for s, _ in planes]))
-            return (*fibres(beam, curved, pull), *sub_beams(slope, twists))
+            return (*fibres(beam, curved, pull), *sub_beams(beam, slope, twists))
         m = self.modes + (self.root != "clamped")
         curved = [(largest(shapes.curvature(at), q[:m]) / L, "I_z")]
         if self.planar:

@@ -17,9 +17,8 @@ import casadi as ca
 import numpy as np
 
 from .ranges import Range
-from .slender import AXIAL, SHORTENING, SLOPE
+from .slender import AXIAL, SHORTENING, SLOPE, STIFFENED
 
-STIFFENED = 'kinematics="stiffened"'
 LARGE = "no kinematics of FlexibleSpacecraft; for one boom alone LargeDeflectionBeam"
 SAME = 1e-6  # of the outline's size: points nearer are one
 
@@ -56,7 +55,7 @@ def of_appendage(
     if not eta.shape[0]:
         return []
     n, lines = eta.shape[0], _lines(data)
-    keeps = "static deflections err by less than 5 %"
+    keeps = "elastic forces err by less than 5 %"
     turn = ca.SX(0)
     for rows in lines:
         turn = ca.fmax(turn, ca.sumsqr(ca.DM(rows[:, :n]) @ eta))

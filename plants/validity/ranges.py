@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -112,24 +112,43 @@ def left(plant: PlantLike, motion: Trajectory, p: Any = None) -> tuple[Left, ...
     return _left(plant, motion.t, values(plant, motion, p))
 
 
+def left_along(plant: PlantLike, t: Array, x: Array) -> tuple[Left, ...]:
+    """The ranges that states x (nt, nx) at the times t leave without any input."""
+    u = np.zeros((len(t), plant.nu))
+    return _left(plant, t, _at(plant, t, x, u, None, _outputs(plant, t, x, u, None, None), None))
+
+
 def left_at(
     plant: PlantLike, t: float, x: Array, u: Array, *, w: Array | None = None, p: Any = None
 ) -> tuple[Left, ...]:
     """The ranges outside of which one state x (nx,) lies."""
-    y = plant.measure(x, u, w=w, p=p, t=t)
     at = np.array([t])
-    return _left(plant, at, _at(plant, at, x, u, w, y, p))
+    return _left(plant, at, _at(plant, at, x, u, w, _outputs(plant, t, x, u, w, p), p))
 
 
-def tell(plant: PlantLike, found: Sequence[Left], stacklevel: int) -> None:
+def _outputs(plant: PlantLike, t: Any, x: Array, u: Array, w: Array | None, p: Any) -> Array:
+    """Outputs where some range depends on them, else zeros: they cost more than all ranges."""
+    if not plant._measured_ranges:
+        return np.zeros(len(plant.outputs))
+    return plant.measure(x, u, w=w, p=p, t=t)
+
+
+def tell(plant: PlantLike, found: Sequence[Left], stacklevel: int, what: str = "the motion") -> None:
     """Warn (ValidityWarning) of the ranges that a motion has left, all in one."""
     if found:
         warnings.warn(
-            f"the motion leaves the range in which the kinematics of {type(plant).__name__} ({plant.label}) hold: "
+            f"{what} leaves the range in which the kinematics of {type(plant).__name__} ({plant.label}) hold: "
             + "; ".join(a.words for a in found),
             ValidityWarning,
             stacklevel=stacklevel + 1,
         )
+
+
+def judged(plant: PlantLike, motion: Trajectory, p: Any = None, *, stacklevel: int = 2) -> Trajectory:
+    """The motion, with what it leaves told and in its stats."""
+    found = left(plant, motion, p)
+    tell(plant, found, stacklevel + 1)
+    return replace(motion, stats={**motion.stats, "validity": [a.to_json() for a in found]}) if found else motion
 
 
 def reach(ranges: Sequence[Range]) -> ca.SX:

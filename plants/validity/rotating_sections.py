@@ -3,10 +3,12 @@
 Fibres      Hooke's law and sections that keep their shape: fibres strained by eps change the section's size, and so its
             stiffness, by Poisson's ratio times eps. FIBRE is 1 %, as for the stretch that inextensible beams leave out.
 One turn    In space a rotation vector is singular at one turn, phi = 2 pi: with it the strain that it stands for.
-Sub-beams   A tangent (1 - sigma^2/2, sigma) stands at sigma + sigma^3/6, its section at sigma: the slope errs by
-            sigma^2/6 of itself. SUB_SLOPE = 0.5 rad keeps 5 %.
-Twisted     In space a sub-beam's turns are added as if small: a twist tau of it moves the bends of the rest out of
-            their plane by tau/2 of themselves at its middle. SUB_TWIST = 0.1 rad keeps 5 %.
+Sub-beams   Within its frame a sub-beam bends as `slender` beams do: it stands at sigma across where its section, and so
+            its curvature, has turned by sigma, 0.46 sigma^2 too far under a force. The limit is that of a link's slope,
+            SLOPE; frames that halve the slopes ("mean-axis", "chord") quarter the error.
+Twisted     A sub-beam's bends are stiff about the axes of its frame, not of its twisted sections. A twist tau, of which
+            the frame takes a part, leaves at most tau/2 of it: a force along one axis then bends about the other by
+            (tau/2) (I_max/I_min - 1) of itself. SKEW = 0.1 keeps that below 5 %; a round beam feels none.
 """
 
 from __future__ import annotations
@@ -19,13 +21,12 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 
 from .ranges import Range
-from .slender import NONE_HOLDS
+from .slender import NONE_HOLDS, SLOPE
 
 FIBRE = 0.01
 MOMENTS = ("I_z", "I_y")  # that bending about z and about y feel
 ONE_TURN = 2 * np.pi  # [rad]
-SUB_SLOPE = 0.5  # [rad]
-SUB_TWIST = 0.1  # [rad]
+SKEW = 0.1  # [rad]
 FINER = 'more segments, or kinematics="strain"'
 
 
@@ -54,11 +55,14 @@ def below_one_turn(shapes: Sequence[np.ndarray], bends: ca.SX, flaps: ca.SX) -> 
     return Range("rotation of a section against the root", "rad", ONE_TURN, keeps, holds, ca.sqrt(farthest))
 
 
-def sub_beams(slopes: ca.SX, twists: ca.SX | None) -> list[Range]:
+def sub_beams(beam: Beam, slopes: ca.SX, twists: ca.SX | None) -> list[Range]:
     """Of a chain: its largest slope within a sub-beam, and in space its largest twist of one [rad]."""
-    keeps = "slopes within a sub-beam err by less than 5 % of themselves"
-    found = [Range("slope within a sub-beam", "rad", SUB_SLOPE, keeps, FINER, slopes)]
+    turns = slopes if twists is None else ca.sqrt(slopes**2 + twists**2)
+    keeps = "elastic forces of a sub-beam err by less than 5 %"
+    found = [Range("turn within a sub-beam", "rad", SLOPE, keeps, FINER, turns)]
     if twists is not None:
         keeps = "bends of a twisted sub-beam err by less than 5 % of themselves"
-        found.append(Range("twist of a sub-beam", "rad", SUB_TWIST, keeps, FINER, twists))
+        ratio = ca.fmax(beam.I_y, beam.I_z) / ca.fmin(beam.I_y, beam.I_z)
+        quantity = "twist of a sub-beam times I_max/I_min - 1"
+        found.append(Range(quantity, "rad", SKEW, keeps, FINER, twists * (ratio - 1)))
     return found

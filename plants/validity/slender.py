@@ -2,16 +2,18 @@
 second-order shortening.
 
 Slope       A deflection u(s) over arc length bends by u''/sqrt(1 - u'^2), so that the strain energy (1/2) int E I u''^2
-            leaves out the share e = int u''^2 u'^2/int u''^2 of itself, and a static deflection errs by 2 e to first
-            order. With theta the largest slope, 2 e = 0.46 theta^2 under a force at the tip, 0.41 under a uniform load,
-            0.5 for a half-sine between pins. SLOPE = 0.3 keeps that below 5 %: a cantilever's tip at a fifth of its
-            length, where the elastica (K. E. Bisshopp and D. C. Drucker, 1945) has 0.1923 L for 0.2 L, 4.0 %.
+            leaves out the share e = int u''^2 u'^2/int u''^2 of itself, and elastic forces err by 2 e to first order.
+            With theta the largest slope, 2 e = 0.46 theta^2 under a force at the tip, 0.41 under a uniform load, 0.5 of
+            a half-sine between pins. SLOPE = 0.3 keeps that below 5 %: a cantilever's tip at a fifth of its length,
+            where the elastica (K. E. Bisshopp and D. C. Drucker, 1945) has 0.1923 L for 0.2 L, 4.0 %. A deflection errs
+            by as much where bending alone resists; where compression leaves 1 - c of the stiffness, by 1/(1 - c) times.
 Shortening  "linear" leaves out s = (1/2) int u'^2, by which the tip stands too far out: SHORTENING is 1 % of L.
-Axial load  "linear" leaves out the work of the axial force N on the shortening, (1/2) int N u'^2, the geometric
-            stiffness. As a share of the bending stiffness int E I u''^2, u the link's lowest mode, a static deflection
-            errs by it and a frequency by its half: AXIAL keeps 5 %. For the spin Omega of a cantilever it is
-            1.19 (Omega/omega_1)^2 (Southwell's coefficient), so that the range ends at a fifth of the first frequency.
-            N is that of spin and weight of the straight link: accelerations of its root are not counted.
+Axial load  "linear" leaves out the work (1/2) int N u'^2 of the axial force N on it, the geometric stiffness. Of no
+            shape is it a larger share of the bending stiffness int E I u''^2 than of the one that N buckles: |N| over
+            the buckling load. A static deflection errs by it where N pulls and by c/(1 - c) where N pushes, a frequency
+            by its half; the load may suit another shape by a tenth better: AXIAL = 4.5 % keeps 5 %. The spin Omega of a
+            cantilever has 1.2 (Omega/omega_1)^2 (Southwell), so that the range ends at a fifth of its first frequency.
+            N is that of the straight link under spin, weight and tip force; accelerations of its root are not counted.
 Stretch     The links are inextensible; N/(E A) is by how much of its length a point is then misplaced: STRETCH is 1 %.
 """
 
@@ -31,10 +33,11 @@ from .ranges import Range, largest
 
 SLOPE = 0.3  # [rad]
 SHORTENING = 0.01  # of the length
-AXIAL = 0.05  # of the bending stiffness
+AXIAL = 0.045  # of the buckling load
 STRETCH = 0.01  # strain
 STATIONS = np.linspace(0.0, 1.0, 9)  # where slopes are looked at: shapes of up to eight half-waves show theirs
 NONE_HOLDS = "no kinematics of this library"
+STIFFENED = 'kinematics="stiffened"'
 
 
 @dataclass(frozen=True)
@@ -50,13 +53,26 @@ class Pull:
         m, L = link.beam.mass, link.beam.length
         return m * (self.uniform + self.growing * L / 2) + self.tip
 
-    def stiffness(self, link: ElasticLink, shape: np.ndarray) -> ca.SX:
-        """int N u'^2 [N/m] for u one of the link's shapes (n,)."""
-        m, L, basis = link.beam.mass, link.beam.length, link.basis
+    def over_buckling(self, link: ElasticLink, numbers: ElasticLink) -> ca.SX:
+        """Each of the three forces over what of it alone, pushing, buckles the link; their sum, below 0 in compression.
+
+        `numbers`: the link with numbers for its parameters.
+        """
+        m, L, own = link.beam.mass, link.beam.length, numbers.basis
         mean, moment, whole = (
-            shape @ S @ shape for S in (basis.shortening_mean, basis.shortening_moment, basis.shortening)
+            buckling(numbers, S) for S in (own.shortening_mean, own.shortening_moment, own.shortening)
         )
-        return m / L * (self.uniform * mean + self.growing * L * moment) + self.tip / L * whole
+        forces = m * (self.uniform * mean + self.growing * L * moment) + self.tip * whole
+        return forces * L**2 / link.beam.EI
+
+
+def buckling(link: ElasticLink, S: np.ndarray) -> float:
+    """Largest q.S q/q.K q with K the stiffness in units of E I/L^3: E I/L^2 over the force that buckles the link."""
+    beam, basis = link.beam, link.basis
+    K = basis.stiffness
+    if basis.shear is not None:
+        K = K + beam.shear_stiffness * beam.length**2 / beam.EI * basis.shear
+    return float(linalg.eigh(S, K, eigvals_only=True)[-1])
 
 
 def slopes(link: ElasticLink, q: ca.SX) -> ca.SX:
@@ -72,60 +88,41 @@ def shortening(link: ElasticLink, q: ca.SX) -> ca.SX:
     return ca.dot(q, ca.sparsify(ca.DM(S)) @ q) / (2 * link.beam.length**2)
 
 
-def small_slopes(name: str, link: ElasticLink, q: ca.SX, stiffened: str, large: str) -> list[Range]:
-    """Ranges that hold however the link moves; `stiffened`, `large`: the kinematics beyond."""
+def small_slopes(name: str, link: ElasticLink, q: ca.SX, large: str) -> list[Range]:
+    """Ranges that hold however the link moves; `large`: the kinematics beyond small slopes."""
     if not link.basis.n:
         return []
-    keeps = "static deflections err by less than 5 %"
+    keeps = "elastic forces err by less than 5 %"
     found = [Range(f"slope of {name}", "rad", SLOPE, keeps, large, slopes(link, q))]
     if not link.stiffened:
         keeps = "leaving it out misplaces the tip by less than 1 % of the length"
         value = shortening(link, q)
-        found.append(Range(f"shortening of {name} over its length", "1", SHORTENING, keeps, stiffened, value))
+        found.append(Range(f"shortening of {name} over its length", "1", SHORTENING, keeps, STIFFENED, value))
     return found
 
 
-def lowest(link: ElasticLink, carried: float) -> np.ndarray:
-    """The lowest bending mode (n,) of a link clamped at its root with a mass ratio `carried` at its tip, in numbers."""
-    beam, basis = link.beam, link.basis
-    if not basis.n:
-        return np.zeros(0)
-    K = basis.stiffness
-    if basis.shear is not None:
-        K = K + beam.shear_stiffness * beam.length**2 / beam.EI * basis.shear
-    M = basis.mass + carried * np.outer(basis.tip, basis.tip)
-    return np.asarray(linalg.eigh(K, M)[1][:, 0])
-
-
-def pulled(name: str, link: ElasticLink, pull: Pull, shape: np.ndarray, stiffened: str) -> list[Range]:
-    """Ranges of a link under an axial force; `shape` (n,) is that of its lowest mode."""
-    if not len(shape):
+def pulled(name: str, link: ElasticLink, numbers: ElasticLink, pull: Pull) -> list[Range]:
+    """Ranges of a clamped link under an axial force; `numbers`: the link with numbers for its parameters."""
+    if not link.basis.n:
         return []
-    beam = link.beam
-    force = pull.at_root(link)
     keeps = "an inextensible link misplaces its points by less than 1 % of the length"
-    stretched = ca.fabs(force) / (beam.E * beam.area)
+    stretched = ca.fabs(pull.at_root(link)) / (link.beam.E * link.beam.area)
     found = [Range(f"axial strain of {name}", "1", STRETCH, keeps, f"{NONE_HOLDS} for arms", stretched)]
-    if not link.stiffened:
-        keeps = "leaving it out takes static deflections wrong by less than 5 %"
-        share = ca.fabs(pull.stiffness(link, shape) / (2 * link.strain_energy(ca.SX(ca.DM(shape)))))
-        quantity = f"stiffening of {name} by spin and weight over its bending stiffness"
-        found.append(Range(quantity, "1", AXIAL, keeps, stiffened, share))
-    return found
+    return found if link.stiffened else [*found, _axial(name, ca.fabs(pull.over_buckling(link, numbers)))]
 
 
 def pinned(name: str, rod: PinnedRod, e: ca.SX, force: ca.SX, large: str) -> list[Range]:
-    """Ranges of a rod between pins at bending coordinates e (n,), under an axial force [N], positive in tension.
-
-    Its lowest mode is a half-sine, for which int N u'^2/int E I u''^2 = N L^2/(pi^2 E I): N over Euler's load.
-    """
-    beam, stiffened = rod.beam, 'kinematics="stiffened"'
-    found = small_slopes(name, rod.link, e, stiffened, large)
+    """Ranges of a rod between pins at bending coordinates e (n,), under an axial force [N], positive in tension."""
+    beam = rod.beam
+    found = small_slopes(name, rod.link, e, large)
     keeps = "the rod's extension misplaces its points by less than 1 % of the length"
     stretched = ca.fabs(force) / (beam.E * beam.area)
     found.append(Range(f"axial strain of {name}", "1", STRETCH, keeps, NONE_HOLDS, stretched))
     if rod.link.basis.n and not rod.stiffened:
-        keeps = "leaving it out takes static deflections wrong by less than 5 %"
-        share = ca.fabs(force) * beam.length**2 / (np.pi**2 * beam.EI)
-        found.append(Range(f"axial force of {name} over its buckling load", "1", AXIAL, keeps, stiffened, share))
+        found.append(_axial(name, ca.fabs(force) * beam.length**2 / (np.pi**2 * beam.EI)))  # Euler's load
     return found
+
+
+def _axial(name: str, value: ca.SX) -> Range:
+    keeps = "leaving out the stiffening by it takes static deflections wrong by less than 5 %"
+    return Range(f"axial force of {name} over its buckling load", "1", AXIAL, keeps, STIFFENED, value)
