@@ -46,7 +46,8 @@ class Plant(PlantContract):
     @built_once
     def validity(self) -> tuple[Range, ...]:
         """The ranges of this plant's kinematics, in `symbols` and `symbols_of_outputs`: see `left_ranges`."""
-        return self.symbolic.ranges(*self.symbols[:4], self.symbols_of_outputs)
+        t, x, u, w, _ = self.symbols
+        return self.symbolic.ranges(t, x, u, w, self.symbols_of_outputs)
 
     @built_once
     def symbols_of_outputs(self) -> ca.SX:

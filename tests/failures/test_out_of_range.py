@@ -1,9 +1,10 @@
 """A motion that bends a link further than its kinematics bear: numbers without a word, until the range is looked at.
 
-Naive       a stiffened arm, small slopes, turned so hard that its tip lags by a third of its length
+Naive       a stiffened arm, small slopes, turned so hard that its tip lags by three quarters of its length: a fifth of
+            that is wrong
 Noticed     simulate warns, names the slope, its range, when it is left and what holds; so do the file, the environment
             and the choice of a model
-Holds       LargeDeflectionBeam under the same motion of the hub; another discretisation of it agrees
+Holds       LargeDeflectionBeam under the same motion of the hub; other shape functions agree
 """
 
 import dataclasses
@@ -22,7 +23,7 @@ LINK = Beam.rectangular(5.0, width=0.02, depth=0.02, material=STEEL)
 ARM = SingleLinkArm(link=LINK, drive="motion", modes=3)
 BEAM = LargeDeflectionBeam(beam=LINK, root="driven", gravity=(0.0, 0.0, 0.0), modes=4)
 T = np.linspace(0.0, 0.5, 51)
-TOLERANCES = {"rtol": 1e-7, "atol": 1e-9}
+TOLERANCES = {"rtol": 1e-6, "atol": 1e-8}
 
 
 def lag(plant, hard):
@@ -34,15 +35,14 @@ def lag(plant, hard):
 
 
 def test_small_slopes_are_believed_as_far_as_they_go() -> None:
-    (naive, told), (true, silent) = lag(ARM, 15.0), lag(BEAM, 15.0)
-    assert np.abs(true).max() > 0.3 * LINK.length
-    assert np.abs(naive - true).max() > 0.1 * np.abs(true).max()  # wrong by a tenth and more
+    (naive, told), (true, silent) = lag(ARM, 10.0), lag(BEAM, 10.0)
+    assert np.abs(true).max() > 0.7 * LINK.length
+    assert np.abs(naive - true).max() > 0.2 * np.abs(true).max()  # wrong by a fifth
     assert len(told) == 1 and "slope of the link" in told[0] and "LargeDeflectionBeam" in told[0]
     assert not silent
-    chain = dataclasses.replace(BEAM, kinematics="substructured", segments=4, modes=3)
-    again, silent = lag(chain, 15.0)
+    again, silent = lag(dataclasses.replace(BEAM, basis="polynomial", modes=5), 10.0)
     assert np.abs(again - true).max() < 0.005 * np.abs(true).max() and not silent
-    (naive, told), (true, _) = lag(ARM, 5.0), lag(BEAM, 5.0)
+    (naive, told), (true, _) = lag(ARM, 1.5), lag(BEAM, 1.5)
     assert np.abs(naive - true).max() < 0.05 * np.abs(true).max() and not told
 
 
