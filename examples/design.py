@@ -1,11 +1,13 @@
 """From parameters to a controller for a two-link elastic arm, in ten lines of design."""
 
+import dataclasses
+
 import numpy as np
 
 from pliant.controllers import LQR
 from pliant.plants import TwoLinkArm
 
-arm = TwoLinkArm.textbook()
+arm = dataclasses.replace(TwoLinkArm.textbook(), kinematics="stiffened", basis="payload", hub_inertia=(0.1, 0.02))
 x0, u0 = arm.equilibrium(theta1=-0.9, theta2=0.6)  # hold the arm up against gravity
 plant = arm.linearize(x0, u0)  # exact, by automatic differentiation
 print(*plant.modes(), sep="\n")

@@ -18,6 +18,7 @@ from pliant.plants.core.errors import (
     PliantError,
     StabilityLimitError,
     UncontrollableError,
+    ValidityWarning,
 )
 from pliant.plants.core.signals import Signal
 from pliant.plants.core.trajectory import Trajectory
@@ -68,6 +69,7 @@ __all__ = [
     "TransferMatrices",
     "TwoLinkArm",
     "UncontrollableError",
+    "ValidityWarning",
     "Wheel",
     "beams",
     "paper_terms",

@@ -24,6 +24,7 @@ from pliant.controllers.solvers import interior_point
 from pliant.plants.core.errors import InfeasibleError
 from pliant.plants.core.parameters import require_choice, require_count, require_finite
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.validity.ranges import judged
 
 from .multiple_shooting import Transcription
 
@@ -50,11 +51,14 @@ class Motion:
     seconds: float  # [s] wall time of the solver
 
     def trajectory(self, plant: Plant) -> Trajectory:
-        """The motion in the plant's signals, inputs held; the last input is repeated at the end."""
+        """The motion in the plant's signals, inputs held; the last input is repeated at the end.
+
+        Warns (ValidityWarning) where it leaves a range of the plant's `validity`.
+        """
         u = np.vstack([self.u, self.u[-1:]])
         found = Trajectory.from_arrays(self.t, self.x, u, plant=plant, hold="zero-order")
         stats = {"cost": self.cost, "iterations": self.iterations, "status": self.status, "seconds": self.seconds}
-        return replace(found, dx=plant.dynamics(self.x, u, t=self.t), stats=stats)
+        return judged(plant, replace(found, dx=plant.dynamics(self.x, u, t=self.t), stats=stats))
 
 
 def optimal(

@@ -14,9 +14,11 @@ from pliant.envs import scenes
 from pliant.envs.rendering import Renderer, renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
-from pliant.envs.simulation.control_period import LARGEST, check_substep
+from pliant.envs.simulation.control_period import LARGEST, check_substep, reach_function
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
 from pliant.plants.core import parameters
+from pliant.plants.core.casadi_functions import NumericFunction
+from pliant.plants.validity.ranges import left_at
 
 
 class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -38,7 +40,8 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     finite observation comes again.
 
     info: "cost" = -reward, "early_end_cost" the part of it charged for the time left, "diverged", and
-    "parameters", the values of the randomised parameters by name.
+    "parameters", the values of the randomised parameters by name. "validity" is there only where the state lies outside
+    a range of plant.validity: for each, farthest first, its quantity, size, range and the kinematics that hold.
 
     randomise  False: the scene's own start and parameters, every episode the same. True: both drawn at each
                reset from `np_random` alone, uniformly within scene.start_spread and scene.randomise's factors
@@ -70,6 +73,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self._nominal = scene.varied_plant.nominal_parameters
         check_substep(scene, self.randomise)
         self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
+        self._reach = NumericFunction(reach_function(scene))
         self._idle = np.zeros(scene.plant.nu)
         self._steps = scene.steps
         self._over = True
@@ -129,7 +133,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             self._renderer.clear()
         if self.render_mode == "human":
             self.render()
-        return self._obs.astype(self._dtype), self._info(0.0, 0.0, False)
+        return self._obs.astype(self._dtype), self._info(0.0, 0.0, False, self._reach(x, self._idle, w, p)[0])
 
     def _given(self, p: np.ndarray, values: dict[str, float]) -> np.ndarray:
         p = p.copy()
@@ -139,8 +143,14 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             p[self._names.index(name)] = value
         return p
 
-    def _info(self, cost: float, early: float, diverged: bool) -> dict[str, Any]:
-        return {"cost": cost, "early_end_cost": early, "diverged": diverged, "parameters": self._drawn.copy()}
+    def _info(self, cost: float, early: float, diverged: bool, reach: np.ndarray) -> dict[str, Any]:
+        info = {"cost": cost, "early_end_cost": early, "diverged": diverged, "parameters": self._drawn.copy()}
+        if reach[0] > 1.0 and not diverged:
+            plant, step = self.scene.varied_plant, self._step
+            u = np.clip(self._u, -1.0, 1.0) * self.scene.limits
+            x, w, p = (a[:, 0].astype(float) for a in (step.x, step.w, step.p))
+            info["validity"] = [left.to_json() for left in left_at(plant, self.time, x, u, w=w, p=p)]
+        return info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Hold `action` (nu,) for one control period; see the class for what comes back."""
@@ -166,7 +176,8 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         if self.render_mode == "human":
             self.render()
         truncated = self._over and not terminated
-        return self._obs.copy(), -cost, terminated, truncated, self._info(cost, early, diverged)
+        info = self._info(cost, early, diverged, step.reach)
+        return self._obs.copy(), -cost, terminated, truncated, info
 
     def render(self) -> np.ndarray | None:
         """The plant, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""

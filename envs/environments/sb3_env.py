@@ -19,8 +19,9 @@ class PlantVecEnv(VecEnv):
     """`num_envs` lanes of a scene for Stable-Baselines3: episodes restart in the step that ends them.
 
     Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`); observations default to float32, what its networks
-    take. Where an episode ended, infos[i] holds "terminal_observation", "TimeLimit.truncated" and "diverged"; every
-    other infos[i] is an empty dictionary of its lane's own.
+    take. Where an episode ended, infos[i] holds "terminal_observation", "TimeLimit.truncated" and "diverged", and
+    where a range of the plant's `validity` is left its largest value over its limit as "validity"; every other infos[i]
+    is an empty dictionary of its lane's own.
     """
 
     def __init__(
@@ -65,6 +66,8 @@ class PlantVecEnv(VecEnv):
                 "TimeLimit.truncated": bool(truncated[i]),
                 "diverged": bool(ended["diverged"][i]),
             }
+        for i in np.flatnonzero(ended.get("_validity", ())):
+            infos[i] = {**infos[i], "validity": float(ended["validity"][i])}
         return obs, rewards.astype(np.float32), dones, infos
 
     def close(self) -> None:

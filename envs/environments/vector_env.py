@@ -37,7 +37,9 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
     randomise       draws start, parameters and disturbances of every episode of every lane from `np_random`
     dtype           float64, or float32 for observations and physics in single precision
     threads         None: all processors for large batches
-    infos           "diverged" (num_envs,) bool with its mask "_diverged", where an episode ended in this step
+    infos           "diverged" (num_envs,) bool with its mask "_diverged", where an episode ended in this step;
+                    "validity" (num_envs,) with its mask "_validity", where a lane lies outside a range of the plant's
+                    `validity`: the largest value over its limit, above 1
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
@@ -165,6 +167,12 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
         infos: dict[str, Any] = {}
         if over.any():
             infos = {"diverged": diverged, "_diverged": over}
+        invalid = step.reach > 1.0
+        if np.count_nonzero(invalid):
+            invalid &= ~diverged
+            invalid[waiting] = False
+            if invalid.any():
+                infos["validity"], infos["_validity"] = np.where(invalid, step.reach, 0.0), invalid
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             lanes = np.flatnonzero(over)
             if len(lanes):

@@ -21,7 +21,9 @@ X_NEXT, OBS, COST, MARGIN, SOUND = range(5)  # its outputs
 
 @lru_cache(maxsize=32)
 def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
-    """(t, x, action, ref, w, p) -> (x_next, obs, cost, margin, sound), called with scalars (h,) and the substeps."""
+    """(t, x, action, ref, w, p) -> (x_next, [obs; reach], cost, margin, sound), called with scalars (h,) and the
+    substeps.
+    """
     rate = rate_function(scene.varied_plant)
     drive, score, sense = parts(scene)
     ref = reference(scene)
@@ -42,7 +44,8 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
 class ControlStep:
     """The arrays of `lanes` environments and the control period on them.
 
-    x, action, ref, w, p are input arrays (n, lanes) to write into; obs (no, lanes), cost (lanes,) outputs to read.
+    x, action, ref, w, p are input arrays (n, lanes) to write into; obs (no, lanes), cost (lanes,) and reach (lanes,)
+    outputs to read: reach above 1 says that the plant's kinematics do not hold there (`reach_function`).
     The state is advanced in place. With `alike` the arrays are whole vectors whose columns the caller keeps alike.
     With `plain` observations are the signals themselves, not what they are off the goal.
     """
@@ -59,7 +62,8 @@ class ControlStep:
         self.lanes = work.padded if alike else lanes
         inputs, outputs = ([a[:, : self.lanes] for a in group] for group in (work.inputs, work.outputs))
         self.t, self.x, self.action, self.ref, self.w, self.p = inputs
-        self._after, self.obs, (self.cost,), (self._margin,), (self._sound,) = outputs
+        self._after, seen, (self.cost,), (self._margin,), (self._sound,) = outputs
+        self.obs, self.reach = seen[:-1], seen[-1]
         self._padded = [a for a in work.inputs if work.padded > self.lanes]
         self._ref, self._drift = (f(scene)[:, None].copy() for f in (reference, reference_drift))
         if plain:

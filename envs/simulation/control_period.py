@@ -20,6 +20,7 @@ import numpy as np
 from pliant.envs.scenes.scene import Scene, once_per_scene
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.integration.step_maps import check_step, step_map
+from pliant.plants.validity.ranges import reach
 
 Array = np.ndarray
 MOST_CORNERS = 64  # of the ranges of parameters, at which a step is checked
@@ -111,10 +112,21 @@ def observe_function(scene: Scene) -> ca.Function:
     return ca.Function("observe", [x, u, ref, w, p], ca.cse(results), list("xurwp"), ["obs", "cost", "margin"])
 
 
+@once_per_scene
+def reach_function(scene: Scene) -> ca.Function:
+    """(x, u, w, p) -> largest share of a range of the plant's `validity`: above 1 its kinematics do not hold."""
+    plant = scene.varied_plant
+    x, u, _, w, p = _symbols(scene)
+    farthest = ca.Function("farthest", [*plant.symbols, plant.symbols_of_outputs], [reach(plant.validity)])
+    output = ca.Function("output", list(plant.symbols), [plant.expressions[1]])
+    found = farthest(0.0, x, u, w, p, output(0.0, x, u, w, p))
+    return ca.Function("reach", [x, u, w, p], ca.cse([ca.densify(found)]), list("xuwp"), ["reach"])
+
+
 def parts(scene: Scene) -> tuple[ca.Function, ca.Function, ca.Function]:
     """What a period is composed of around its substeps, here and in compiled code.
 
-    drive (action) -> u, score (x, u, ref, w, p) -> cost, sense (x, u, ref, w, p) -> (obs, margin).
+    drive (action) -> u, score (x, u, ref, w, p) -> cost, sense (x, u, ref, w, p) -> ([obs; reach], margin).
     """
     action = ca.SX.sym("action", scene.plant.nu)
     drive = ca.Function("drive", [action], [ca.fmax(-1.0, ca.fmin(1.0, action)) * ca.DM(scene.limits)])
@@ -122,14 +134,16 @@ def parts(scene: Scene) -> tuple[ca.Function, ca.Function, ca.Function]:
     symbols = observe.sx_in()
     obs, cost, margin = observe(*symbols)
     score = ca.Function("score", symbols, ca.cse([cost]))
-    return drive, score, ca.Function("sense", symbols, ca.cse([obs, margin]))
+    x, u, _, w, p = symbols
+    seen = ca.vertcat(obs, reach_function(scene)(x, u, w, p))
+    return drive, score, ca.Function("sense", symbols, ca.cse([seen, margin]))
 
 
 def on_virtual_machine(scene: Scene) -> Callable[..., Sequence[Array]]:
     """The whole period without compiled code, rows of lanes in and out: what the kernel is compared with.
 
     The input is the action, clipped to [-1, 1], times the limits, held over the substeps. cost is what Scene.cost sums
-    for this period, at its start; obs and margin are those of x_next; sound is 0 where anything is not finite.
+    for this period, at its start; obs, reach and margin are those of x_next; sound is 0 where anything is not finite.
     """
     drive, score, sense = (NumericFunction(f) for f in parts(scene))
     substep = NumericFunction(substep_function(scene))

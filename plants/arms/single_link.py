@@ -4,7 +4,7 @@ States   q = [hub_angle, eta1 .. etan], x = [q; dq/dt]; in another frame than th
 Input    hub torque [N m], or hub acceleration [rad/s^2] where the hub's motion is prescribed (drive="motion")
 Outputs  hub angle [rad], tip deflection [m] and its rate [m/s], tip position [m], curvature at the root [1/m] and what
          an accelerometer at the tip reads across its section [m/s^2]; disturbance: force on the tip [N]
-Valid    planar; deflection small against length; "linear" only below the first bending frequency of spin
+Valid    planar; slopes up to 0.3 rad; "linear" up to a fifth of the first bending frequency of spin: `ranges`
 Source   "On the dynamic modelling of flexible manipulators", Eqs (13)-(16), corrected: (13) lacks the centripetal
          term, the geometric stiffness is -thetadot^2 Xi22 with tip mass and beam, Xi33 is zero. With theory
          "timoshenko" each coordinate bends and shears, (W, Psi) = (w_k, psi_k), so that p and q are one vector
@@ -25,9 +25,13 @@ from pliant.plants.beams.elastic_link import payload_energy, payload_position, s
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.validity.ranges import Range
+from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
 from .link_frames import to_clamped
 from .single_link_declaration import SingleLinkDeclaration
+
+LARGE = 'LargeDeflectionBeam, kinematics="strain" (root="driven": its hub moves as prescribed)'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,6 +153,17 @@ class SingleLinkArm(SingleLinkDeclaration):
         M, r, _, _ = self.equations(t, x, u, w)
         a = second_derivative(self._tip(x[:n]), x[:n], x[n:], self.acceleration(M, r, u)[0])
         return ca.cos(angle) * (a[1] + self.gravity) - ca.sin(angle) * a[0]
+
+    def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
+        """Small slopes; without stiffening also the shortening and the axial force that it leaves out."""
+        n = self.coordinates_slice.stop
+        q, spin, link, load = self._clamped(x[:n]), self._clamped(x[n:])[0] ** 2, self.elastic, self.payload
+        c, s = ca.cos(q[0]), ca.sin(q[0])
+        out = spin * (self.hub_radius + link.beam.length + load.offset[0]) - self.gravity * s
+        force = load.mass * out + c * w[0] + s * w[1]
+        pull = Pull(spin * self.hub_radius - self.gravity * s, spin, force)
+        name = "the link"
+        return (*small_slopes(name, link, q[1:], LARGE), *pulled(name, link, self.nominal.elastic, pull))
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""

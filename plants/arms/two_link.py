@@ -4,7 +4,7 @@ States   q = [theta1, theta2, q11 .. q1n, q21 .. q2m], x = [q; dq/dt]; theta2 re
 Inputs   joint torques tau1, tau2 [N m]; disturbances: force on the tip, inertial axes [N]
 Outputs  joint angles [rad], tip deflections of both links [m] and their rates [m/s], tip position [m], curvature at
          each link's root [1/m], what an accelerometer at the tip reads across its section [m/s^2]
-Valid    planar; deflections small against the lengths; fast rotation needs kinematics="stiffened"
+Valid    planar; slopes up to 0.3 rad; fast rotation and axial loads need kinematics="stiffened": `ranges`
 Source   "Coupled-Nonlinear Elastic Structure", Eqs (5)-(27). Departures: the strain energy of (23) has the sign +,
          gravity acts on the deflections too, the payload turns with (21)'s slope plus the joint angles.
 """
@@ -23,8 +23,13 @@ from pliant.plants.beams.elastic_link import payload_energy, payload_position, s
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.validity.ranges import Range
+from pliant.plants.validity.slender import NONE_HOLDS, Pull, pulled, small_slopes
 
 from .two_link_declaration import TwoLinkDeclaration
+
+TURNED = 0.01  # [rad], of link 2 by link 1's tip: a hundredth of its length at its own tip
+LARGE = f"{NONE_HOLDS} for two links; for one link alone LargeDeflectionBeam"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,6 +171,30 @@ class TwoLinkArm(TwoLinkDeclaration):
         c, s = ca.cos(link2.slope(q2)), ca.sin(link2.slope(q2))
         felt = (c * c12 - s * s12) * (a[1] + self.gravity) - (s * c12 + c * s12) * a[0]
         return ca.vertcat(theta1, theta2, *bent, felt)
+
+    def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
+        """Small slopes; without stiffening also the shortening and the axial force that it leaves out."""
+        n = self.coordinates_slice.stop
+        q, v, links = x[:n], x[n:], self.links
+        (_, _, q1, q2), (w1, w2, v1, _) = self._split(q), self._split(v)
+        c1, s1, c12, s12 = self._heights(q)
+        spin1, spin2 = w1**2, (w1 + w2 + (links[0].slope(v1) if self.tip_slope else 0)) ** 2
+        L1, L2, m2, mp, g = self.link1.length, self.link2.length, self.link2.mass, self.payload.mass, self.gravity
+        beyond, aligned = self.joint_mass + m2 + mp, c1 * c12 + s1 * s12
+        out = (m2 / 2 + mp) * L2 * spin2 * aligned + c1 * w[0] + s1 * w[1]  # of the second link's own spin
+        root = L1 * spin1 * aligned - g * s12
+        pulls = (
+            Pull(-g * s1, spin1, beyond * (L1 * spin1 - g * s1) + out),
+            Pull(root, spin2, mp * (root + L2 * spin2) + c12 * w[0] + s12 * w[1]),
+        )
+        found = list[Range]()
+        for i, (link, numbers, bent, pull) in enumerate(zip(links, self.nominal.links, (q1, q2), pulls), start=1):
+            found += small_slopes(f"link {i}", link, bent, LARGE) + pulled(f"link {i}", link, numbers, pull)
+        if not self.tip_slope and q1.shape[0]:
+            keeps = "leaving it out misplaces the tip by less than 1 % of link 2's length"
+            turned = ca.fabs(links[0].slope(q1))
+            found.append(Range("slope of link 1's tip", "rad", TURNED, keeps, "tip_slope=True", turned))
+        return tuple(found)
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""

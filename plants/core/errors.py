@@ -64,5 +64,9 @@ class UnstableRestWarning(UserWarning):
     """A rest point that a motion leaves, however close it starts."""
 
 
+class ValidityWarning(UserWarning):
+    """A motion leaves the range in which the plant's kinematics hold."""
+
+
 class InfeasibleError(PliantError):
     """A constrained problem has no solution."""

@@ -21,6 +21,7 @@ from pliant.plants.integration.simulation import Input, simulate
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.native.batch_kernels import as_dtype, compiled
+from pliant.plants.validity.ranges import Left, Range, left
 
 from . import arguments, equilibrium, linear_models, python_control
 from .declaration import Array
@@ -41,6 +42,26 @@ class Plant(PlantContract):
     @built_once
     def _output(self) -> NumericFunction:
         return function("output", list(self.symbols), [self.expressions[1]])
+
+    @built_once
+    def validity(self) -> tuple[Range, ...]:
+        """The ranges of this plant's kinematics, in `symbols` and `symbols_of_outputs`: see `left_ranges`."""
+        t, x, u, w, _ = self.symbols
+        return self.symbolic.ranges(t, x, u, w, self.symbols_of_outputs)
+
+    @built_once
+    def symbols_of_outputs(self) -> ca.SX:
+        return ca.SX.sym("y", self.ny)
+
+    @built_once
+    def _measured_ranges(self) -> bool:
+        """Whether any of them depends on an output."""
+        return bool(ca.depends_on(ca.vertcat(0, *[r.value for r in self.validity]), self.symbols_of_outputs))
+
+    @built_once
+    def _reached(self) -> NumericFunction:
+        given = [*self.symbols, self.symbols_of_outputs]
+        return function("reached", given, [ca.vertcat(*[r.value for r in self.validity])])
 
     @built_once
     def _jacobians(self) -> NumericFunction:
@@ -126,9 +147,17 @@ class Plant(PlantContract):
         act(t, y). method: "dop853", "radau", "cvodes" (adaptive, to rtol and atol) or "rk4", "rk8", "midpoint",
         "rosenbrock" (fixed `step` [s]). audit=True integrates the work done too and puts the energy balance into stats.
         Raises StabilityLimitError when a fixed step is past the method's limit, IntegrationError where it must stop.
+        Warns (ValidityWarning) where the motion leaves a range of `validity`, and says so in stats["validity"].
         """
         options: dict[str, Any] = {"method": method, "step": step, "rtol": rtol, "atol": atol}
         return simulate(self, x0, u, t, w=w, p=p, audit=audit, progress=progress, **options)
+
+    def left_ranges(self, motion: Trajectory, *, p: Any = None) -> tuple[Left, ...]:
+        """Where a motion in this plant's signals leaves the ranges of `validity`, judged at its times; () where not.
+
+        >>> for left in arm.left_ranges(motion): print(left.words)
+        """
+        return left(self, motion, p)
 
     def stepper(
         self,

@@ -19,6 +19,7 @@ import numpy as np
 from pliant.plants.core import parameters
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
+from pliant.plants.validity.ranges import Range
 
 from .declaration import Array, Declaration
 
@@ -100,6 +101,12 @@ class PlantContract(Declaration):
         minimum-jerk motion, by inverse dynamics. ValueError where the inputs do not reach them.
         """
         return _inverse_dynamics(self, begin, end, time)
+
+    def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
+        """What must stay small for this plant's kinematics to hold, as expressions of what a motion stores (y the
+        outputs). Default: nothing is stated.
+        """
+        return ()
 
     def statics(self) -> ca.SX | None:
         """Net generalised forces (n,) on the coordinates, in the order of `rates`, in the plant's symbols.

@@ -12,6 +12,7 @@ from pliant.plants.core.parameters import require_choice, require_parts, require
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import read_only_times
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.validity.ranges import judged
 
 from . import cvodes, radau
 from .dormand_prince import MOST_STEPS, march
@@ -71,7 +72,7 @@ def simulate(
         energy = plant.energy(states, p=p)  # type: ignore[attr-defined]
         largest = np.abs(energy).max() or 1.0
         stats["energy_balance"] = float(np.abs(energy - energy[0] - work).max() / largest)
-    return Trajectory(
+    made = Trajectory(
         t=t,
         x=states,
         u=samples,
@@ -85,6 +86,7 @@ def simulate(
         hold="linear" if drive.smooth else "zero-order",
         stats=stats,
     )
+    return judged(plant, made, p, stacklevel=3)
 
 
 class _Run:

@@ -9,7 +9,8 @@ Outputs  tip position, displacement from the straight beam along x and its rate 
          turns; curvature about z at the root [1/m]. In space tip_z, its rate, and the tip's twist: past what bending
          brings ("strain"), or the sub-beams' sum
 Valid    inextensible and unshearable; sections keep their rotary inertia. "strain": any rotation in the plane, below
-         one turn against the root in space. "substructured": rotations within a sub-beam small, see `sub_beam_chain`
+         one turn against the root in space. "substructured": rotations within a sub-beam small, see `sub_beam_chain`.
+         How small each is meant: `ranges`
 Source   "Substructuring Technique for Dynamics Analysis of Flexible Beams with Large Deformation", Eqs (1)-(39)
 """
 
@@ -24,9 +25,13 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.validity.ranges import Range, largest
+from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
+from pliant.plants.validity.slender import STATIONS
 
 from .cross_sections import PlanarSections
 from .declaration import MOST_TWISTS, LargeBeamDeclaration
+from .sub_beam_chain import Chain
 from .tangent_field import Array, Tangents
 
 
@@ -141,6 +146,33 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
             out += [tip[2], rate[2], sections.tip_twist(q)]
         return ca.vertcat(*out)
 
+    def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
+        """Small strains; in space rotations below one turn, or of a chain small turns within each sub-beam."""
+        n, at = self.coordinates_slice.stop, STATIONS
+        q, beam, shapes = x[:n], self.beam, self.fields.shapes
+        spin = x[n] ** 2 if self.root != "clamped" else ca.SX(0)
+        force = ca.norm_2(w if self.root == "driven" else u)
+        weight, L = ca.norm_2(ca.vertcat(*self.gravity)), beam.length
+        pull = force + beam.mass * (weight + spin * L / 2) + self.payload.mass * (weight + spin * L)
+        if isinstance(shapes, Chain):
+            first, each = shapes.n - shapes.segments * shapes.modes, shapes.segments * shapes.modes
+            planes = [
+                shapes.turns_within(q[first + k * each : first + (k + 1) * each]) for k in range(1 + (not self.planar))
+            ]
+            twists = None if self.planar else _largest_twist(q[first + 2 * each :], self.segments, self.twists)
+            curved = [(curvature / L, moment) for (_, curvature), moment in zip(planes, MOMENTS)]
+            slope = ca.norm_2(ca.vertcat(*[s for s, _ in planes]))
+            return (*fibres(beam, curved, pull), *sub_beams(beam, slope, twists))
+        m = self.modes + (self.root != "clamped")
+        curved = [(largest(shapes.curvature(at), q[:m]) / L, "I_z")]
+        if self.planar:
+            return tuple(fibres(beam, curved, pull))
+        own: LargeBeamDeclaration = self.nominal
+        flap, flaps = own._rotations[1], q[m : m + self.modes]
+        curved.append((largest(flap.curvature(at), flaps) / L, "I_y"))
+        about_z = shapes(at)[:, m - self.modes :]  # against the root
+        return (*fibres(beam, curved, pull), below_one_turn((about_z, flap(at)), q[m - self.modes : m], flaps))
+
     def outline(self, x: Array, points: int = 60) -> Array:
         """The bent beam from root to tip at a state x (nx,): inertial positions (1, points, 2 or 3) [m]."""
         return self.positions(x, np.linspace(0.0, 1.0, points))[None]
@@ -153,3 +185,8 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         t = self.fields.tangents.values(values[1][self.coordinates_slice])
         own: Any = self.nominal
         return own.beam.length * self.fields.tangents.points.cumulative(xi) @ t
+
+
+def _largest_twist(q: ca.SX, segments: int, count: int) -> ca.SX:
+    """Of a chain's sub-beams, from end to end [rad]: the first torsion shape of each alone turns its end."""
+    return ca.mmax(ca.fabs(ca.reshape(q, count, segments)[0, :])) if count else ca.SX(0)

@@ -133,6 +133,15 @@ class Chain:
         place = np.minimum((np.asarray(xi) * self.segments).astype(int), self.segments - 1)
         return self.frame_angles[place] + self.local_slopes(xi)
 
+    def turns_within(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """The largest slope |sigma| of any sub-beam [rad], and the largest curvature [1/length of the beam], of the
+        coordinates q (segments * modes,) of one plane.
+        """
+        at = np.linspace(0.0, 1.0, 5)
+        slopes, curvatures = self.shapes(at, 1) - self.shapes.offset(self.frame), self.shapes(at, 2) * self.segments
+        own = ca.reshape(q, self.modes, self.segments)
+        return tuple(ca.mmax(ca.fabs(ca.DM(rows) @ own)) for rows in (slopes, curvatures))  # type: ignore[return-value]
+
     @property
     def stiffness(self) -> Array:
         """int theta' theta'^T dxi over the whole beam, (n, n)."""

@@ -3,7 +3,7 @@
 States   q = [crank_angle, eta1 .. etan, ext1 .. extk], x = [q; dq/dt]; angles from the slider's line +x
 Input    crank torque [N m], or crank acceleration [rad/s^2] where the crank's motion is prescribed (crank_speed)
 Outputs  crank angle, slider position, deflection and accelerations of the rod's middle, forces, crank torque
-Valid    planar; deflection small against the rod; frictionless pins; crank balanced about its shaft
+Valid    planar; slopes of the rod up to 0.3 rad, see `ranges`; frictionless pins; crank balanced about its shaft
 Source   "Elastodynamic Analysis of a Mechanism with Flexible Links". Departures: lambda = r/l, not l/r; the loop
          closure is exact, sin phi2 = -r sin phi1/c with c the distance of the rod's pins, not the series (24);
          c = l + extension - shortening, which gives the geometric stiffness of the axial force that (22) lacks;
@@ -20,6 +20,9 @@ from typing import Any, Self
 import casadi as ca
 
 from pliant.plants.beams.section import Beam, Material
+from pliant.plants.core.signals import index
+from pliant.plants.validity.ranges import Range
+from pliant.plants.validity.slender import NONE_HOLDS, pinned
 
 from .mechanism import SliderCrankMechanism
 
@@ -108,6 +111,14 @@ class SliderCrank(SliderCrankMechanism):
             slider[1] + self.slider_mass * self.gravity,
             torque,
         )
+
+    def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
+        """Small slopes and strains; without stiffening also the shortening and the axial force that it leaves out."""
+        if self.kinematics == "rigid":
+            return ()
+        bent, _ = self._split(x[: self.coordinates_slice.stop])
+        axial = y[index(self.outputs, "axial_force", "output")]
+        return tuple(pinned("the rod", self.elastic, bent, axial, f"{NONE_HOLDS} for mechanisms"))
 
     def _reactions(self, q: ca.SX, v: ca.SX, a: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Forces (2,) [N] on the rod, inertial axes: of the crank, of the slider.

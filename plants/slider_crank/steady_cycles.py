@@ -21,6 +21,7 @@ from pliant.plants.core.signals import index
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.stability.floquet import floquet
+from pliant.plants.validity.ranges import judged
 
 from .plant import SliderCrank
 
@@ -42,7 +43,8 @@ def steady_cycle(
 
     At `points` equidistant times, the last one a period after the first. A plant with a free crank gets the torque
     that keeps its speed constant. `guess` is a steady cycle at a nearby speed. `tolerance` bounds what the highest
-    harmonics hold of the largest deflection. EquilibriumError where no cycle is found.
+    harmonics hold of the largest deflection. EquilibriumError where no cycle is found; warns (ValidityWarning) where it
+    leaves a range of the plant's `validity`.
     """
     require_count("steady_cycle", "points", points, 9, 100_000)
     if speed is None:
@@ -74,7 +76,7 @@ def steady_cycle(
     u = np.zeros((points, 1))
     if plant.crank_speed is None:
         u = y[:, [index(driven.outputs, "crank_torque", "output")]]
-    return Trajectory(
+    made = Trajectory(
         t=angle / speed,
         x=x,
         u=u,
@@ -87,6 +89,7 @@ def steady_cycle(
         disturbances=plant.disturbances,
         stats={"angles": len(e), "tail": tail},
     )
+    return judged(plant, made)
 
 
 def _solve(plant: SliderCrank, e: np.ndarray, speed: float, w: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ Inputs   wheel torques on the hub [N m], thrusts [N] (three torques [N m] withou
 Outputs  attitude (twice the quaternion's vector: the rotation vector when small), body rates, each appendage's tip
          deflection
 Valid    nonlinear in the motion of hub and hinges, linear in the elastic coordinates ("stiffened": with the
-         second-order shortening)
+         second-order shortening): slopes of appendages up to 0.3 rad, see `ranges`
 Source   "Equations of Motion of Flexible Spacecraft", corrected; see `spacecraft_perturbation` for its linear model
 """
 
@@ -30,6 +30,8 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.spacecraft_parts.appendage import Appendage
 from pliant.plants.spacecraft_parts.hub import Hub
+from pliant.plants.validity.appendages import of_appendage
+from pliant.plants.validity.ranges import Range
 
 from . import energies, equations, linearisation
 from .contract import SpacecraftContract
@@ -72,6 +74,18 @@ class FlexibleSpacecraft(SpacecraftContract):
             ": an appendage has no inertia about one of its hinge's axes, or two of these are parallel there, "
             f"at x = {x}"
         )
+
+    def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
+        """Small slopes of each appendage; without stiffening also the shortening and the spin that it leaves out."""
+        at, found = self.layout, list[Range]()
+        for i, body in enumerate(self.appendages):
+            theta, rate = x[at.hinges[i]], x[at.hinge_rates[i]]
+            C = body.turn(theta)
+            omega = C.T @ x[at.omega] + body.hinge_rates(theta) @ rate
+            root, stiffened = C.T @ ca.vertcat(*body.position), self.kinematics == "stiffened"
+            data, eta, name = self.nominal_data(i), x[at.modes[i]], f"appendage {i + 1}"
+            found += of_appendage(name, data, eta, omega, root, body.stiffness_factor, stiffened)
+        return tuple(found)
 
     def _differentiated(self) -> Differentiated:
         return differentiated(self)

@@ -26,8 +26,9 @@ import numpy as np
 from pliant.plants.core.signals import Signal
 from pliant.plants.linear.second_order import SecondOrderModel
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
+from pliant.plants.validity.ranges import left_along, tell
 
-from .position_fields import Body, RigidNominal, appendage_field, assemble, attitude, hub_field
+from .position_fields import Body, RigidNominal, appendage_field, assemble, attitude, hub_field, states_of
 
 __all__ = ["RigidNominal", "SecondOrderModel", "perturbation"]
 
@@ -37,8 +38,9 @@ Array = np.ndarray
 def perturbation(craft: FlexibleSpacecraft, nominal: RigidNominal | Any) -> SecondOrderModel:
     """The paper's model of `craft` about a rigid nominal (a RigidNominal, or a trajectory of the plant's states).
 
-    The shortening of stiffened kinematics enters C_ii as geometric stiffness -<g_kl, V''>. ValueError for varied
-    parameters, wheels or an orbit, which the paper's model does not have.
+    The shortening of stiffened kinematics enters C_ii as geometric stiffness -<g_kl, V''>. Warns (ValidityWarning) of
+    a nominal that leaves a range of the craft's `validity`, as the spin that linear kinematics bear. ValueError for
+    varied parameters, wheels or an orbit, which the paper's model does not have.
     """
     if craft.varied or craft.hub.wheels or craft.environment.orbit is not None:
         raise ValueError("perturbation: the paper's model has no varied parameters, wheels or orbit axes")
@@ -47,6 +49,7 @@ def perturbation(craft: FlexibleSpacecraft, nominal: RigidNominal | Any) -> Seco
     if not isinstance(nominal, RigidNominal):
         nominal = RigidNominal.of(craft, nominal)
     _check(craft, nominal)
+    tell(craft, left_along(craft, nominal.t, states_of(craft, nominal)), stacklevel=2, what="the nominal")
     own: list[list[int]] = []
     signals: list[Signal] = []
     parts: list[tuple[str, tuple[int, ...]]] = []

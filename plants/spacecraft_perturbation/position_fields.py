@@ -111,6 +111,15 @@ class Body(NamedTuple):
     unknowns: list[int]  # of the body among all
 
 
+def states_of(craft: FlexibleSpacecraft, nominal: RigidNominal) -> Array:
+    """The plant's states (nt, nx) on a nominal, place and velocity zero: no range of its kinematics has them."""
+    at, x = craft.layout, np.zeros((len(nominal.t), craft.nx))
+    x[:, at.quaternion], x[:, at.omega] = nominal.quaternion, nominal.omega
+    for angles, rates, here, there in zip(nominal.angles, nominal.angle_rates, at.hinges, at.hinge_rates):
+        x[:, here], x[:, there] = angles, rates
+    return x
+
+
 def attitude(nominal: RigidNominal) -> Jet:
     R = matrix_of(nominal.quaternion)
     w, dw = skew(nominal.omega), skew(nominal.alpha)

@@ -37,6 +37,8 @@ def chart(
     if as_json:
         print_json(found.to_json())
         return
+    for variant, words in found.outside:
+        say(f"{variant} leaves the range of its kinematics: {words}.")
     front = sorted((r for r in found.measured if r.pareto), key=lambda r: r.error or 0.0)
     rows = [(r.variant, r.setting, (r.seconds or 0.0) * 1e3, r.error, r.step_error) for r in front]
     caption = (

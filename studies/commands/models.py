@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import Trajectory
+from pliant.plants import Trajectory, ValidityWarning
+from pliant.plants.validity.ranges import in_words
 from pliant.studies.closed_loop.closed_loop import regulator
 from pliant.studies.common.operating_point import words
 from pliant.studies.figures.linear_models import eigenvalues
@@ -16,7 +18,7 @@ from pliant.studies.figures.motion import histories
 from pliant.studies.figures.style import save
 from pliant.studies.report.json_tables import linear_table, motion_table
 
-from .console import bar, print_json, scene_with, show
+from .console import bar, print_json, say, scene_with, show
 from .options import AsJson, Picture, SceneName, Settings
 
 
@@ -61,6 +63,8 @@ def simulate(
         f"{chosen.plant.label}, {method}, {motion.t[-1]:g} s simulated in {took:.3g} s, cost {chosen.cost(motion):.5g}"
     )
     show(chosen.name, ("signal", "unit", "start", "end", "least", "most"), rows, caption=caption)
+    for entry in motion.stats.get("validity", ()):
+        say(f"The motion leaves the range in which these kinematics hold: {in_words(entry)}.")
 
 
 def _simulated(scene: Scene, lqr: bool, options: dict[str, Any]) -> Trajectory:
@@ -70,9 +74,11 @@ def _simulated(scene: Scene, lqr: bool, options: dict[str, Any]) -> Trajectory:
         def progress(t: float) -> None:
             tell(t / scene.duration, f"{t:.2f} s")
 
-        if not lqr:
-            return scene.open_loop(progress=progress, **options)
-        return scene.plant.simulate(scene.initial[0], regulator(scene), scene.times, progress=progress, **options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)  # said below the table, and in the JSON's stats
+            if not lqr:
+                return scene.open_loop(progress=progress, **options)
+            return scene.plant.simulate(scene.initial[0], regulator(scene), scene.times, progress=progress, **options)
 
 
 def linearize(

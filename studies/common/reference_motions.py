@@ -7,6 +7,7 @@ any method keeps its order because the jumps fall between steps. A step is at mo
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -14,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
+from pliant.plants.validity.ranges import in_words
 
 TIGHT = 1e-10  # rtol of a converged motion; atol is a hundredth
 Progress = Callable[[float, str], None]  # fraction done, what is being done
@@ -38,6 +40,7 @@ class Motions:
         self.scene = scene
         self._kept: dict[Plant, np.ndarray | PliantError] = {}
         self._starts: dict[Plant, np.ndarray] = {}
+        self._outside: dict[Plant, str] = {}
 
     @cached_property
     def ladder(self) -> tuple[Plant, ...]:
@@ -53,7 +56,9 @@ class Motions:
         """The motion from the start, options as in Plant.simulate."""
         if plant not in self._starts:
             self._starts[plant] = self.scene.with_plant(plant).initial[0]
-        return plant.simulate(self._starts[plant], self.held, self.scene.times, **options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)  # `outside` tells it, once for each fidelity
+            return plant.simulate(self._starts[plant], self.held, self.scene.times, **options)
 
     def compared(self, motion: Trajectory) -> np.ndarray:
         """The outputs (nt, n) that the scene compares."""
@@ -63,13 +68,27 @@ class Motions:
         """The compared outputs (nt, n) at tight tolerance; raises what the simulation raised."""
         if plant not in self._kept:
             try:
-                self._kept[plant] = self.compared(self.run(plant, rtol=TIGHT, atol=TIGHT / 100))
+                motion = self.run(plant, rtol=TIGHT, atol=TIGHT / 100)
+                self._kept[plant] = self.compared(motion)
+                self._outside[plant] = "; ".join(in_words(entry) for entry in motion.stats.get("validity", ()))
             except PliantError as failure:
                 self._kept[plant] = failure
         found = self._kept[plant]
         if isinstance(found, PliantError):
             raise found
         return found
+
+    def outside(self, plant: Plant) -> str:
+        """Which ranges of its own `validity` a fidelity's motion leaves, in words; "" where it leaves none or fails."""
+        try:
+            self.converged(plant)
+        except PliantError:
+            return ""
+        return self._outside[plant]
+
+    def outside_so_far(self, plant: Plant) -> str:
+        """The same as far as its motion is known already."""
+        return self._outside.get(plant, "")
 
     def difference(self, plant: Plant, other: Plant) -> float:
         """Largest difference of any compared output between two fidelities; infinite where one fails."""

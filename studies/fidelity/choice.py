@@ -4,6 +4,9 @@ Two neighbouring rungs may agree because both lack the same effect: one and two 
 shortening of the bent links agree with each other, and both are wrong. So a rung is taken only when it agrees
 with the *finest* one, which holds every effect of the ladder, and the finest rung itself must be confirmed by
 another variant. The error bound of a rung is its difference from the finest plus that shown convergence.
+
+A rung whose own motion leaves the range of its kinematics (`Plant.validity`) is not taken, whatever it agrees with; and
+where the finest leaves its own, no rung is shown to be right.
 """
 
 from __future__ import annotations
@@ -46,6 +49,7 @@ class Rung:
     bound: float  # error plus the shown convergence of the finest
     chosen: bool = False
     note: str = ""
+    outside: str = ""  # which ranges of its kinematics its own motion leaves
 
 
 @dataclass(frozen=True)
@@ -113,7 +117,7 @@ def choose(
     plant = ladder[chosen]
     told(0.6, "effects")
     effects = _effects(motions, plant)
-    met = rungs[chosen].bound <= tolerance
+    met = _shown(rungs[chosen], rungs[-1], tolerance)
     fastest, largest = None, None
     if met:
         fastest = None if measured is None else measured.fastest(tolerance, plant.label)
@@ -168,10 +172,18 @@ def _climb(motions: Motions, tolerance: float) -> tuple[tuple[Rung, ...], int]:
             note = "agrees with the next rung, not with the finest"
         if plant == finest:
             note = "the finest"
-        rungs.append(Rung(plant.label, plant.nx, change, error, bound, note=note))
-    chosen = next((i for i, rung in enumerate(rungs) if rung.bound <= tolerance), len(rungs) - 1)
+        outside = motions.outside(plant)
+        if outside:
+            note = f"{note}; leaves its range" if note else "leaves its range"
+        rungs.append(Rung(plant.label, plant.nx, change, error, bound, note=note, outside=outside))
+    chosen = next((i for i, rung in enumerate(rungs) if _shown(rung, rungs[-1], tolerance)), len(rungs) - 1)
     rungs[chosen] = dataclasses.replace(rungs[chosen], chosen=True)
     return tuple(rungs), chosen
+
+
+def _shown(rung: Rung, finest: Rung, tolerance: float) -> bool:
+    """Whether a rung is shown to keep the tolerance: it and the finest within the ranges of their kinematics."""
+    return rung.bound <= tolerance and not rung.outside and not finest.outside
 
 
 def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
@@ -260,6 +272,11 @@ def _words(choice: Choice, motions: Motions) -> str:
         parts.append(f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second.")
     if choice.largest_step is not None:
         parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
+    finest = choice.rungs[-1]
+    for r in choice.rungs:
+        if r.outside and (r is finest or r.bound <= choice.tolerance):
+            why = "so that nothing is shown by comparing with it" if r is finest else "and is not taken"
+            parts.append(f"{r.variant} leaves the range of its kinematics, {why}: {r.outside}.")
     misled = [r for r in choice.rungs if r.note.startswith("agrees")]
     if misled:
         names = "; ".join(r.variant for r in misled)

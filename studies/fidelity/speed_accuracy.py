@@ -80,6 +80,7 @@ class Chart:
     machine: dict[str, str]
     budget: float  # [s]
     unit: str = "m"  # of the compared outputs, errors and tolerance
+    outside: tuple[tuple[str, str], ...] = ()  # variants whose own motion leaves their range, and which
 
     @property
     def measured(self) -> tuple[Row, ...]:
@@ -169,6 +170,7 @@ def chart(
         machine=machine.describe(),
         budget=budget,
         unit=scene.unit,
+        outside=tuple((p.label, words) for p in plants if (words := motions.outside_so_far(p))),
     )
 
 

@@ -22,6 +22,8 @@ def chart(found: Findings) -> str:
         f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
     )
     fast = chart.fastest()
+    for variant, words in chart.outside:
+        text += paragraph(f"{variant} leaves the range of its kinematics: {words}.", "warning")
     if not chart.measured:
         return text + paragraph("No setting was measured: see below why.", "warning")
     if fast is None:

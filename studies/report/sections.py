@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 
+from pliant.plants.validity.ranges import in_words
 from pliant.studies.common import operating_point
 from pliant.studies.common.formatting import measured, paragraph, pictures, table
 from pliant.studies.figures import arm_outline
@@ -78,6 +79,11 @@ def _motion(found: Findings) -> str:
     if scene.drive is not None:
         inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
     text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
+    motions = [("Open loop", found.nominal)]
+    motions += [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
+    for name, motion in motions:
+        for entry in motion.stats.get("validity", ()):
+            text += paragraph(f"{name}, the motion leaves the range of its kinematics: {in_words(entry)}.", "warning")
     zero = still(scene, [found.nominal])
     if zero:
         text += paragraph(f"Zero throughout and not drawn: {', '.join(zero)}.")

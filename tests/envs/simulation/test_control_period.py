@@ -8,6 +8,7 @@ import pytest
 from pliant.envs import PlantEnv, scenes
 from pliant.envs.environments.vector_env import PlantVectorEnv
 from pliant.envs.simulation.control_period import observe_function, on_virtual_machine, reference, substep_function
+from pliant.plants.validity.ranges import values
 
 SLEW = scenes.get("single-link-slew")
 
@@ -49,7 +50,7 @@ def test_the_virtual_machine_plays_the_plants_own_motion(name: str) -> None:
     action = np.linspace(-0.2, 2.0, scene.plant.nu)[None] if scene.plant.nu > 1 else np.array([[2.0]])
     ref, w = reference(scene)[None], np.zeros((1, scene.plant.nw))
     compute = on_virtual_machine(scene)
-    x, obs, cost, margin, sound = compute(
+    x, seen, cost, margin, sound = compute(
         np.zeros(1), x0, action, ref, w, p, (scene.dt / scene.substeps,), scene.substeps
     )
     u = np.clip(action[0], -1.0, 1.0) * scene.limits
@@ -59,7 +60,9 @@ def test_the_virtual_machine_plays_the_plants_own_motion(name: str) -> None:
     np.testing.assert_allclose(x[0], motion.x[1], rtol=1e-10, atol=1e-12)
     y0 = scene.plant.measure(x0[0], u)
     assert float(cost[0, 0]) == pytest.approx(scene.dt * float(scene.stage_cost(x0[0], u, y0)), rel=1e-12)
-    assert sound[0, 0] == 1.0 and margin[0, 0] > 0 and obs.shape == (1, len(scene.observe))
+    assert sound[0, 0] == 1.0 and margin[0, 0] > 0 and seen.shape == (1, len(scene.observe) + 1)
+    reached = values(scene.plant, motion)[1] / np.array([r.limit for r in scene.plant.validity])
+    assert seen[0, -1] == pytest.approx(reached.max(), rel=1e-9)
 
 
 def test_a_plant_that_depends_on_time_needs_a_goal_that_moves() -> None:

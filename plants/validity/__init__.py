@@ -1,0 +1,1 @@
+"""The range in which each kinematics holds, derived, and what a motion leaves of it."""

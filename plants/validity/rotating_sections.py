@@ -1,0 +1,68 @@
+"""Ranges of beams whose sections rotate as far as they like, as a field or from sub-beam to sub-beam.
+
+Fibres      Hooke's law and sections that keep their shape: fibres strained by eps change the section's size, and so its
+            stiffness, by Poisson's ratio times eps. FIBRE is 1 %, as for the stretch that inextensible beams leave out.
+One turn    In space a rotation vector is singular at one turn, phi = 2 pi: with it the strain that it stands for.
+Sub-beams   Within its frame a sub-beam bends as `slender` beams do: it stands at sigma across where its section, and so
+            its curvature, has turned by sigma, 0.46 sigma^2 too far under a force. The limit is that of a link's slope,
+            SLOPE; frames that halve the slopes ("mean-axis", "chord") quarter the error.
+Twisted     A sub-beam's bends are stiff about the axes of its frame, not of its twisted sections. A twist tau, of which
+            the frame takes a part, leaves at most tau/2 of it: a force along one axis then bends about the other by
+            (tau/2) (I_max/I_min - 1) of itself. SKEW = 0.1 keeps that below 5 %; a round beam feels none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.beams.section import Beam
+
+from .ranges import Range
+from .slender import NONE_HOLDS, SLOPE
+
+FIBRE = 0.01
+MOMENTS = ("I_z", "I_y")  # that bending about z and about y feel
+ONE_TURN = 2 * np.pi  # [rad]
+SKEW = 0.1  # [rad]
+FINER = 'more segments, or kinematics="strain"'
+
+
+def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX) -> list[Range]:
+    """Strain of the outer fibres, sqrt(3 I/A) from the axis as in a rectangle, for the largest |curvature| [1/m] about
+    each axis ("I_z", "I_y"), and of the axis under a force `pull` [N].
+    """
+    bent = ca.SX(0)
+    for curvature, moment in curvatures:
+        bent += ca.sqrt(3 * getattr(beam, moment) / beam.area) * curvature
+    keeps = "sections keep their size, and their stiffness, to 1 %"
+    found = [Range("strain of the beam's fibres", "1", FIBRE, keeps, NONE_HOLDS, bent)]
+    keeps = "an inextensible beam misplaces its points by less than 1 % of the length"
+    stretched = ca.fabs(pull) / (beam.E * beam.area)
+    return [*found, Range("axial strain of the beam", "1", FIBRE, keeps, NONE_HOLDS, stretched)]
+
+
+def below_one_turn(shapes: Sequence[np.ndarray], bends: ca.SX, flaps: ca.SX) -> Range:
+    """The rotation vector of the sections, from its shapes about z and y (k, n) at the same stations."""
+    farthest = ca.SX(0)
+    for about_z, about_y in zip(*shapes, strict=True):
+        turned = ca.dot(ca.DM(about_z), bends) ** 2 + ca.dot(ca.DM(about_y), flaps) ** 2
+        farthest = ca.fmax(farthest, turned)
+    keeps = "a rotation vector stands for one strain"
+    holds = 'kinematics="substructured" with several segments'
+    return Range("rotation of a section against the root", "rad", ONE_TURN, keeps, holds, ca.sqrt(farthest))
+
+
+def sub_beams(beam: Beam, slopes: ca.SX, twists: ca.SX | None) -> list[Range]:
+    """Of a chain: its largest slope within a sub-beam, and in space its largest twist of one [rad]."""
+    turns = slopes if twists is None else ca.sqrt(slopes**2 + twists**2)
+    keeps = "elastic forces of a sub-beam err by less than 5 %"
+    found = [Range("turn within a sub-beam", "rad", SLOPE, keeps, FINER, turns)]
+    if twists is not None:
+        keeps = "bends of a twisted sub-beam err by less than 5 % of themselves"
+        ratio = ca.fmax(beam.I_y, beam.I_z) / ca.fmin(beam.I_y, beam.I_z)
+        quantity = "twist of a sub-beam times I_max/I_min - 1"
+        found.append(Range(quantity, "rad", SKEW, keeps, FINER, twists * (ratio - 1)))
+    return found

@@ -1,0 +1,127 @@
+"""Ranges of large rotations: strains of the fibres, turns within a sub-beam, one turn in space."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.optimize import root
+
+from pliant.plants import LargeDeflectionBeam, Payload, Trajectory
+from pliant.plants.validity import rotating_sections
+from pliant.plants.validity.ranges import values
+
+BEAM = LargeDeflectionBeam.textbook()
+
+
+def reached(plant, x, u=None):
+    """{quantity: value} at a state."""
+    u = np.zeros(plant.nu) if u is None else u
+    motion = Trajectory.from_arrays([0.0, 1.0], [x, x], [u, u], plant=plant)
+    return dict(zip((r.quantity for r in plant.validity), values(plant, motion)[0], strict=True))
+
+
+def state(plant, **named):
+    x = np.zeros(plant.nx)
+    for name, value in named.items():
+        x[[s.name for s in plant.states].index(name)] = value
+    return x
+
+
+def test_fibres_of_a_circle_strain_by_their_distance_over_its_radius() -> None:
+    """A polynomial rotation field that grows evenly is a circle; in space both planes are added."""
+    plane = dataclasses.replace(BEAM, basis="polynomial", modes=1)
+    depth = np.sqrt(3 * BEAM.beam.I_z / BEAM.beam.area)
+    found = reached(plane, state(plane, bend1=1.2))
+    assert found["strain of the beam's fibres"] == pytest.approx(1.2 * depth / 10.0, rel=1e-9)
+    space = dataclasses.replace(plane, planar=False)
+    found = reached(space, state(space, bend1=1.2, flap1=-0.5))
+    assert found["strain of the beam's fibres"] == pytest.approx(1.7 * depth / 10.0, rel=1e-9)
+    assert found["rotation of a section against the root"] == pytest.approx(1.3, rel=1e-9)
+
+
+@pytest.mark.parametrize("root_kind", ["hinged", "driven"])
+def test_the_root_may_turn_at_will_and_its_spin_pulls(root_kind) -> None:
+    load = Payload(mass=0.5)
+    space = dataclasses.replace(BEAM, root=root_kind, planar=False, modes=1, payload=load, gravity=(0.0, 0.0, 0.0))
+    turning = space.states[0].name
+    found = reached(space, state(space, **{turning: 40.0, f"{turning}_rate": 2.0, "flap1": 0.3}))
+    assert found["rotation of a section against the root"] == pytest.approx(0.3, rel=1e-9)
+    pull = 4.0 * 10.0 * (BEAM.beam.mass / 2 + 0.5)
+    assert found["axial strain of the beam"] == pytest.approx(pull / (BEAM.beam.E * BEAM.beam.area), rel=1e-9)
+
+
+def test_a_tip_force_counts_as_pull() -> None:
+    still = dataclasses.replace(BEAM, gravity=(0.0, 0.0, 0.0))
+    found = reached(still, np.zeros(still.nx), np.array([-30.0, 40.0]))
+    assert found["axial strain of the beam"] == pytest.approx(50.0 / (BEAM.beam.E * BEAM.beam.area), rel=1e-12)
+
+
+@pytest.mark.parametrize("planar", [True, False])
+def test_turns_within_a_sub_beam(planar) -> None:
+    """Those of its shapes in its frame; the second of two sub-beams alone is bent, and twisted."""
+    chain = dataclasses.replace(BEAM, kinematics="substructured", segments=2, modes=1, frame="tangent", planar=planar)
+    named = {"bend2_1": 0.4} if planar else {"bend2_1": 0.3, "flap2_1": 0.4, "twist2_1": 0.2}
+    shapes = chain.shapes.shapes
+    xi = np.linspace(0.0, 1.0, 5)
+    most = np.abs(shapes(xi, 1)[:, 0] - shapes.offset("tangent")[0]).max()
+    found = reached(chain, state(chain, **named))
+    bent = (0.4 if planar else 0.5) * most
+    assert found["turn within a sub-beam"] == pytest.approx(bent if planar else np.hypot(bent, 0.2), rel=1e-9)
+    if not planar:
+        assert found["twist of a sub-beam times I_max/I_min - 1"] == 0.0  # a round section
+    curved = np.abs(shapes(xi, 2)[:, 0]).max() * 2 / 10.0 * np.sqrt(3 * BEAM.beam.I_z / BEAM.beam.area)
+    assert found["strain of the beam's fibres"] == pytest.approx(
+        sum(v for k, v in named.items() if k[0] in "bf") * curved
+    )
+
+
+@pytest.mark.parametrize("frame", ["tangent", "mean-axis"])
+def test_at_the_limit_of_one_sub_beam_it_errs_by_less_than_is_claimed(frame) -> None:
+    """Under a tip force, against a rotation field; where the frame is the root's tangent by nearly all of it."""
+    tips = []
+    for own in ({"kinematics": "substructured", "segments": 1, "modes": 4, "frame": frame}, {"modes": 8}):
+        beam = dataclasses.replace(BEAM, gravity=(0.0, 0.0, 0.0), **own)
+        force = np.array([0.0, 0.6 * beam.beam.EI / beam.beam.length**2])  # the linear tip turns by 0.3
+        x = solved(beam, np.zeros(beam.nx), range(beam.nx // 2), force)
+        tips.append(beam.measure(x)[[s.name for s in beam.outputs].index("tip_v")])
+        if len(tips) == 1:
+            assert reached(beam, x)["turn within a sub-beam"] == pytest.approx(
+                0.3 if frame == "tangent" else 0.2, abs=0.01
+            )
+    error = abs(tips[0] / tips[1] - 1)
+    assert (0.03 if frame == "tangent" else 0.001) < error < 0.05
+
+
+def solved(beam, x, free, force):
+    """The state with the coordinates `free` at rest under a tip force."""
+    free, n = list(free), beam.nx // 2
+
+    def lacking(q):
+        at = x.copy()
+        at[free] = q
+        return beam.rest_residual(at, beam.dynamics(at, force))[[n + i for i in free]]
+
+    found = root(lacking, np.zeros(len(free)), tol=1e-12)
+    assert np.abs(found.fun).max() < 1e-9
+    x = x.copy()
+    x[free] = found.x
+    return x
+
+
+@pytest.mark.parametrize("along", [1, 2])
+def test_a_twisted_sub_beam_sends_its_bends_out_of_their_plane_by_less_than_is_claimed(along) -> None:
+    """I_y four times I_z, one sub-beam twisted to the limit, a tip force along y or z: against an exact field."""
+    tips, thick = [], dataclasses.replace(BEAM.beam, I_y=4 * BEAM.beam.I_z)
+    for own in ({"kinematics": "substructured", "segments": 1, "modes": 3}, {"modes": 4}):
+        beam = dataclasses.replace(BEAM, beam=thick, gravity=(0.0, 0.0, 0.0), planar=False, twists=1, **own)
+        held = next(i for i, s in enumerate(beam.coordinates) if s.name.startswith("twist"))
+        x = np.zeros(beam.nx)
+        x[held] = rotating_sections.SKEW / 3
+        x = solved(beam, x, [i for i in range(beam.nx // 2) if i != held], np.eye(3)[along])
+        y = dict(zip((s.name for s in beam.outputs), beam.measure(x), strict=True))
+        tips.append(np.array([y["tip_y"], y["tip_z"]]))
+        if len(tips) == 1:
+            found = reached(beam, x)["twist of a sub-beam times I_max/I_min - 1"]
+            assert found == pytest.approx(rotating_sections.SKEW, rel=1e-9)
+    error = np.linalg.norm(tips[0] - tips[1]) / np.linalg.norm(tips[1])
+    assert (0.005 if along == 2 else 0.001) < error < 0.05
