@@ -43,6 +43,12 @@ def require_reached(
         raise UncontrollableError(f"{', '.join(found)} {what}", tuple(found))
 
 
+def columns_even(B: np.ndarray) -> np.ndarray:
+    """B (nx, nu) with columns of length one: what an input reaches does not depend on its unit."""
+    length = np.linalg.norm(B, axis=0)
+    return np.asarray(B / np.where(length > 0, length, 1.0))
+
+
 def _state_of(z: np.ndarray, position: np.ndarray, right: np.ndarray) -> int:
     """The state that takes part most in the mode with left eigenvector z; `right` (nx, k) are its right ones.
 

@@ -266,7 +266,7 @@ def test_newton_steps_find_the_solution_of_a_problem_with_a_cross_weight(dt, mon
     name = "solve_continuous_are" if dt is None else "solve_discrete_are"
     right = getattr(algebraic.sla, name)
     P = right(A, B, Q, R, s=N)
-    monkeypatch.setattr(algebraic.sla, name, lambda *a, **k: P * (1 + 1e-3))
+    monkeypatch.setattr(algebraic.sla, name, lambda *a, **k: right(*a, **k) * (1 + 1e-3))  # in the solver's own units
     found, _ = algebraic.solve_riccati(A, B, Q, R, N, dt)
     np.testing.assert_allclose(found, P, rtol=0, atol=1e-9 * np.abs(P).max())
 
