@@ -14,7 +14,8 @@ import scipy.linalg as sla
 
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.linear.magnus import with_cost
+from pliant.plants.linear.even_units import even_units
+from pliant.plants.linear.magnus import halvings, with_cost
 
 from .checks import columns_even
 from .checks import known_names as _names
@@ -152,9 +153,12 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     Q, R = require_finite("Q", Q, (nx, nx)), require_finite("R", R, (nu, nu))
     F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
     M = np.block([[Q, N], [N.T, R]])
-    j = max(0, int(np.ceil(np.log2(max(float(np.linalg.norm(A, 1)) * dt, 1e-300)))))
-    step, cost = with_cost(F * dt, M * dt, -F.T * dt, j)
-    cost = (cost + cost.T) / 2
+    F, M = F * dt, M * dt
+    unit = even_units(F, np.zeros(nx + nu), np.diagonal(M))
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    F, M = F * ratio, M * weight
+    step, cost = with_cost(F, M, -F.T, halvings(F[:nx]))
+    step, cost = step / ratio, (cost + cost.T) / 2 / weight
     return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
 
 

@@ -16,6 +16,7 @@ import scipy.linalg as sla
 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.magnus import exponent, halvings, with_cost
 
@@ -54,12 +55,15 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     F[:, :, :nx, :nx], F[:, :, :nx, nx:-1], F[:, :, :nx, -1] = A, B, c
     M = np.zeros((n, n))
     M[:nx, :nx], M[:nx, nx:-1], M[nx:-1, :nx], M[nx:-1, nx:-1] = Q, N, N.T, R
+    unit = even_units(F, np.zeros(n), np.diagonal(M))
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    F, M = F * ratio, M * weight
     big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
     big[:, :, :n, :n], big[:, :, :n, n:], big[:, :, n:, n:] = -F.transpose(0, 1, 3, 2), M, F
     Omega = exponent(big, np.diff(model.t))
     own, j = Omega[:, n:, n:], halvings(Omega[:, n:, n:])
     step, cost = with_cost(own, Omega[:, :n, n:], Omega[:, :n, :n], j)
-    cost = _semidefinite(cost, model.t)
+    step, cost = step / ratio, _semidefinite(cost, model.t) / weight
     x, u = slice(0, nx), slice(nx, nx + nu)
     dynamics = step[:, x, x], step[:, x, u], step[:, x, -1]
     return SampledLTV(
@@ -67,20 +71,21 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     )
 
 
-def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[Array, Array, Array]:
-    """F, G, H (nt-1, nx+1, nx+1) of every interval."""
+def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[Array, Array, Array, Array]:
+    """F, G, H (nt-1, nx+1, nx+1) of every interval, and the even units (nx+1,) of [x; 1] that they are in."""
     A, B, _, c = model._gauss
     n = A.shape[-1] + 1
     big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
     own = big[:, :, :n, :n]
     own[:, :, :-1, :-1], own[:, :, :-1, -1] = A - B @ lean, c
+    drive, sight = np.zeros((*A.shape[:2], n, n)), np.zeros((n, n))
+    drive[:, :, :-1, :-1], sight[:-1, :-1] = B @ np.linalg.solve(R, B.transpose(0, 1, 3, 2)), Q
+    reach = np.abs(np.diagonal(drive, axis1=2, axis2=3)).max(axis=(0, 1), initial=0.0)
+    unit = even_units(own, reach, np.diagonal(sight))  # with them G and H are alike
+    weight = unit[:, None] * unit
+    own *= unit[None, :] / unit[:, None]
     big[:, :, n:, n:] = -own.transpose(0, 1, 3, 2)
-    big[:, :, : n - 1, n:-1] = -B @ np.linalg.solve(R, B.transpose(0, 1, 3, 2))
-    big[:, :, n:-1, : n - 1] = -Q
-    sizes = (np.abs(big[:, :, : n - 1, n:-1]).max(initial=0.0), np.abs(Q).max(initial=0.0))
-    unit = np.sqrt(sizes[1] / sizes[0]) if min(sizes) > 0 else 1.0  # of the costate, so that G and H are alike
-    big[:, :, :n, n:] *= unit
-    big[:, :, n:, :n] /= unit
+    big[:, :, :n, n:], big[:, :, n:, :n] = -drive / weight, -sight * weight
     Omega = exponent(big, np.diff(model.t))
     j = halvings(Omega)
     flow = sla.expm(Omega / 2**j)
@@ -91,7 +96,7 @@ def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[
         turned = F.transpose(0, 2, 1)
         F, G, H = F @ middle @ F, G + F @ middle @ G @ turned, H + turned @ H @ middle @ F
         G, H = ((V + V.transpose(0, 2, 1)) / 2 for V in (G, H))
-    return F, G / unit, H * unit
+    return F, G, H, unit
 
 
 def _semidefinite(cost: Array, t: Array) -> Array:
