@@ -1,7 +1,7 @@
 """Linear-quadratic design by algebraic Riccati equations: lqr, dlqr, lqi, sampled, kalman, dkalman; see the room.
 
-SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay must be reached by the input
-and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
+Solved in even units and refined, see `scaled_equation`. A mode that does not decay must be reached by the input and seen
+by the cost (Popov, Belevitch, Hautus); the error names the others.
 """
 
 from __future__ import annotations
@@ -160,6 +160,12 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     step, cost = with_cost(F, M, -F.T, halvings(F[:nx]))
     step, cost = step / ratio, (cost + cost.T) / 2 / weight
     return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
+
+
+def integrated(A: np.ndarray, S: np.ndarray, dt: float) -> np.ndarray:
+    """The integral over dt [s] of e^(As) S e^(A's) (nx, nx): covariance that white noise of density S leaves."""
+    none = np.zeros((len(A), 0))
+    return sampled(A.T, none, S, np.zeros((0, 0)), dt=dt).Q
 
 
 def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None, dt: float | None) -> Regulator:

@@ -1,6 +1,7 @@
 """Linear-quadratic problems from node to node of an LTVModel, of fourth order in the distance of the nodes.
 
 sampled_along     the discrete problem with the input held, the cost integrated in between
+noise_along       the covariance that white disturbances leave in between
 hamiltonian_flow  x+ = F x - G m+,  m = H x + F'm+,   G, H >= 0: state and half the costate m under the best input
 
 Both are exponentials of a fourth-order Magnus exponent (Iserles and Norsett 1999), taken of a small part of an interval
@@ -69,6 +70,26 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     return SampledLTV(
         *dynamics, cost[:, x, x], cost[:, u, u], cost[:, x, u], cost[:, x, -1], cost[:, u, -1], cost[:, -1, -1]
     )
+
+
+def noise_along(model: LTVModel, W: Any) -> Array:
+    """Covariance (nt-1, nx, nx) of what white disturbances of density W (nw, nw) [unit^2 s] do to the state from node to
+    node: the integral of Phi(end, s) E W E' Phi(end, s)' (Van Loan 1978), of fourth order in the distance of the nodes.
+    """
+    A, _, E, _ = model._gauss
+    n = A.shape[-1]
+    W = weight_matrix("W", W, E.shape[-1], definite=False)
+    drive = E @ W @ E.transpose(0, 1, 3, 2)
+    reach = np.abs(np.diagonal(drive, axis1=2, axis2=3)).max(axis=(0, 1), initial=0.0)
+    unit = even_units(A, reach, np.zeros(n))
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
+    big[:, :, :n, :n], big[:, :, :n, n:] = A * ratio, drive / weight
+    big[:, :, n:, n:] = -big[:, :, :n, :n].transpose(0, 1, 3, 2)
+    Omega = exponent(big, np.diff(model.t))
+    own = Omega[:, :n, :n]
+    _, found = with_cost(own.transpose(0, 2, 1), Omega[:, :n, n:], -own, halvings(own))
+    return (found + found.transpose(0, 2, 1)) / 2 * weight
 
 
 def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[Array, Array, Array, Array]:

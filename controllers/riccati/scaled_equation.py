@@ -20,6 +20,7 @@ Array = np.ndarray
 LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
 LARGEST_DOUBT = 1e-6  # of a gain, against the largest of its row in even units
 NEWTON_STEPS = 6  # at most, each from a stabilising gain
+DOUBLINGS = 50  # at most
 PROBES = 2  # random roundings of the data
 EPS = float(np.finfo(float).eps)
 
@@ -80,12 +81,32 @@ def solve_even(even: Problem, x: Array, u: Array, dt: float | None) -> tuple[Arr
 
 
 def _first(even: Problem, dt: float | None) -> Array:
-    """SciPy's solution."""
+    """SciPy's solution; in discrete time, where it has none, what doubling finds (Anderson 1978)."""
     A, B, Q, R, N = even
     try:
         return np.asarray((sla.solve_continuous_are if dt is None else sla.solve_discrete_are)(A, B, Q, R, s=N))
     except np.linalg.LinAlgError as error:
+        if dt is not None:
+            found = _doubled(even)
+            if found is not None:
+                return found
         raise PliantError(f"the Riccati equation was not solved ({error}): change Q and R") from error
+
+
+def _doubled(even: Problem) -> Array | None:
+    """The cost to go over 2^j steps until it stays; None where it does not."""
+    lean = even.lean()
+    F, G, H = even.A - even.B @ lean, even.B @ np.linalg.solve(even.R, even.B.T), even.Q - even.N @ lean
+    for _ in range(DOUBLINGS):
+        if not all(np.isfinite(M).all() for M in (F, G, H)):
+            return None
+        middle = np.linalg.solve(np.eye(len(F)) + G @ H, np.hstack([F, G @ F.T]))
+        more = F.T @ H @ middle[:, : len(F)]
+        F, G, H = F @ middle[:, : len(F)], G + F @ middle[:, len(F) :], H + more
+        G, H = (G + G.T) / 2, (H + H.T) / 2
+        if np.abs(more).max(initial=0.0) <= EPS * np.abs(H).max(initial=0.0):
+            return H
+    return None
 
 
 def _refined(even: Problem, first: Array, dt: float | None) -> tuple[Array, Array]:

@@ -139,7 +139,8 @@ def _require_solved(A: Array, B: Array, Q: Array, R: Array, N: Array, made: Time
     G = B.transpose(0, 2, 1) @ later @ A + N.transpose(0, 2, 1)
     H = R + B.transpose(0, 2, 1) @ later @ B
     terms = np.array([turned @ later @ A, Q, -G.transpose(0, 2, 1) @ made.K, -made.P[:-1]])
-    own = np.sqrt(np.abs(np.diagonal(terms, axis1=2, axis2=3)).max(axis=0))  # a unit of each state
+    spread = np.abs(turned) @ np.abs(later) @ np.abs(A) + np.abs(Q)
+    own = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))  # a unit of each state
     paid = np.sqrt(np.diagonal(H, axis1=1, axis2=2))  # and of each input
     left = _against(terms.sum(axis=0), own, own)
     worst = np.maximum(left, _against(H @ made.K - G, paid, own))

@@ -36,7 +36,7 @@ def test_alpha_beta_filter(index):
     r = (4 + index - np.sqrt(8 * index + index**2)) / 4
     alpha = 1 - r**2
     beta = 2 * (2 - alpha) - 4 * np.sqrt(1 - alpha)
-    found = Kalman.design(DOUBLE, seen(v), {"a": w**2 * T}, dt=T)
+    found = Kalman.design(DOUBLE, seen(v), {"a": w**2 * T}, dt=T, noise="held")
     np.testing.assert_allclose(found.gains[-1].L[:, 0], [alpha, beta / T], rtol=1e-9)
     np.testing.assert_allclose(found.covariance[0, 0], alpha * v**2, rtol=1e-9)
 
@@ -120,7 +120,7 @@ def test_covariance_is_what_monte_carlo_sees(delay):
     With the accelerometer: feedthrough of the known input and of the held noise count.
     """
     model = arm_model()
-    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02, delay=delay, P0=P0)
+    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02, delay=delay, P0=P0, noise="held")
     runs, steps, rng = 250, 40, np.random.default_rng(11)
     start = np.array([0.3, 0.0, -0.2, 0.0])
     all_errors = np.array([played(model, kalman, steps, rng, x0=start, P0=P0, delay=delay)[0] for _ in range(runs)])
@@ -136,7 +136,7 @@ def test_covariance_is_what_monte_carlo_sees(delay):
 def test_innovations_are_white():
     """Autocorrelation at lags 1 to 20 within 1.96/sqrt(n) in 95 % of all (Mehra 1970); sum of squares chi-square."""
     model = arm_model()
-    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02)
+    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02, noise="held")
     n, rng = 4000, np.random.default_rng(3)
     _, innovations = played(model, kalman, n + 200, rng, x0=np.zeros(4), P0=P0)
     z = np.linalg.solve(np.linalg.cholesky(kalman.innovation_covariance), innovations[200:].T).T
@@ -148,7 +148,7 @@ def test_innovations_are_white():
         outside += (np.abs(correlation) > 1.96 / np.sqrt(n)).sum()
         total += correlation.size
     assert outside < 0.1 * total
-    careless = Kalman.design(model, sensors_of(ARM), {"tip_force_y": 1e-4}, dt=0.02)
+    careless = Kalman.design(model, sensors_of(ARM), {"tip_force_y": 1e-4}, dt=0.02, noise="held")
     _, innovations = played(model, careless, n + 200, np.random.default_rng(3), x0=np.zeros(4), P0=P0)
     assert (np.linalg.solve(np.linalg.cholesky(careless.innovation_covariance), innovations[200:].T) ** 2).sum() > high
 
@@ -164,7 +164,7 @@ def test_time_varying_filter_along_a_slew(delay):
     push = np.zeros_like(ltv.c)
     push[:, 2] = 0.5 * np.cos(3 * t)
     ltv = dataclasses.replace(ltv, c=ltv.c + push)
-    kalman = Kalman.along(ltv, sensors_of(arm), W, P0=P0, delay=delay)
+    kalman = Kalman.along(ltv, sensors_of(arm), W, P0=P0, delay=delay, noise="held")
     steps, rng, runs = ltv.discretize(), np.random.default_rng(5), 250
     at = [[s.name for s in arm.outputs].index(name) for name in kalman.reads]
     noise = np.sqrt(np.diag(kalman.steps[0].V))

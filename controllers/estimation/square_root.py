@@ -1,0 +1,73 @@
+"""Filter covariances by their roots: P = S S' is never formed, so sensors of 1e-5 keep their digits beside large noise.
+
+    x+ = A x + G w,   y = C x+ + H w + v;   w, v of covariance W, V
+
+update  one sample: an orthogonal factorisation of what adds up (Potter; Morf and Kailath 1975)
+stein   the limit of x+ = F x + J w: doubled, (S, F) -> (root of S S' + F S S'F', F F), by the same factorisation
+steady  the limit of many samples from a gain near it: Newton steps (Hewer 1971), each with P from `stein`, a sum of
+        squares (Joseph) in which nothing cancels
+
+Rows of the factored arrays are states or readings, each with its own unit; a factorisation from the right mixes
+columns only, so that a reading in nanometres and one in kilometres keep the same digits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pliant.plants.core.errors import PliantError
+
+Array = np.ndarray
+SETTLED = 1e-14  # of the standard deviations: change of a covariance
+NEWTON_STEPS = 6  # at most
+DOUBLINGS = 60  # at most: poles up to 1 - 1e-17
+
+
+def triangle(M: Array) -> Array:
+    """Lower triangular S (n, n) with S S' = M M', M (n, m), its diagonal >= 0."""
+    n, m = M.shape
+    wide = M if m >= n else np.hstack([M, np.zeros((n, n - m))])
+    S = np.linalg.qr(wide.T, mode="r").T
+    return np.asarray(S * np.where(np.diagonal(S) < 0, -1.0, 1.0))
+
+
+def update(state: Array, reading: Array) -> tuple[Array, Array, Array]:
+    """L (nx, ny), root (nx, nx) after and root (ny, ny) of the innovation, where the state's error is state @ e and the
+    innovation reading @ e: (nx, m) and (ny, m), with e of covariance one."""
+    ny = len(reading)
+    whole = triangle(np.vstack([reading, state]))
+    own, crossed = whole[:ny, :ny], whole[ny:, :ny]
+    return np.linalg.solve(own.T, crossed.T).T, whole[ny:, ny:], own
+
+
+def stein(F: Array, J: Array) -> Array:
+    """Root S (n, n) of P = F P F' + J J'; PliantError where F does not decay."""
+    S = triangle(J)
+    for _ in range(DOUBLINGS):
+        more = F @ S
+        length = np.linalg.norm(S, axis=1)
+        if not np.isfinite(length).all():
+            break
+        S = triangle(np.hstack([S, more]))
+        if (np.linalg.norm(more, axis=1) <= 1e-9 * length).all():  # its square is below rounding
+            return S
+        F = F @ F
+    raise PliantError("the error of the filter does not decay: the covariance has no limit")
+
+
+def steady(A: Array, C: Array, noise: Array, read: Array, root: Array) -> Array:
+    """Root (nx, nx) of the covariance after a sample, in the limit, from a root near it.
+
+    noise (nx, m), read (ny, m): what w and v of covariance one do to x+ and, through x+ too, to y.
+    """
+    seen, last = C @ A, np.inf
+    for _ in range(NEWTON_STEPS):
+        L, _, _ = update(np.hstack([A @ root, noise]), np.hstack([seen @ root, read]))
+        found = stein(A - L @ seen, noise - L @ read)
+        own = np.linalg.norm(found, axis=1)
+        change = np.abs(found @ found.T - root @ root.T) / np.where(own > 0, own, np.inf) / own.clip(1e-300)[:, None]
+        root, worst = found, float(change.max(initial=0.0))
+        if worst <= SETTLED or worst > last / 2:
+            break
+        last = worst
+    return root
