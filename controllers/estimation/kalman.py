@@ -24,15 +24,15 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import reading
-from pliant.controllers.riccati.algebraic import integrated
 from pliant.controllers.riccati.checks import weight_matrix
 from pliant.plants.core.errors import PliantError
+from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_choice, require_count, require_finite
 from pliant.plants.core.signals import names
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
-from . import kalman_gains
+from . import kalman_gains, square_root
 from .process_noise import process_noise
 from .sensors import Sensor, covariance, sensors_of
 
@@ -93,8 +93,10 @@ class Kalman:
         held, picked = wide.discretize(dt), tuple(s.output for s in sensors)
         C, D, F = kalman_gains.rows(wide, picked)
         require_choice("Kalman", "noise", noise, NOISES)
-        whole = integrated(wide.A, wide.E @ density @ wide.E.T, dt) if noise == "white" else None
-        G, H, w = kalman_gains.process(held.E, F, density, dt, whole)
+        G, H, w = held.E, F, density / dt
+        if noise == "white":
+            G, rest, w = square_root.white(wide.A, wide.E, density, dt)
+            G, H, w = kalman_gains.with_rest(G, F, w, rest)
         step = kalman_gains.Sampled(held.A, held.B, G, C, D, H, w, covariance(sensors, dt), held.f0)
         late = kalman_gains.delayed(step, delay)
         limit = kalman_gains.steady(late, model.state_names, dt)
@@ -133,7 +135,9 @@ class Kalman:
         whole = riccati.noise_along(wide, density) if noise == "white" else None
         plain = []
         for k, i in enumerate(before):
-            G, H, w = kalman_gains.process(held.E[i], F[k], density, dt, None if whole is None else whole[i])
+            G, H, w = held.E[i], F[k], density / dt
+            if whole is not None:
+                G, H, w = kalman_gains.with_rest(G, H, w, semidefinite_root(whole[i] - G @ w @ G.T))
             plain.append(kalman_gains.Sampled(held.A[i], held.B[i], G, C[k], D[k], H, w, V, held.c[i]))
         steps = tuple(kalman_gains.delayed(step, delay) for step in plain)
         gains = [kalman_gains.corrected(steps[0], _first(plain[0], delay, P0))]

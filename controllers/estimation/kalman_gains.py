@@ -89,16 +89,10 @@ def driven_by(model: Model, W: Mapping[str, float]) -> tuple[Model, Array]:
     return replace(model, E=E, F=F, disturbances=tuple(signals), w0=quiet), densities
 
 
-def process(G: Array, H: Array, density: Array, dt: float, whole: Array | None) -> tuple[Array, Array, Array]:
-    """G, H, W of a step: held noise, or white noise whose integral has the covariance `whole` (nx, nx).
-
-    G (nx, nw): what w held at one does to x over the step; H (ns, nw): to the reading.
-    """
-    mean = density / dt
-    if whole is None:
-        return G, H, mean
+def with_rest(G: Array, H: Array, mean: Array, rest: Array) -> tuple[Array, Array, Array]:
+    """G, H, W of a step with white noise: its mean over the period, of covariance `mean` (nw, nw), moves x by G and the
+    reading by H (ns, nw); what it leaves of the integral is rest e (nx, nx), e of covariance one."""
     nx, nw = G.shape
-    rest = semidefinite_root(whole - G @ mean @ G.T)
     W = np.eye(nw + nx)
     W[:nw, :nw] = mean
     return np.hstack([G, rest]), np.hstack([H, np.zeros((len(H), nx))]), W

@@ -4,6 +4,7 @@
 
 update  one sample: an orthogonal factorisation of what adds up (Potter; Morf and Kailath 1975)
 stein   the limit of x+ = F x + J w: doubled, (S, F) -> (root of S S' + F S S'F', F F), by the same factorisation
+white   what white noise over a period leaves: Gauss's quadrature of a part of it (the integral of Van Loan 1978), doubled
 steady  the limit of many samples from a gain near it: Newton steps (Hewer 1971), each with P from `stein`, a sum of
         squares (Joseph) in which nothing cancels
 
@@ -16,10 +17,14 @@ from __future__ import annotations
 import numpy as np
 
 from pliant.plants.core.errors import PliantError
+from pliant.plants.core.imports import linalg
+from pliant.plants.linear.even_units import even_units
+from pliant.plants.linear.magnus import halvings
 
 Array = np.ndarray
 SETTLED = 1e-14  # of the standard deviations: change of a covariance
 NEWTON_STEPS = 6  # at most
+POINTS = 10  # of the quadrature, over a part in which no rate passes one: of order 20
 DOUBLINGS = 60  # at most: poles up to 1 - 1e-17
 
 
@@ -38,6 +43,31 @@ def update(state: Array, reading: Array) -> tuple[Array, Array, Array]:
     whole = triangle(np.vstack([reading, state]))
     own, crossed = whole[:ny, :ny], whole[ny:, :ny]
     return np.linalg.solve(own.T, crossed.T).T, whole[ny:, ny:], own
+
+
+def white(A: Array, E: Array, density: Array, dt: float) -> tuple[Array, Array, Array]:
+    """G (nx, nw), rest (nx, nx), W (nw, nw): over dt [s] white noise of density (nw, nw) [unit^2 s] moves dx/dt = A x +
+    E w by G m + rest e, where m, of covariance W, is its mean over the period and e has covariance one.
+
+    As the root of the integral for [m; x], so that directions that get little noise keep their digits.
+    """
+    nx, nw = E.shape
+    n = nw + nx
+    F, J = np.zeros((n, n)), np.zeros((n, nw))
+    F[nw:, nw:] = A
+    J[:nw], J[nw:] = np.eye(nw) / dt, E
+    unit = even_units(F, (J**2 * np.diagonal(density)).sum(axis=1), np.zeros(n))
+    F, J = F * (unit[None, :] / unit[:, None]), J / unit[:, None] @ np.linalg.cholesky(density)
+    j = halvings(F * dt)
+    h = dt / 2**j
+    at, weight = np.polynomial.legendre.leggauss(POINTS)
+    moved = linalg.expm(F * (h * (1 + at) / 2)[:, None, None]) @ (J * np.sqrt(h / 2 * weight)[:, None, None])
+    S, step = triangle(np.hstack(list(moved))), linalg.expm(F * h)
+    for _ in range(j):
+        S, step = triangle(np.hstack([S, step @ S])), step @ step
+    S = unit[:, None] * S
+    own = S[:nw, :nw]
+    return np.linalg.solve(own.T, S[nw:, :nw].T).T, S[nw:, nw:], own @ own.T
 
 
 def stein(F: Array, J: Array) -> Array:

@@ -162,12 +162,6 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
 
 
-def integrated(A: np.ndarray, S: np.ndarray, dt: float) -> np.ndarray:
-    """The integral over dt [s] of e^(As) S e^(A's) (nx, nx): covariance that white noise of density S leaves."""
-    none = np.zeros((len(A), 0))
-    return sampled(A.T, none, S, np.zeros((0, 0)), dt=dt).Q
-
-
 def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None, dt: float | None) -> Regulator:
     A, B = _system(A, B)
     nx, nu = B.shape

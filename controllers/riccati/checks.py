@@ -19,16 +19,15 @@ UNREACHED = 1e-10  # least singular value of [A - s I, B] over |A - s I| of a mo
 def require_reached(
     A: np.ndarray, B: np.ndarray, names: tuple[str, ...], dt: float | None, what: str, dual: bool = False
 ) -> None:
-    """UncontrollableError that names every mode of A that neither decays nor is reached through B.
+    """UncontrollableError that names every mode of A that neither decays nor is reached through B, both in even units.
 
-    With `dual`, A and B are the transposes of the dynamics and of what sees them.
+    With `dual`, A and B are the transposes of the dynamics and of what sees them. Balancing A again would push what
+    only drives (the plant of an integrator) ever further from what it drives, and B with it.
     """
-    scaled, scale = sla.matrix_balance(A, permute=False)
-    B = np.linalg.solve(scale, B)
-    lam, _, vectors, rounding = eigen(A)
+    lam, _, vectors, rounding = eigen(A, balance=False)
     found: dict[str, None] = {}
     for s in lam[stays(lam, rounding, dt) & (lam.imag >= 0)]:
-        shifted = scaled - s * np.eye(len(A))
+        shifted = A - s * np.eye(len(A))
         size = np.linalg.norm(shifted) or 1.0
         gain = np.linalg.norm(B)
         left, sigma, _ = np.linalg.svd(np.hstack([shifted, B * (size / gain if gain else 0.0)]))

@@ -81,22 +81,30 @@ def solve_even(even: Problem, x: Array, u: Array, dt: float | None) -> tuple[Arr
 
 
 def _first(even: Problem, dt: float | None) -> Array:
-    """SciPy's solution; in discrete time, where it has none, what doubling finds (Anderson 1978)."""
+    """SciPy's solution; where it has none (its reordering fails with a ValueError), what doubling finds."""
     A, B, Q, R, N = even
     try:
         return np.asarray((sla.solve_continuous_are if dt is None else sla.solve_discrete_are)(A, B, Q, R, s=N))
-    except np.linalg.LinAlgError as error:
-        if dt is not None:
-            found = _doubled(even)
-            if found is not None:
-                return found
-        raise PliantError(f"the Riccati equation was not solved ({error}): change Q and R") from error
+    except (np.linalg.LinAlgError, ValueError) as error:
+        found = _doubled(even, dt)
+        if found is None:
+            raise PliantError(f"the Riccati equation was not solved ({error}): change Q and R") from error
+        return found
 
 
-def _doubled(even: Problem) -> Array | None:
-    """The cost to go over 2^j steps until it stays; None where it does not."""
+def _doubled(even: Problem, dt: float | None) -> Array | None:
+    """The cost to go over 2^j steps until it stays (Anderson 1978); None where it does not.
+
+    Continuous time first becomes discrete by a Cayley transform (Chu, Fan and Lin 2005), at twice the fastest rate.
+    """
     lean = even.lean()
     F, G, H = even.A - even.B @ lean, even.B @ np.linalg.solve(even.R, even.B.T), even.Q - even.N @ lean
+    if dt is None:
+        one = np.eye(len(F))
+        pace = 2 * max(float(np.linalg.norm(M, 1)) for M in (F, G, H))
+        back = np.linalg.inv(F - pace * one)
+        W = np.linalg.inv((F - pace * one).T + H @ back @ G)
+        F, G, H = one + 2 * pace * W.T, 2 * pace * back @ G @ W, 2 * pace * W @ H @ back
     for _ in range(DOUBLINGS):
         if not all(np.isfinite(M).all() for M in (F, G, H)):
             return None
