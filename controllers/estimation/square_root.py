@@ -23,7 +23,7 @@ from pliant.plants.linear.magnus import halvings
 
 Array = np.ndarray
 SETTLED = 1e-14  # of the standard deviations: change of a covariance
-NEWTON_STEPS = 6  # at most
+NEWTON_STEPS = 30  # at most: from far off each halves the error, near by it squares it
 POINTS = 10  # of the quadrature, over a part in which no rate passes one: of order 20
 DOUBLINGS = 60  # at most: poles up to 1 - 1e-17
 
@@ -97,7 +97,7 @@ def steady(A: Array, C: Array, noise: Array, read: Array, root: Array) -> Array:
         own = np.linalg.norm(found, axis=1)
         change = np.abs(found @ found.T - root @ root.T) / np.where(own > 0, own, np.inf) / own.clip(1e-300)[:, None]
         root, worst = found, float(change.max(initial=0.0))
-        if worst <= SETTLED or worst > last / 2:
+        if worst <= SETTLED or worst >= last:
             break
         last = worst
     return root

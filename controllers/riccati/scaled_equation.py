@@ -53,6 +53,20 @@ class Problem(NamedTuple):
         return even_units(A - B @ lean, (reach**2).sum(axis=0), np.diagonal(Q)), u
 
 
+class Refined(NamedTuple):
+    """A solution and what is wrong with it."""
+
+    residual: float  # against the largest term
+    P: Array  # (nx, nx)
+    K: Array  # (nu, nx)
+    poles: Array  # (nx,) of the closed loop
+    decay: float  # of the slowest one
+
+    @property
+    def sound(self) -> bool:
+        return self.residual <= LARGEST_RESIDUAL and self.decay > 0
+
+
 def solve_riccati(A: Array, B: Array, Q: Array, R: Array, N: Array, dt: float | None) -> tuple[Array, Array]:
     """P (nx, nx) and K (nu, nx) of a checked problem; PliantError where the equation is not solved."""
     problem = Problem(A, B, Q, R, N)
@@ -68,7 +82,7 @@ def solve_even(even: Problem, x: Array, u: Array, dt: float | None) -> tuple[Arr
         fastest = max(float(np.abs(M).max(initial=0.0)) for M in (A, Q, B @ np.linalg.solve(R, B.T)))
         pace = float(np.exp2(np.round(np.log2(fastest) / 2))) if fastest > 0 else 1.0
         even = Problem(A / pace**2, B / pace, Q / pace**2, R, N / pace)
-    P, K = _refined(even, _first(even, dt), dt)
+    P, K = _solved(even, dt)
     doubt, slowest = _doubt(even, P, K, dt)
     if not doubt <= LARGEST_DOUBT:
         slowest = slowest * pace**2 if dt is None else slowest
@@ -80,16 +94,31 @@ def solve_even(even: Problem, x: Array, u: Array, dt: float | None) -> tuple[Arr
     return P / x[:, None] / x, u[:, None] * (pace * K) / x
 
 
-def _first(even: Problem, dt: float | None) -> Array:
-    """SciPy's solution; where it has none (its reordering fails with a ValueError), what doubling finds."""
+def _solved(even: Problem, dt: float | None) -> tuple[Array, Array]:
+    """P and K from SciPy's method; where that does not solve the equation, from doubling."""
     A, B, Q, R, N = even
+    best: Refined | None = None
+    said = "no solution was found"
     try:
-        return np.asarray((sla.solve_continuous_are if dt is None else sla.solve_discrete_are)(A, B, Q, R, s=N))
-    except (np.linalg.LinAlgError, ValueError) as error:
-        found = _doubled(even, dt)
-        if found is None:
-            raise PliantError(f"the Riccati equation was not solved ({error}): change Q and R") from error
-        return found
+        first = (sla.solve_continuous_are if dt is None else sla.solve_discrete_are)(A, B, Q, R, s=N)
+        best = _refined(even, first, dt)
+    except (np.linalg.LinAlgError, ValueError) as error:  # ValueError: eigenvalues that it could not reorder
+        said = str(error)
+    if best is None or not best.sound:
+        doubled = _doubled(even, dt)
+        other = best if doubled is None else _refined(even, doubled, dt)
+        best = other if best is None or (other is not None and other.sound) else best
+    if best is None:
+        raise PliantError(f"the Riccati equation was not solved ({said}): change Q and R")
+    if not best.residual <= LARGEST_RESIDUAL:
+        raise PliantError(
+            f"the Riccati equation is solved only to a relative residual of {best.residual:.2g}, must be "
+            f"{LARGEST_RESIDUAL:g}: change Q and R"
+        )
+    if best.decay <= 0:
+        worst = best.poles[np.argmax(best.poles.real if dt is None else np.abs(best.poles))]
+        raise PliantError(f"the closed loop does not decay: a pole is {worst:.4g}; change Q and R")
+    return best.P, best.K
 
 
 def _doubled(even: Problem, dt: float | None) -> Array | None:
@@ -106,20 +135,21 @@ def _doubled(even: Problem, dt: float | None) -> Array | None:
         W = np.linalg.inv((F - pace * one).T + H @ back @ G)
         F, G, H = one + 2 * pace * W.T, 2 * pace * back @ G @ W, 2 * pace * W @ H @ back
     for _ in range(DOUBLINGS):
+        with np.errstate(over="ignore", invalid="ignore"):  # grows where there is no solution
+            middle = np.linalg.solve(np.eye(len(F)) + G @ H, np.hstack([F, G @ F.T]))
+            more = F.T @ H @ middle[:, : len(F)]
+            F, G, H = F @ middle[:, : len(F)], G + F @ middle[:, len(F) :], H + more
         if not all(np.isfinite(M).all() for M in (F, G, H)):
             return None
-        middle = np.linalg.solve(np.eye(len(F)) + G @ H, np.hstack([F, G @ F.T]))
-        more = F.T @ H @ middle[:, : len(F)]
-        F, G, H = F @ middle[:, : len(F)], G + F @ middle[:, len(F) :], H + more
         G, H = (G + G.T) / 2, (H + H.T) / 2
         if np.abs(more).max(initial=0.0) <= EPS * np.abs(H).max(initial=0.0):
             return H
     return None
 
 
-def _refined(even: Problem, first: Array, dt: float | None) -> tuple[Array, Array]:
-    """P and K after Newton steps: the ones of the smallest residual."""
-    P, best = first.astype(np.longdouble), ()
+def _refined(even: Problem, first: Array, dt: float | None) -> Refined:
+    """The step of Newton's method with the smallest residual."""
+    P, best = np.asarray(first).astype(np.longdouble), None
     size = float(np.abs(first).max(initial=0.0)) or 1.0
     for _ in range(NEWTON_STEPS + 1):
         P = (P + P.T) / 2
@@ -127,25 +157,17 @@ def _refined(even: Problem, first: Array, dt: float | None) -> tuple[Array, Arra
         closed = even.A - even.B @ K
         poles = np.linalg.eigvals(closed)
         decay = -poles.real.max() if dt is None else 1 - np.abs(poles).max()
-        stalled = bool(best) and relative > best[0] / 2
-        if not best or relative < best[0]:
-            best = (relative, P, K, poles, decay)
+        stalled = best is not None and relative > best.residual / 2
+        if best is None or relative < best.residual:
+            best = Refined(relative, P.astype(float), K, poles, float(decay))
         if stalled or relative == 0 or decay <= 0:
             break
         step = _lyapunov(closed, residual, dt)
         P = P + step
         if np.abs(step).max(initial=0.0) <= EPS / 4 * size:
             break
-    relative, P, K, poles, decay = best
-    if not relative <= LARGEST_RESIDUAL:
-        raise PliantError(
-            f"the Riccati equation is solved only to a relative residual of {relative:.2g}, must be "
-            f"{LARGEST_RESIDUAL:g}: change Q and R"
-        )
-    if decay <= 0:
-        worst = poles[np.argmax(poles.real if dt is None else np.abs(poles))]
-        raise PliantError(f"the closed loop does not decay: a pole is {worst:.4g}; change Q and R")
-    return P.astype(float), K
+    assert best is not None
+    return best
 
 
 def _residual(even: Problem, P: Array, dt: float | None) -> tuple[Array, Array, float]:
@@ -168,10 +190,21 @@ def _residual(even: Problem, P: Array, dt: float | None) -> tuple[Array, Array, 
 
 
 def _lyapunov(closed: Array, weight: Array, dt: float | None) -> Array:
-    """X with closed'X + X closed = -weight, or X = closed'X closed + weight."""
+    """X with closed'X + X closed = -weight (Bartels and Stewart 1972), or X = closed'X closed + weight (Smith 1968).
+
+    Without a word where a pole is at the boundary: the residual and the doubt tell.
+    """
     if dt is None:
-        return np.asarray(sla.solve_continuous_lyapunov(closed.T, -weight))
-    return np.asarray(sla.solve_discrete_lyapunov(closed.T, weight))
+        T, U = sla.schur(closed.T)
+        X, scale, _ = sla.lapack.dtrsyl(T, T, -U.T @ weight @ U, tranb="T")
+        return np.asarray(U @ (X / scale) @ U.T)
+    X, F = weight, closed
+    for _ in range(DOUBLINGS):
+        more = F.T @ X @ F
+        X, F = X + more, F @ F
+        if np.abs(more).max(initial=0.0) <= EPS / 4 * np.abs(X).max(initial=0.0):
+            break
+    return np.asarray(X)
 
 
 def _doubt(even: Problem, P: Array, K: Array, dt: float | None) -> tuple[float, complex]:

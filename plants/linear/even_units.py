@@ -13,8 +13,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from pliant.plants.core.imports import linalg
-
 Array = np.ndarray
 FLOOR = 1e-16  # square of the G and Q that every state has besides, against the rest of its row and column
 NEWTON_STEPS = 200  # at most
@@ -41,15 +39,6 @@ def even_units(A: Array, reach: Array, sight: Array) -> Array:
     return np.exp2(np.round((first + _symplectic(*squares)) / np.log(2)))
 
 
-def even_expm(M: Array) -> Array:
-    """e^M of M (.., n, n), computed in even units: norms that are units' only make the squarings many, and those lose
-    digits."""
-    none = np.zeros(M.shape[-1])
-    unit = even_units(M, none, none)
-    ratio = unit[None, :] / unit[:, None]
-    return np.asarray(linalg.expm(M * ratio) / ratio)
-
-
 def input_units(R: Array) -> Array:
     """Units (nu,), powers of two, in which the diagonal of R (nu, nu) > 0 is within [1/2, 2]."""
     return np.exp2(-np.round(np.log2(np.diagonal(R)) / 2))
@@ -65,8 +54,8 @@ def _curtis_reid(size: Array, reach: Array, sight: Array) -> Array:
     """Logarithms d (n,) of units: log size_ij + d_j - d_i, log reach_i - 2 d_i and log sight_i + 2 d_i near one level,
     which is free. Of the solutions the one nearest zero: the others have the same scaled entries."""
     n = len(size)
-    there, own = size > 0, ((reach > 0) * 1.0, (sight > 0) * 1.0)
-    log = np.log(np.where(there, size, 1.0))
+    there, own = (size > 0) * 1.0, ((reach > 0) * 1.0, (sight > 0) * 1.0)
+    log = np.log(np.where(size > 0, size, 1.0))
     logs = [np.log(np.where(v > 0, v, 1.0)) for v in (reach, sight)]
     rows, columns, both = there.sum(axis=1), there.sum(axis=0), own[0] + own[1]
     normal, right = np.zeros((n + 1, n + 1)), np.zeros(n + 1)  # the last unknown is the level

@@ -160,7 +160,7 @@ def design(kind: str, c: Case, units: Units | None) -> dict[str, np.ndarray]:
         step = riccati.sampled(c.A, c.B, c.Q, c.R, c.N, dt=c.dt)
         return {"A": step.A * one.x / one.x[:, None], "K": back(riccati.dlqr(*step, dt=c.dt).K)}
     if kind == "lqi":
-        C = c.C[: min(nu, ny)]
+        C = c.C[: min(nu, ny, nx)]
         Q = sla.block_diag(c.Q, np.diag(one.cost / one.t**3 / one.y[: len(C)] ** 2))
         wide = np.concatenate([one.x, one.y[: len(C)] * one.t])
         return {"K": riccati.lqi(c.A, c.B, C, Q, c.R).K * wide / one.u[:, None]}

@@ -7,7 +7,7 @@ from scipy.integrate import quad_vec
 from scipy.linalg import block_diag, expm, solve_continuous_are
 
 from pliant.controllers import riccati
-from pliant.controllers.riccati import algebraic
+from pliant.controllers.riccati import algebraic, scaled_equation
 from pliant.plants.core.errors import PliantError, UncontrollableError
 
 DOUBLE = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
@@ -189,6 +189,8 @@ def test_modes_that_decay_need_not_be_reached_and_weak_ones_are():
 def test_a_wrong_solution_is_refused(monkeypatch):
     good = algebraic.sla.solve_continuous_are
     monkeypatch.setattr(algebraic.sla, "solve_continuous_are", lambda *a, **k: -good(*a, **k))
+    np.testing.assert_allclose(riccati.lqr(*DOUBLE, np.eye(2), np.eye(1)).K, [[1, np.sqrt(3)]], rtol=1e-13)  # by doubling
+    monkeypatch.setattr(scaled_equation, "_doubled", lambda *a: None)
     with pytest.raises(PliantError, match="relative residual of"):
         riccati.lqr(*DOUBLE, np.eye(2), np.eye(1))
 
