@@ -137,7 +137,10 @@ def steady(step: Sampled, known: Sequence[str], dt: float) -> Filtered:
     ns, n = len(step.C), len(whole.A)
     whiten = 1 / np.sqrt(np.diag(step.V))
     names = tuple(known) + tuple(f"delayed {i + 1}" for i in range(n - len(known)))
-    drive, words = whole.G @ semidefinite_root(step.W), ("cannot be seen by the sensors", "is not driven by the noise W")
+    drive, words = (
+        whole.G @ semidefinite_root(step.W),
+        ("cannot be seen by the sensors", "is not driven by the noise W"),
+    )
     C, V = whiten[:, None] * whole.C, whiten[:, None] * step.V * whiten
     _, P = filter_gain(whole.A, C, drive @ drive.T, V, np.zeros((n, ns)), drive, names, dt, words)
     near = _sampled(semidefinite_root(P), np.zeros((n, ns)), whole.C, semidefinite_root(step.V))

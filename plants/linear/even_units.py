@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pliant.plants.core.imports import linalg
+
 Array = np.ndarray
 FLOOR = 1e-16  # square of the G and Q that every state has besides, against the rest of its row and column
 NEWTON_STEPS = 200  # at most
@@ -37,6 +39,14 @@ def even_units(A: Array, reach: Array, sight: Array) -> Array:
     squares = (_scaled(size, first[None, :] - first[:, None]) ** 2,)
     squares += tuple(_scaled(np.abs(v), s * 2 * first) ** 2 for v, s in ((reach, -1), (sight, 1)))
     return np.exp2(np.round((first + _symplectic(*squares)) / np.log(2)))
+
+
+def even_expm(M: Array) -> Array:
+    """e^M of M (.., n, n), computed in even units: every entry keeps its digits, the small ones beside large ones too."""
+    none = np.zeros(M.shape[-1])
+    unit = even_units(M, none, none)
+    ratio = unit[None, :] / unit[:, None]
+    return np.asarray(linalg.expm(M * ratio) / ratio)
 
 
 def input_units(R: Array) -> Array:

@@ -87,7 +87,10 @@ def plant(rng, free: int) -> np.ndarray:
     count, high = int(rng.integers(1, 31)) if rng.random() < 0.3 else int(rng.integers(1, 7)), rng.choice([2.0, 4.0])
     blocks = []
     for _ in range(count):
-        w, kind = 10 ** rng.uniform(0, high), rng.choice(["rigid", "undamped", "damped", "first"], p=[0.2, 0.4, 0.3, 0.1])
+        w, kind = (
+            10 ** rng.uniform(0, high),
+            rng.choice(["rigid", "undamped", "damped", "first"], p=[0.2, 0.4, 0.3, 0.1]),
+        )
         free -= kind == "rigid"
         if free < 0:
             kind = "damped"
@@ -142,9 +145,7 @@ def ltv_of(c: Case) -> LTVModel:
     parts = grow * c.A, grow * c.B, grow * c.E, grow * c.C, z((20, ny, nu)), z((20, ny, c.E.shape[1]))
     rows = {"c": z((20, n)), "x": z((20, n)), "u": z((20, nu)), "w": z((20, c.E.shape[1])), "y": z((20, ny))}
     m = model_of(c)
-    return LTVModel(
-        t, *parts, **rows, states=m.states, inputs=m.inputs, disturbances=m.disturbances, outputs=m.outputs
-    )
+    return LTVModel(t, *parts, **rows, states=m.states, inputs=m.inputs, disturbances=m.disturbances, outputs=m.outputs)
 
 
 def design(kind: str, c: Case, units: Units | None) -> dict[str, np.ndarray]:

@@ -189,7 +189,9 @@ def test_modes_that_decay_need_not_be_reached_and_weak_ones_are():
 def test_a_wrong_solution_is_refused(monkeypatch):
     good = algebraic.sla.solve_continuous_are
     monkeypatch.setattr(algebraic.sla, "solve_continuous_are", lambda *a, **k: -good(*a, **k))
-    np.testing.assert_allclose(riccati.lqr(*DOUBLE, np.eye(2), np.eye(1)).K, [[1, np.sqrt(3)]], rtol=1e-13)  # by doubling
+    np.testing.assert_allclose(
+        riccati.lqr(*DOUBLE, np.eye(2), np.eye(1)).K, [[1, np.sqrt(3)]], rtol=1e-13
+    )  # by doubling
     monkeypatch.setattr(scaled_equation, "_doubled", lambda *a: None)
     with pytest.raises(PliantError, match="relative residual of"):
         riccati.lqr(*DOUBLE, np.eye(2), np.eye(1))

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
-from pliant.plants.linear.even_units import even_units, input_units
+from pliant.plants.linear.even_units import even_expm, even_units, input_units
 
 ZERO = np.zeros(2)
 
@@ -40,3 +41,12 @@ def test_an_entry_that_is_rounding_does_not_set_a_unit():
 
 def test_inputs():
     assert input_units(np.diag([4.0, 1e-18])).tolist() == [0.5, 2.0**30]
+
+
+def test_exponentials_keep_small_entries():
+    """Of states that are 1e-9 to 1e+9 units apart: SciPy's of even ones, scaled afterwards, to the rounding of both."""
+    rng = np.random.default_rng(0)
+    A, S = rng.normal(size=(6, 6)), 10 ** rng.uniform(-9, 9, 6)
+    scaled, right = A * S[:, None] / S, expm(A) * S[:, None] / S
+    np.testing.assert_allclose(even_expm(scaled), right, rtol=1e-11)
+    np.testing.assert_allclose(even_expm(np.array([A, scaled])), [expm(A), right], rtol=1e-11)
