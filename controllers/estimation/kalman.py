@@ -8,9 +8,9 @@ Samples may arrive `delay` periods late: the model then carries the outputs on t
 
 Process noise   what the model does not know, as white noise of density W [unit^2 s] on a disturbance, an input or the
                 rate of a state, by name, integrated over the period; or held over each period (noise="held"): a
-                disturbance of standard deviation s, new in each period dt, has the density s^2 dt. Noise on the inputs brings the margins of the state feedback back where the plant has
-                no zeros that grow (Doyle and Stein 1979); noise on the rate of a mode's coordinate tells the filter
-                not to trust that mode's frequency.
+                disturbance of standard deviation s, new in each period dt, has the density s^2 dt. Noise on the inputs
+                brings the margins of the state feedback back where the plant has no zeros that grow (Doyle and Stein
+                1979); noise on the rate of a mode's coordinate tells the filter not to trust that mode's frequency.
 Measurement     V = diag(deviation^2) of the sensors at dt; quantisation is taken as noise.
 """
 

@@ -8,7 +8,7 @@ held    from one sample to the next with variance W/dt. It is still there, throu
         that what drives the state and what errs in the reading are correlated.
 white   over the period the state gets int e^(As) E W E' e^(A's) ds (Van Loan 1978), of which a held one, of the same
         density, gives only what its mean over the period does. A reading that it enters directly takes that mean, as a
-        sensor does that averages over the period; w[k] is the mean, and what it leaves of the integral is noise besides.
+        sensor does that averages over the period; w[k] is the mean, and what it leaves of the integral comes besides.
 
 Source   Anderson and Moore, "Optimal Filtering" (1979), Sections 3.1, 4.1 and 5.4, for correlated noises
 """

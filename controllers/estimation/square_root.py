@@ -4,7 +4,7 @@
 
 update  one sample: an orthogonal factorisation of what adds up (Potter; Morf and Kailath 1975)
 stein   the limit of x+ = F x + J w: doubled, (S, F) -> (root of S S' + F S S'F', F F), by the same factorisation
-white   what white noise over a period leaves: Gauss's quadrature of a part of it (the integral of Van Loan 1978), doubled
+white   what white noise over a period leaves (the integral of Van Loan 1978): Gauss's quadrature of a part, doubled
 steady  the limit of many samples from a gain near it: Newton steps (Hewer 1971), each with P from `stein`, a sum of
         squares (Joseph) in which nothing cancels
 

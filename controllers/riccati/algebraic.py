@@ -1,7 +1,7 @@
 """Linear-quadratic design by algebraic Riccati equations: lqr, dlqr, lqi, sampled, kalman, dkalman; see the room.
 
-Solved in even units and refined, see `scaled_equation`. A mode that does not decay must be reached by the input and seen
-by the cost (Popov, Belevitch, Hautus); the error names the others.
+Solved in even units and refined, see `scaled_equation`. A mode that does not decay must be reached by the input and
+seen by the cost (Popov, Belevitch, Hautus); the error names the others.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg as sla
 
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_finite
@@ -22,7 +21,7 @@ from .checks import known_names as _names
 from .checks import require_reached as _require_reached
 from .checks import system as _system
 from .checks import weight_matrix as _weight
-from .scaled_equation import Problem, solve_even, solve_riccati
+from .scaled_equation import Problem, solve_even
 
 
 class Regulator(NamedTuple):

@@ -73,8 +73,8 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
 
 
 def noise_along(model: LTVModel, W: Any) -> Array:
-    """Covariance (nt-1, nx, nx) of what white disturbances of density W (nw, nw) [unit^2 s] do to the state from node to
-    node: the integral of Phi(end, s) E W E' Phi(end, s)' (Van Loan 1978), of fourth order in the distance of the nodes.
+    """Covariance (nt-1, nx, nx) of what white disturbances of density W (nw, nw) [unit^2 s] do to the state from node
+    to node: the integral of Phi(end, s) E W E' Phi(end, s)' (Van Loan 1978), of fourth order in their distance.
     """
     A, _, E, _ = model._gauss
     n = A.shape[-1]

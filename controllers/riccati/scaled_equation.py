@@ -47,10 +47,9 @@ class Problem(NamedTuple):
     def units(self) -> tuple[Array, Array]:
         """Even units of the states (nx,) and inputs (nu,), powers of two."""
         u = input_units(self.R)
-        A, B, Q, R, N = even = self.scaled(np.ones(len(self.A)), u)
-        lean = even.lean()
-        reach = sla.solve_triangular(np.linalg.cholesky(R), B.T, lower=True)
-        return even_units(A - B @ lean, (reach**2).sum(axis=0), np.diagonal(Q)), u
+        even = self.scaled(np.ones(len(self.A)), u)
+        reach = sla.solve_triangular(np.linalg.cholesky(even.R), even.B.T, lower=True)
+        return even_units(even.A - even.B @ even.lean(), (reach**2).sum(axis=0), np.diagonal(even.Q)), u
 
 
 class Refined(NamedTuple):
@@ -88,8 +87,8 @@ def solve_even(even: Problem, x: Array, u: Array, dt: float | None) -> tuple[Arr
         slowest = slowest * pace**2 if dt is None else slowest
         raise PliantError(
             f"the gain is known only to {doubt:.2g} of itself, must be {LARGEST_DOUBT:g}: so far a rounding of A, B, Q "
-            f"and R moves it; the closed loop's slowest pole is {slowest:.4g}; change Q and R so that it decays faster, "
-            "or give the model without what is lost in rounding"
+            f"and R moves it; the closed loop's slowest pole is {slowest:.4g}; change Q and R so that it decays "
+            "faster, or give the model without what is lost in rounding"
         )
     return P / x[:, None] / x, u[:, None] * (pace * K) / x
 
@@ -210,7 +209,7 @@ def _lyapunov(closed: Array, weight: Array, dt: float | None) -> Array:
 def _doubt(even: Problem, P: Array, K: Array, dt: float | None) -> tuple[float, complex]:
     """How far the gain moves, against the largest of its row, where each entry of the data is off by a rounding of
     random sign, and the slowest pole."""
-    A, B, Q, R, N = even
+    A, B, _, R, _ = even
     closed, rng, worst = A - B @ K, np.random.default_rng(0), 0.0
     row = np.abs(K).max(axis=1, keepdims=True)
     for _ in range(PROBES):

@@ -42,7 +42,7 @@ def even_units(A: Array, reach: Array, sight: Array) -> Array:
 
 
 def even_expm(M: Array) -> Array:
-    """e^M of M (.., n, n), computed in even units: every entry keeps its digits, the small ones beside large ones too."""
+    """e^M of M (.., n, n), computed in even units: small entries beside large ones keep their digits too."""
     none = np.zeros(M.shape[-1])
     unit = even_units(M, none, none)
     ratio = unit[None, :] / unit[:, None]

@@ -3,9 +3,10 @@
     python tests/campaigns/units.py
 
 States, inputs, outputs, disturbances, time and cost each get a unit of their own. A gain, taken back into the first
-units, must be the same to 1e-8 of the largest of its row, or to what one rounding of the model's own entries moves it; a mode that is out of reach must be refused in both, under the
-same name. The first design is checked against SciPy's solvers in even units (1e-6: what they keep themselves), and what
-is refused there must be what cannot be reached or seen: it was made so.
+units, must be the same to 1e-8 of the largest of its row, or to 30 times what one rounding of the model's own entries
+moves it (such are counted); a mode that is out of reach must be refused in both, under the same name. The first design
+is checked against SciPy's solvers in even units (1e-6: what they keep themselves), and what is refused there must be
+what cannot be reached: it was made so.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ import by_seed
 import numpy as np
 import scipy.linalg as sla
 
-from pliant.controllers import LQR, MPC, TVLQR, Kalman, Sensor, riccati, sensors_of
+from pliant.controllers import LQR, MPC, TVLQR, Kalman, Sensor, riccati
 from pliant.controllers.base.goal_model import goal_model
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.envs import scenes
-from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants import LinearModel, LTVModel, PliantError, UncontrollableError
+from pliant.plants.core.matrix_roots import semidefinite_root
 
 SAME = 1e-8  # of a row's largest gain
 TRUE = 1e-6
@@ -272,7 +273,7 @@ def scene_case(seed: int) -> dict[str, Any]:
     given = goal(name)
     if given is None:
         return row
-    scene, model, (Q, R, N) = given
+    scene, model, (Q, R, _) = given
     nx, nu = model.B.shape
     row["nx"] = nx
     x, u = (10.0 ** rng.uniform(-DECADES, DECADES, k) for k in (nx, nu))

@@ -1,7 +1,7 @@
 """The same design in other units: SciPy's solver alone loses it, Pliant scales first and says how far a gain is known.
 
-Case: four undamped modes to 1e4 rad/s, eight states, in units of 1e+7 and 1e-7; and a sensor of 1e-5 beside noise of 1e2,
-whose covariance, subtracted, keeps few digits.
+Case: four undamped modes to 1e4 rad/s, eight states, in units of 1e+7 and 1e-7; and a sensor of 1e-5 beside noise of
+1e2, whose covariance, subtracted, keeps few digits.
 """
 
 import warnings
