@@ -32,7 +32,7 @@ def triangle(M: Array) -> Array:
     """Lower triangular S (n, n) with S S' = M M', M (n, m), its diagonal >= 0."""
     n, m = M.shape
     wide = M if m >= n else np.hstack([M, np.zeros((n, n - m))])
-    S = np.linalg.qr(wide.T, mode="r").T
+    S = np.asarray(np.linalg.qr(wide.T, mode="r")).T
     return np.asarray(S * np.where(np.diagonal(S) < 0, -1.0, 1.0))
 
 

@@ -148,7 +148,8 @@ def _doubled(even: Problem, dt: float | None) -> Array | None:
 
 def _refined(even: Problem, first: Array, dt: float | None) -> Refined:
     """The step of Newton's method with the smallest residual."""
-    P, best = np.asarray(first).astype(np.longdouble), None
+    P: Array = np.asarray(first).astype(np.longdouble)
+    best: Refined | None = None
     size = float(np.abs(first).max(initial=0.0)) or 1.0
     for _ in range(NEWTON_STEPS + 1):
         P = (P + P.T) / 2

@@ -36,9 +36,9 @@ def even_units(A: Array, reach: Array, sight: Array) -> Array:
     size = np.abs(A.reshape(-1, n, n)).max(axis=0, initial=0.0)
     np.fill_diagonal(size, 0.0)
     first = _curtis_reid(size, np.abs(reach), np.abs(sight))
-    squares = (_scaled(size, first[None, :] - first[:, None]) ** 2,)
-    squares += tuple(_scaled(np.abs(v), s * 2 * first) ** 2 for v, s in ((reach, -1), (sight, 1)))
-    return np.exp2(np.round((first + _symplectic(*squares)) / np.log(2)))
+    between = _scaled(size, first[None, :] - first[:, None]) ** 2
+    ends = [_scaled(np.abs(v), s * 2 * first) ** 2 for v, s in ((reach, -1), (sight, 1))]
+    return np.asarray(np.exp2(np.round((first + _symplectic(between, *ends)) / np.log(2))))
 
 
 def even_expm(M: Array) -> Array:
