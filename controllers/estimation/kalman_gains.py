@@ -142,7 +142,7 @@ def steady(step: Sampled, known: Sequence[str], dt: float) -> Filtered:
         ("cannot be seen by the sensors", "is not driven by the noise W"),
     )
     C, V = whiten[:, None] * whole.C, whiten[:, None] * step.V * whiten
-    _, P = filter_gain(whole.A, C, drive @ drive.T, V, np.zeros((n, ns)), drive, names, dt, words)
+    _, P = filter_gain(whole.A, C, drive @ drive.T, V, np.zeros((n, ns)), drive, names, dt, words, doubted=False)
     near = _sampled(semidefinite_root(P), np.zeros((n, ns)), whole.C, semidefinite_root(step.V))
     noise, read = _noises(step)
     root = square_root.steady(step.A, step.C, noise, read, square_root.triangle(near.root[: len(step.A)]))

@@ -23,6 +23,7 @@ from pliant.plants.linear.magnus import halvings
 
 Array = np.ndarray
 SETTLED = 1e-14  # of the standard deviations: change of a covariance
+LARGEST_CHANGE = 1e-3  # of the standard deviations' products in the last step, above which none is given
 NEWTON_STEPS = 30  # at most: from far off each halves the error, near by it squares it
 POINTS = 10  # of the quadrature, over a part in which no rate passes one: of order 20
 DOUBLINGS = 60  # at most: poles up to 1 - 1e-17
@@ -90,7 +91,7 @@ def steady(A: Array, C: Array, noise: Array, read: Array, root: Array) -> Array:
 
     noise (nx, m), read (ny, m): what w and v of covariance one do to x+ and, through x+ too, to y.
     """
-    seen, last = C @ A, np.inf
+    seen, last, worst = C @ A, np.inf, np.inf
     for _ in range(NEWTON_STEPS):
         L, _, _ = update(np.hstack([A @ root, noise]), np.hstack([seen @ root, read]))
         found = stein(A - L @ seen, noise - L @ read)
@@ -100,4 +101,9 @@ def steady(A: Array, C: Array, noise: Array, read: Array, root: Array) -> Array:
         if worst <= SETTLED or worst >= last:
             break
         last = worst
+    if not worst <= LARGEST_CHANGE:
+        raise PliantError(
+            f"the filter's covariance is known only to {worst:.2g} of itself, must be {LARGEST_CHANGE:g}: take sensors "
+            "or process noise that are less far apart"
+        )
     return root

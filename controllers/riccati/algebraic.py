@@ -121,19 +121,22 @@ def filter_gain(
     names: tuple[str, ...],
     dt: float | None,
     words: tuple[str, str],
+    *,
+    doubted: bool = True,
 ) -> tuple[np.ndarray, np.ndarray]:
     """L (nx, ny) and P (nx, nx) of every steady filter: noise W (nx, nx) on the state, V (ny, ny) on the reading
     C x, N (nx, ny) common to both.
 
     drive (nx, .): a root of W - N V^-1 N', what the reading does not tell of the noise. words: what
-    UncontrollableError says of modes that do not decay and that C does not see, or that nothing drives.
+    UncontrollableError says of modes that do not decay and that C does not see, or that nothing drives. doubted: as in
+    `solve_even`.
     """
     problem = Problem(A.T, C.T, W, V, N)
     x, u = problem.units()
     even = problem.scaled(x, u)
     _require_reached(even.A, columns_even(even.B), names, dt, words[0], dual=True)
     _require_reached((even.A - even.B @ even.lean()).T, x[:, None] * drive, names, dt, words[1])
-    P, K = solve_even(even, x, u, dt)
+    P, K = solve_even(even, x, u, dt, doubted=doubted)
     return K.T, P
 
 

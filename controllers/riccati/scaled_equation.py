@@ -73,8 +73,11 @@ def solve_riccati(A: Array, B: Array, Q: Array, R: Array, N: Array, dt: float | 
     return solve_even(problem.scaled(x, u), x, u, dt)
 
 
-def solve_even(even: Problem, x: Array, u: Array, dt: float | None) -> tuple[Array, Array]:
-    """P and K in the units given, of a problem scaled by x (nx,) and u (nu,)."""
+def solve_even(even: Problem, x: Array, u: Array, dt: float | None, *, doubted: bool = True) -> tuple[Array, Array]:
+    """P and K in the units given, of a problem scaled by x (nx,) and u (nu,).
+
+    doubted: whether a gain that rounding of the data moves is refused; not where it is a start for roots of the data.
+    """
     pace = 1.0
     if dt is None:  # time in units of the fastest rate; with it the inputs', so that R stays as it is
         A, B, Q, R, N = even
@@ -82,7 +85,7 @@ def solve_even(even: Problem, x: Array, u: Array, dt: float | None) -> tuple[Arr
         pace = float(np.exp2(np.round(np.log2(fastest) / 2))) if fastest > 0 else 1.0
         even = Problem(A / pace**2, B / pace, Q / pace**2, R, N / pace)
     P, K = _solved(even, dt)
-    doubt, slowest = _doubt(even, P, K, dt)
+    doubt, slowest = _doubt(even, P, K, dt) if doubted else (0.0, 0j)
     if not doubt <= LARGEST_DOUBT:
         slowest = slowest * pace**2 if dt is None else slowest
         raise PliantError(
