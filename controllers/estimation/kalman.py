@@ -7,10 +7,10 @@ The feedthrough D is that of the input held until the sample is taken, since a c
 Samples may arrive `delay` periods late: the model then carries the outputs on their way as states.
 
 Process noise   what the model does not know, as white noise of density W [unit^2 s] on a disturbance, an input or the
-                rate of a state, by name. A held disturbance of standard deviation s, new in each period dt, has the
-                density s^2 dt. Noise on the inputs brings the margins of the state feedback back where the plant has
-                no zeros that grow (Doyle and Stein 1979); noise on the rate of a mode's coordinate tells the filter
-                not to trust that mode's frequency.
+                rate of a state, by name, integrated over the period; or held over each period (noise="held"): a
+                disturbance of standard deviation s, new in each period dt, has the density s^2 dt. Noise on the inputs
+                brings the margins of the state feedback back where the plant has no zeros that grow (Doyle and Stein
+                1979); noise on the rate of a mode's coordinate tells the filter not to trust that mode's frequency.
 Measurement     V = diag(deviation^2) of the sensors at dt; quantisation is taken as noise.
 """
 
@@ -22,20 +22,24 @@ from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
 
+from pliant.controllers import riccati
 from pliant.controllers.base.controller import reading
+from pliant.controllers.riccati.checks import weight_matrix
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_count, require_finite
+from pliant.plants.core.matrix_roots import semidefinite_root
+from pliant.plants.core.parameters import require_choice, require_count, require_finite
 from pliant.plants.core.signals import names
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
-from . import kalman_gains
+from . import kalman_gains, square_root
 from .process_noise import process_noise
 from .sensors import Sensor, covariance, sensors_of
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
 
+NOISES = ("white", "held")
 MOST_DELAY = 16  # samples
 SETTLED = 1e-9  # of the standard deviations: difference of the covariance from the steady one that is let pass
 MOST_STEPS = 100_000  # until then
@@ -73,10 +77,12 @@ class Kalman:
         dt: float,
         delay: int = 0,
         P0: Any = None,
+        noise: str = "white",
     ) -> Self:
         """About the point of a continuous-time linear model; the gain is the steady one.
 
-        W: densities [unit^2 s] by name of disturbance, input or state. P0 (nx, nx): covariance of the first estimate;
+        W: densities [unit^2 s] by name of disturbance, input or state; of white noise, integrated over the period, or
+        of noise that is "held" over each period. P0 (nx, nx): covariance of the first estimate;
         the gains then start from it and run until they are steady. UncontrollableError names modes that do not decay
         and that the sensors do not see or the noise does not drive.
         """
@@ -86,7 +92,12 @@ class Kalman:
         wide, density = kalman_gains.driven_by(model, W)
         held, picked = wide.discretize(dt), tuple(s.output for s in sensors)
         C, D, F = kalman_gains.rows(wide, picked)
-        step = kalman_gains.Sampled(held.A, held.B, held.E, C, D, F, density / dt, covariance(sensors, dt), held.f0)
+        require_choice("Kalman", "noise", noise, NOISES)
+        G, H, w = held.E, F, density / dt
+        if noise == "white":
+            G, rest, w = square_root.white(wide.A, wide.E, density, dt)
+            G, H, w = kalman_gains.with_rest(G, F, w, rest)
+        step = kalman_gains.Sampled(held.A, held.B, G, C, D, H, w, covariance(sensors, dt), held.f0)
         late = kalman_gains.delayed(step, delay)
         limit = kalman_gains.steady(late, model.state_names, dt)
         gains = (limit,) if P0 is None else _until(late, limit, _first(step, delay, P0))
@@ -97,10 +108,18 @@ class Kalman:
 
     @classmethod
     def along(
-        cls, ltv: LTVModel, sensors: Sequence[Sensor], W: Mapping[str, float], *, P0: Any, delay: int = 0
+        cls,
+        ltv: LTVModel,
+        sensors: Sequence[Sensor],
+        W: Mapping[str, float],
+        *,
+        P0: Any,
+        delay: int = 0,
+        noise: str = "white",
     ) -> Self:
         """Along a nominal with a node at every sample; P0 (nx, nx) is the covariance of the first estimate.
 
+        W, noise: as in `design`.
         The nominal's input is taken as held from node to node. After its end the last step's model and gain stay.
         """
         require_count("Kalman", "delay", delay, 0, MOST_DELAY)
@@ -112,14 +131,18 @@ class Kalman:
         held, picked = wide.discretize(), tuple(s.output for s in sensors)
         C, D, F = kalman_gains.rows(wide, picked)
         V, before = covariance(sensors, dt), np.maximum(np.arange(len(ltv.t)) - 1, 0)
-        plain = [
-            kalman_gains.Sampled(held.A[i], held.B[i], held.E[i], C[k], D[k], F[k], density / dt, V, held.c[i])
-            for k, i in enumerate(before)
-        ]
+        require_choice("Kalman", "noise", noise, NOISES)
+        whole = riccati.noise_along(wide, density) if noise == "white" else None
+        plain = []
+        for k, i in enumerate(before):
+            G, H, w = held.E[i], F[k], density / dt
+            if whole is not None:
+                G, H, w = kalman_gains.with_rest(G, H, w, semidefinite_root(whole[i] - G @ w @ G.T))
+            plain.append(kalman_gains.Sampled(held.A[i], held.B[i], G, C[k], D[k], H, w, V, held.c[i]))
         steps = tuple(kalman_gains.delayed(step, delay) for step in plain)
         gains = [kalman_gains.corrected(steps[0], _first(plain[0], delay, P0))]
         for step in steps[1:]:
-            gains.append(kalman_gains.after(step, gains[-1].P))
+            gains.append(kalman_gains.after(step, gains[-1].root))
         y0 = np.concatenate([ltv.x, ltv.y], axis=1)[:, _places(ltv, picked)]
         y0 = y0 + np.einsum("kij,kj->ki", D, ltv.u[before] - ltv.u)
         return cls(ltv, tuple(sensors), dt, delay, steps, tuple(gains), x0=ltv.x, u0=ltv.u[before], y0=y0)
@@ -135,14 +158,17 @@ class Kalman:
     ) -> Self:
         """About the scene's goal, moving or not; the first estimate is the scene's start.
 
-        sensors None: those that its plant carries and whose outputs are in the model. W None: `process_noise(scene)`.
+        sensors None: those that its plant carries and whose outputs are in the model. W None: `process_noise(scene)`,
+        held over each period; else densities of white noise.
         """
         plant = scene.plant
         model, known = plant.feedback_model(*scene.target), names(plant.states + plant.outputs)
         if sensors is None:
             modelled = names(model.states + model.outputs)
             sensors = [s for s in sensors_of(plant) if s.output in modelled]
-        made = cls.design(model, sensors, process_noise(scene) if W is None else W, dt=scene.dt, delay=delay)
+        noise = "held" if W is None else "white"
+        W = process_noise(scene) if W is None else W
+        made = cls.design(model, sensors, W, dt=scene.dt, delay=delay, noise=noise)
         x, u = scene.initial
         values = dict(zip(known, np.concatenate([x, plant.measure(x, u)])))
         made.start = np.array([values[name] for name in model.state_names])
@@ -217,9 +243,7 @@ def _places(model: LinearModel | LTVModel, wanted: Sequence[str]) -> list[int]:
 def _first(step: kalman_gains.Sampled, delay: int, P0: Any) -> np.ndarray:
     """Covariance before the first sample, with that of the outputs under way."""
     nx = len(step.A)
-    P = require_finite("Kalman.P0", P0, (nx, nx))
-    if np.abs(P - P.T).max() > 1e-9 * np.abs(P).max() or np.linalg.eigvalsh(P).min() < -1e-10 * np.abs(P).max():
-        raise ValueError(f"Kalman.P0 has eigenvalue {np.linalg.eigvalsh(P).min():.4g}, must be symmetric and >= 0")
+    P = weight_matrix("Kalman.P0", P0, nx, definite=False)
     T = kalman_gains.resting(step.C, delay)
     return T @ P @ T.T
 
@@ -233,5 +257,5 @@ def _until(
     while np.abs((gains[-1].P - limit.P) / scale).max() > SETTLED:
         if len(gains) == MOST_STEPS:
             raise PliantError(f"the filter's gains are not steady after {MOST_STEPS} samples: take P0 = None")
-        gains.append(kalman_gains.after(step, gains[-1].P))
+        gains.append(kalman_gains.after(step, gains[-1].root))
     return (*gains, limit)

@@ -2,9 +2,13 @@
 
     x[k+1] = A x[k] + G w[k],    y[k+1] = C x[k+1] + H w[k] + v[k+1]
 
-w[k] is held from one sample to the next with variance W/dt, W its spectral density [unit^2 s]; v has covariance V.
-What is held drives the state and is still there, through H, when the next sample is taken, so that the two are
-correlated: the gain of the innovation is L = (P- C' + G W/dt H') S^-1, S the innovation's covariance.
+v has covariance V. A process noise of spectral density W [unit^2 s] is one of two:
+
+held    from one sample to the next with variance W/dt. It is still there, through H, when the next sample is taken, so
+        that what drives the state and what errs in the reading are correlated.
+white   over the period the state gets int e^(As) E W E' e^(A's) ds (Van Loan 1978), of which a held one, of the same
+        density, gives only what its mean over the period does. A reading that it enters directly takes that mean, as a
+        sensor does that averages over the period; w[k] is the mean, and what it leaves of the integral comes besides.
 
 Source   Anderson and Moore, "Optimal Filtering" (1979), Sections 3.1, 4.1 and 5.4, for correlated noises
 """
@@ -23,6 +27,8 @@ from pliant.plants.core.signals import Signal, index, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
+from . import square_root
+
 Array = np.ndarray
 Model = TypeVar("Model", LinearModel, LTVModel)
 
@@ -32,21 +38,22 @@ class Sampled(NamedTuple):
 
     A: Array  # (nx, nx)
     B: Array  # (nx, nu)
-    G: Array  # (nx, nw), of w with covariance W
+    G: Array  # (nx, nw), of w with covariance W; w of unit covariance besides where noise is white
     C: Array  # (ns, nx) at the end of the step
     D: Array  # (ns, nu) of the input held over the step
     H: Array  # (ns, nw)
-    W: Array  # (nw, nw) covariance of the held w
+    W: Array  # (nw, nw) covariance of w
     V: Array  # (ns, ns)
     c: Array  # (nx,) push of the nominal's residual
 
 
 class Filtered(NamedTuple):
-    """After a sample: gain L (nx, ns), covariances P of the estimate, S of the innovation."""
+    """After a sample."""
 
-    L: Array
-    P: Array
-    S: Array
+    L: Array  # (nx, ns) gain of the innovation
+    P: Array  # (nx, nx) covariance of the estimate
+    S: Array  # (ns, ns) and of the innovation
+    root: Array  # (nx, nx) lower triangular, P = root root'
 
 
 def driven_by(model: Model, W: Mapping[str, float]) -> tuple[Model, Array]:
@@ -82,6 +89,15 @@ def driven_by(model: Model, W: Mapping[str, float]) -> tuple[Model, Array]:
     return replace(model, E=E, F=F, disturbances=tuple(signals), w0=quiet), densities
 
 
+def with_rest(G: Array, H: Array, mean: Array, rest: Array) -> tuple[Array, Array, Array]:
+    """G, H, W of a step with white noise: its mean over the period, of covariance `mean` (nw, nw), moves x by G and the
+    reading by H (ns, nw); what it leaves of the integral is rest e (nx, nx), e of covariance one."""
+    nx, nw = G.shape
+    W = np.eye(nw + nx)
+    W[:nw, :nw] = mean
+    return np.hstack([G, rest]), np.hstack([H, np.zeros((len(H), nx))]), W
+
+
 def rows(model: LinearModel | LTVModel, wanted: Sequence[str]) -> tuple[Array, Array, Array]:
     """(C, D, F) (.., n, nx | nu | nw) of the named outputs or states."""
     _, C, D, F = rows_by_name(model, wanted)
@@ -113,39 +129,63 @@ def resting(C: Array, samples: int) -> Array:
 
 
 def steady(step: Sampled, known: Sequence[str], dt: float) -> Filtered:
-    """The limit of many samples: P of x after a sample solves the Riccati equation of y[k+1] seen from x[k].
+    """The limit of many samples: the predictor's Riccati equation, then its covariance refined by roots.
 
     UncontrollableError names modes that do not decay and that the sensors do not see or the noise does not drive.
     """
-    A, ns = step.A, len(step.C)
-    whiten = np.diag(1 / np.sqrt(np.diag(step.V)))
-    C, H, V = whiten @ step.C, whiten @ step.H, whiten @ step.V @ whiten
-    known = tuple(known) + tuple(f"delayed {i + 1}" for i in range(len(A) - len(known)))
-    seen, noise, W = C @ A, C @ step.G + H, step.G @ step.W @ step.G.T
-    R = noise @ step.W @ noise.T + V
-    N = step.G @ step.W @ noise.T
-    drive = semidefinite_root(W - N @ np.linalg.solve(R, N.T))
-    words = "cannot be seen by the sensors", "is not driven by the noise W"
-    L, P = filter_gain(A, seen, W, R, N, drive, known, dt, words)
-    S = R + seen @ P @ seen.T
-    back = np.linalg.inv(whiten)
-    return Filtered(L @ whiten, P, (back @ (S + S.T) @ back / 2).reshape(ns, ns))
+    whole = _remembered(step)
+    ns, n = len(step.C), len(whole.A)
+    whiten = 1 / np.sqrt(np.diag(step.V))
+    names = tuple(known) + tuple(f"delayed {i + 1}" for i in range(n - len(known)))
+    drive, words = (
+        whole.G @ semidefinite_root(step.W),
+        ("cannot be seen by the sensors", "is not driven by the noise W"),
+    )
+    C, V = whiten[:, None] * whole.C, whiten[:, None] * step.V * whiten
+    _, P = filter_gain(whole.A, C, drive @ drive.T, V, np.zeros((n, ns)), drive, names, dt, words, doubted=False)
+    near = _sampled(semidefinite_root(P), np.zeros((n, ns)), whole.C, semidefinite_root(step.V))
+    noise, read = _noises(step)
+    root = square_root.steady(step.A, step.C, noise, read, square_root.triangle(near.root[: len(step.A)]))
+    return after(step, root)
 
 
-def after(step: Sampled, P: Array) -> Filtered:
-    """The next sample from the covariance P (nx, nx) after the last one; Joseph's form, which keeps P positive."""
-    before = step.A @ P @ step.A.T + step.G @ step.W @ step.G.T
-    return corrected(step, before, step.G @ step.W @ step.H.T)
+def after(step: Sampled, root: Array) -> Filtered:
+    """The next sample from the root (nx, nx) of the covariance after the last one."""
+    noise, read = _noises(step)
+    return _filtered(np.hstack([step.A @ root, noise]), np.hstack([step.C @ step.A @ root, read]))
 
 
-def corrected(step: Sampled, P: Array, shared: Array | None = None) -> Filtered:
-    """One sample from the covariance P before it; `shared` (nx, ns) is that of the prediction's error with H w."""
-    C = step.C
-    M = np.zeros((len(P), len(C))) if shared is None else shared
-    noise = step.H @ step.W @ step.H.T + step.V
-    S = C @ P @ C.T + C @ M + M.T @ C.T + noise
-    L = np.linalg.solve(S, (P @ C.T + M).T).T
-    keep = np.eye(len(P)) - L @ C
-    crossed = keep @ M @ L.T
-    P = keep @ P @ keep.T + L @ noise @ L.T - crossed - crossed.T
-    return Filtered(L, (P + P.T) / 2, (S + S.T) / 2)
+def corrected(step: Sampled, P: Array) -> Filtered:
+    """The first sample, from the covariance P (nx, nx) before it."""
+    state, own = semidefinite_root(P), np.hstack([step.H @ semidefinite_root(step.W), semidefinite_root(step.V)])
+    return _sampled(state, np.zeros((len(P), own.shape[1])), step.C, own)
+
+
+def _sampled(state: Array, apart: Array, C: Array, own: Array) -> Filtered:
+    """A reading C x of x = state @ e, with noise own @ e' of its own."""
+    return _filtered(np.hstack([state, apart]), np.hstack([C @ state, own]))
+
+
+def _filtered(state: Array, reading: Array) -> Filtered:
+    L, root, own = square_root.update(state, reading)
+    return Filtered(L, root @ root.T, own @ own.T, root)
+
+
+def _noises(step: Sampled) -> tuple[Array, Array]:
+    """What w and v do to the state (nx, nw + ns) and to the reading (ns, nw + ns), as noise of covariance one."""
+    w, v = semidefinite_root(step.W), semidefinite_root(step.V)
+    noise = np.hstack([step.G @ w, np.zeros((len(step.G), len(v)))])
+    return noise, np.hstack([(step.C @ step.G + step.H) @ w, v])
+
+
+def _remembered(step: Sampled) -> Sampled:
+    """The step with those of w that reach the reading as states: then nothing is common to x+ and the reading."""
+    direct = step.H.any(axis=0)
+    if not direct.any():
+        return step
+    k, nx = int(direct.sum()), len(step.A)
+    A = np.zeros((nx + k, nx + k))
+    A[:nx, :nx] = step.A
+    G = np.vstack([step.G, np.eye(len(direct))[direct]])
+    C = np.hstack([step.C, step.H[:, direct]])
+    return step._replace(A=A, G=G, C=C, H=np.zeros_like(step.H))

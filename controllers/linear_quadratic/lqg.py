@@ -57,10 +57,11 @@ class LQG:
         dt: float,
         limits: Any = None,
         delay: int = 0,
+        noise: str = "white",
     ) -> Self:
-        """LQR.design and Kalman.design on one continuous-time model: Q, R, limits as there, W, delay as here."""
+        """LQR.design and Kalman.design on one continuous-time model: Q, R, limits, W, delay, noise as there."""
         law = LQR.design(model, Q, R, dt=dt, limits=limits)
-        return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay))
+        return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay, noise=noise))
 
     @classmethod
     def for_scene(

@@ -8,12 +8,13 @@ kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L
 dkalman  x+ = A x + E w, y = C x + v                             z+ = A z + L (y - C z), L = A P C' (C P C' + V)^-1
 tvlqr    lqr over a finite time along an LTVModel, its affine term included; dtvlqr the same in discrete time
 
-Riccati equations by SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay
-must be reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
+Riccati equations by SciPy's QZ method in units that follow from the problem alone, refined by Newton steps in extended
+precision; a gain that rounding of the data moves by more than 1e-6 is refused. A mode that does not decay must be
+reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
 """
 
 from .algebraic import Regulator, Sampled, dkalman, dlqr, kalman, lqi, lqr, sampled
-from .ltv_discretisation import SampledLTV, sampled_along
+from .ltv_discretisation import SampledLTV, noise_along, sampled_along
 from .time_varying import TimeVaryingRegulator, dtvlqr, tvlqr
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "kalman",
     "lqi",
     "lqr",
+    "noise_along",
     "sampled",
     "sampled_along",
     "tvlqr",

@@ -1,7 +1,7 @@
 """Linear-quadratic design by algebraic Riccati equations: lqr, dlqr, lqi, sampled, kalman, dkalman; see the room.
 
-SciPy's QZ method, polished by Newton steps, residual checked. A mode that does not decay must be reached by the input
-and seen by the cost (Popov, Belevitch, Hautus); the error names the others.
+Solved in even units and refined, see `scaled_equation`. A mode that does not decay must be reached by the input and
+seen by the cost (Popov, Belevitch, Hautus); the error names the others.
 """
 
 from __future__ import annotations
@@ -10,20 +10,18 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg as sla
 
-from pliant.plants.core.errors import PliantError
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.linear.magnus import with_cost
+from pliant.plants.linear.even_units import even_units
+from pliant.plants.linear.magnus import halvings, with_cost
 
+from .checks import columns_even
 from .checks import known_names as _names
 from .checks import require_reached as _require_reached
 from .checks import system as _system
 from .checks import weight_matrix as _weight
-
-LARGEST_RESIDUAL = 1e-6  # of a Riccati equation, against its largest term
-NEWTON_STEPS = 6  # at most, of Kleinman (1968), each from a stabilising gain
+from .scaled_equation import Problem, solve_even
 
 
 class Regulator(NamedTuple):
@@ -123,16 +121,22 @@ def filter_gain(
     names: tuple[str, ...],
     dt: float | None,
     words: tuple[str, str],
+    *,
+    doubted: bool = True,
 ) -> tuple[np.ndarray, np.ndarray]:
     """L (nx, ny) and P (nx, nx) of every steady filter: noise W (nx, nx) on the state, V (ny, ny) on the reading
     C x, N (nx, ny) common to both.
 
     drive (nx, .): a root of W - N V^-1 N', what the reading does not tell of the noise. words: what
-    UncontrollableError says of modes that do not decay and that C does not see, or that nothing drives.
+    UncontrollableError says of modes that do not decay and that C does not see, or that nothing drives. doubted: as in
+    `solve_even`.
     """
-    _require_reached(A.T, C.T, names, dt, words[0], dual=True)
-    _require_reached(A - np.linalg.solve(V, N.T).T @ C, drive, names, dt, words[1])
-    P, K = solve_riccati(A.T, C.T, W, V, N, dt)
+    problem = Problem(A.T, C.T, W, V, N)
+    x, u = problem.units()
+    even = problem.scaled(x, u)
+    _require_reached(even.A, columns_even(even.B), names, dt, words[0], dual=True)
+    _require_reached((even.A - even.B @ even.lean()).T, x[:, None] * drive, names, dt, words[1])
+    P, K = solve_even(even, x, u, dt, doubted=doubted)
     return K.T, P
 
 
@@ -151,9 +155,12 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     Q, R = require_finite("Q", Q, (nx, nx)), require_finite("R", R, (nu, nu))
     F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
     M = np.block([[Q, N], [N.T, R]])
-    j = max(0, int(np.ceil(np.log2(max(float(np.linalg.norm(A, 1)) * dt, 1e-300)))))
-    step, cost = with_cost(F * dt, M * dt, -F.T * dt, j)
-    cost = (cost + cost.T) / 2
+    F, M = F * dt, M * dt
+    unit = even_units(F, np.zeros(nx + nu), np.diagonal(M))
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    F, M = F * ratio, M * weight
+    step, cost = with_cost(F, M, -F.T, halvings(F[:nx]))
+    step, cost = step / ratio, (cost + cost.T) / 2 / weight
     return Sampled(step[:nx, :nx], step[:nx, nx:], cost[:nx, :nx], cost[nx:, nx:], cost[:nx, nx:])
 
 
@@ -165,62 +172,12 @@ def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None,
     N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
     if N.any():
         _weight("[[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), nx + nu, definite=False)
-    _require_reached(A, B, known, dt, "cannot be reached by the input")
-    lean = sla.solve(R, N.T, assume_a="pos")
-    seen = semidefinite_root(Q - N @ lean)
-    _require_reached((A - B @ lean).T, seen, known, dt, "cannot be seen by the cost Q", dual=True)
-    P, K = solve_riccati(A, B, Q, R, N, dt)
+    problem = Problem(A, B, Q, R, N)
+    x, u = problem.units()
+    even = problem.scaled(x, u)
+    _require_reached(even.A, columns_even(even.B), known, dt, "cannot be reached by the input")
+    lean = even.lean()
+    seen = semidefinite_root(even.Q - even.N @ lean)
+    _require_reached((even.A - even.B @ lean).T, seen, known, dt, "cannot be seen by the cost Q", dual=True)
+    P, K = solve_even(even, x, u, dt)
     return Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))
-
-
-def solve_riccati(
-    A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, N: np.ndarray, dt: float | None
-) -> tuple[np.ndarray, np.ndarray]:
-    """P and K of a checked problem; PliantError where the equation is not solved."""
-    try:
-        P = (sla.solve_continuous_are if dt is None else sla.solve_discrete_are)(A, B, Q, R, s=N)
-    except np.linalg.LinAlgError as error:
-        raise PliantError(
-            f"the Riccati equation was not solved ({error}): scale the states, or change Q and R"
-        ) from error
-    best: tuple[Any, ...] = ()
-    for _ in range(NEWTON_STEPS + 1):
-        P = (P + P.T) / 2
-        K, residual = _gain(A, B, Q, R, N, P, dt)
-        closed = A - B @ K
-        poles = np.linalg.eigvals(closed)
-        decay = -poles.real.max() if dt is None else 1 - np.abs(poles).max()
-        stalled = bool(best) and residual > best[0] / 2
-        if not best or residual < best[0]:
-            best = (residual, P, K, poles, decay)
-        if stalled or residual <= 1e-13 or decay <= 0:
-            break
-        cost = Q + K.T @ R @ K - N @ K - K.T @ N.T
-        if dt is None:
-            P = sla.solve_continuous_lyapunov(closed.T, -cost)
-        else:
-            P = sla.solve_discrete_lyapunov(closed.T, cost)
-    residual, P, K, poles, decay = best
-    if not residual <= LARGEST_RESIDUAL:
-        raise PliantError(
-            f"the Riccati equation is solved only to a relative residual of {residual:.2g}, must be "
-            f"{LARGEST_RESIDUAL:g}: scale the states, or change Q and R"
-        )
-    if decay <= 0:
-        worst = poles[np.argmax(poles.real if dt is None else np.abs(poles))]
-        raise PliantError(f"the closed loop does not decay: a pole is {worst:.4g}; scale the states, or change Q and R")
-    return P, K
-
-
-def _gain(
-    A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, N: np.ndarray, P: np.ndarray, dt: float | None
-) -> tuple[np.ndarray, float]:
-    """The gain that P gives, and the residual of its Riccati equation relative to the largest term."""
-    if dt is None:
-        terms, H, G = [A.T @ P + P @ A, Q], R, B.T @ P + N.T
-    else:
-        terms, H, G = [A.T @ P @ A, -P, Q], R + B.T @ P @ B, B.T @ P @ A + N.T
-    K = sla.solve(H, G)
-    terms.append(-G.T @ K)
-    largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
-    return K, float(np.abs(sum(terms)).max(initial=0.0)) / (largest or 1.0)

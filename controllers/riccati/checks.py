@@ -12,22 +12,22 @@ from pliant.plants.core.errors import UncontrollableError
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.linear.modal_analysis import dominant, eigen, stays
 
+ROUNDING = 1e-13  # of the largest entry of a weight
 UNREACHED = 1e-10  # least singular value of [A - s I, B] over |A - s I| of a mode that is not reached
 
 
 def require_reached(
     A: np.ndarray, B: np.ndarray, names: tuple[str, ...], dt: float | None, what: str, dual: bool = False
 ) -> None:
-    """UncontrollableError that names every mode of A that neither decays nor is reached through B.
+    """UncontrollableError that names every mode of A that neither decays nor is reached through B, both in even units.
 
-    With `dual`, A and B are the transposes of the dynamics and of what sees them.
+    With `dual`, A and B are the transposes of the dynamics and of what sees them. Balancing A again would push what
+    only drives (the plant of an integrator) ever further from what it drives, and B with it.
     """
-    scaled, scale = sla.matrix_balance(A, permute=False)
-    B = np.linalg.solve(scale, B)
-    lam, _, vectors, rounding = eigen(A)
+    lam, _, vectors, rounding = eigen(A, balance=False)
     found: dict[str, None] = {}
     for s in lam[stays(lam, rounding, dt) & (lam.imag >= 0)]:
-        shifted = scaled - s * np.eye(len(A))
+        shifted = A - s * np.eye(len(A))
         size = np.linalg.norm(shifted) or 1.0
         gain = np.linalg.norm(B)
         left, sigma, _ = np.linalg.svd(np.hstack([shifted, B * (size / gain if gain else 0.0)]))
@@ -41,6 +41,12 @@ def require_reached(
             found[f"mode {abs(rate) / (2 * np.pi):.2f} Hz ({state})"] = None
     if found:
         raise UncontrollableError(f"{', '.join(found)} {what}", tuple(found))
+
+
+def columns_even(B: np.ndarray) -> np.ndarray:
+    """B (nx, nu) with columns of length one: what an input reaches does not depend on its unit."""
+    length = np.linalg.norm(B, axis=0)
+    return np.asarray(B / np.where(length > 0, length, 1.0))
 
 
 def _state_of(z: np.ndarray, position: np.ndarray, right: np.ndarray) -> int:
@@ -68,15 +74,39 @@ def known_names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
 
 
 def weight_matrix(name: str, value: Any, n: int, *, definite: bool) -> np.ndarray:
-    """A symmetric weight (n, n), positive (semi)definite."""
+    """A symmetric weight (n, n), positive (semi)definite in any units; see `indefinite`."""
     weight = require_finite(name, value, (n, n))
-    size = np.abs(weight).max(initial=0.0)
-    if np.abs(weight - weight.T).max(initial=0.0) > 1e-9 * size:
-        i, j = np.unravel_index(np.argmax(np.abs(weight - weight.T)), weight.shape)
+    unit, off = _own_units(weight), np.abs(weight - weight.T)
+    rounding = ROUNDING * np.abs(weight).max(initial=0.0)
+    skew = off > np.maximum(1e-9 * unit[:, None] * unit, rounding)
+    if skew.any():
+        i, j = np.unravel_index(np.argmax(np.where(skew, off, 0.0)), weight.shape)
         raise ValueError(f"{name}[{i}, {j}] = {weight[i, j]:g} must equal {name}[{j}, {i}], {weight[j, i]:g}")
+    weight = (weight + weight.T) / 2
+    least = np.linalg.eigvalsh(weight / unit[:, None] / unit).min(initial=np.inf)
     lowest = np.linalg.eigvalsh(weight).min(initial=np.inf)
-    if definite and not lowest > 0:
-        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be > 0 (positive definite)")
-    if lowest < -1e-10 * size:
-        raise ValueError(f"{name} has eigenvalue {lowest:.4g}, must be >= 0 (positive semidefinite)")
-    return (weight + weight.T) / 2
+    said = f"{lowest:.4g}" if np.sign(lowest) == np.sign(least) else f"{least:.4g} with a diagonal of ones"
+    if definite and not (least > 0 and (np.diagonal(weight) > 0).all()):
+        raise ValueError(f"{name} has eigenvalue {said}, must be > 0 (positive definite)")
+    if indefinite(weight, 1e-10):
+        raise ValueError(f"{name} has eigenvalue {said}, must be >= 0 (positive semidefinite)")
+    return weight
+
+
+def indefinite(weight: np.ndarray, tolerance: float) -> np.ndarray:
+    """Whether a symmetric weight (.., n, n) has an eigenvalue below -tolerance once its diagonal is ones.
+
+    What is rounding of its largest entry is none: so small an entry may be the rest of a difference.
+    """
+    unit = _own_units(weight)
+    least = np.linalg.eigvalsh(weight / unit[..., :, None] / unit[..., None, :]).min(axis=-1, initial=np.inf)
+    lowest = np.linalg.eigvalsh(weight).min(axis=-1, initial=np.inf)
+    size = np.abs(weight).max(axis=(-1, -2), initial=0.0)
+    return np.asarray((least < -tolerance) & (lowest < -ROUNDING * size))
+
+
+def _own_units(weight: np.ndarray) -> np.ndarray:
+    """Roots (.., n) of the diagonal; of the largest entry where that is not positive."""
+    own = np.diagonal(weight, axis1=-2, axis2=-1)
+    size = np.abs(weight).max(axis=(-1, -2), initial=0.0)[..., None]
+    return np.asarray(np.sqrt(np.where(own > 0, own, np.where(size > 0, size, 1.0))))

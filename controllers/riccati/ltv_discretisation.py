@@ -1,6 +1,7 @@
 """Linear-quadratic problems from node to node of an LTVModel, of fourth order in the distance of the nodes.
 
 sampled_along     the discrete problem with the input held, the cost integrated in between
+noise_along       the covariance that white disturbances leave in between
 hamiltonian_flow  x+ = F x - G m+,  m = H x + F'm+,   G, H >= 0: state and half the costate m under the best input
 
 Both are exponentials of a fourth-order Magnus exponent (Iserles and Norsett 1999), taken of a small part of an interval
@@ -16,6 +17,7 @@ import scipy.linalg as sla
 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.magnus import exponent, halvings, with_cost
 
@@ -54,12 +56,15 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     F[:, :, :nx, :nx], F[:, :, :nx, nx:-1], F[:, :, :nx, -1] = A, B, c
     M = np.zeros((n, n))
     M[:nx, :nx], M[:nx, nx:-1], M[nx:-1, :nx], M[nx:-1, nx:-1] = Q, N, N.T, R
+    unit = even_units(F, np.zeros(n), np.diagonal(M))
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    F, M = F * ratio, M * weight
     big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
     big[:, :, :n, :n], big[:, :, :n, n:], big[:, :, n:, n:] = -F.transpose(0, 1, 3, 2), M, F
     Omega = exponent(big, np.diff(model.t))
     own, j = Omega[:, n:, n:], halvings(Omega[:, n:, n:])
     step, cost = with_cost(own, Omega[:, :n, n:], Omega[:, :n, :n], j)
-    cost = _semidefinite(cost, model.t)
+    step, cost = step / ratio, _semidefinite(cost, model.t) / weight
     x, u = slice(0, nx), slice(nx, nx + nu)
     dynamics = step[:, x, x], step[:, x, u], step[:, x, -1]
     return SampledLTV(
@@ -67,20 +72,41 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     )
 
 
-def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[Array, Array, Array]:
-    """F, G, H (nt-1, nx+1, nx+1) of every interval."""
+def noise_along(model: LTVModel, W: Any) -> Array:
+    """Covariance (nt-1, nx, nx) of what white disturbances of density W (nw, nw) [unit^2 s] do to the state from node
+    to node: the integral of Phi(end, s) E W E' Phi(end, s)' (Van Loan 1978), of fourth order in their distance.
+    """
+    A, _, E, _ = model._gauss
+    n = A.shape[-1]
+    W = weight_matrix("W", W, E.shape[-1], definite=False)
+    drive = E @ W @ E.transpose(0, 1, 3, 2)
+    reach = np.abs(np.diagonal(drive, axis1=2, axis2=3)).max(axis=(0, 1), initial=0.0)
+    unit = even_units(A, reach, np.zeros(n))
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
+    big[:, :, :n, :n], big[:, :, :n, n:] = A * ratio, drive / weight
+    big[:, :, n:, n:] = -big[:, :, :n, :n].transpose(0, 1, 3, 2)
+    Omega = exponent(big, np.diff(model.t))
+    own = Omega[:, :n, :n]
+    _, found = with_cost(own.transpose(0, 2, 1), Omega[:, :n, n:], -own, halvings(own))
+    return (found + found.transpose(0, 2, 1)) / 2 * weight
+
+
+def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[Array, Array, Array, Array]:
+    """F, G, H (nt-1, nx+1, nx+1) of every interval, and the even units (nx+1,) of [x; 1] that they are in."""
     A, B, _, c = model._gauss
     n = A.shape[-1] + 1
     big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
     own = big[:, :, :n, :n]
     own[:, :, :-1, :-1], own[:, :, :-1, -1] = A - B @ lean, c
+    drive, sight = np.zeros((*A.shape[:2], n, n)), np.zeros((n, n))
+    drive[:, :, :-1, :-1], sight[:-1, :-1] = B @ np.linalg.solve(R, B.transpose(0, 1, 3, 2)), Q
+    reach = np.abs(np.diagonal(drive, axis1=2, axis2=3)).max(axis=(0, 1), initial=0.0)
+    unit = even_units(own, reach, np.diagonal(sight))  # with them G and H are alike
+    weight = unit[:, None] * unit
+    own *= unit[None, :] / unit[:, None]
     big[:, :, n:, n:] = -own.transpose(0, 1, 3, 2)
-    big[:, :, : n - 1, n:-1] = -B @ np.linalg.solve(R, B.transpose(0, 1, 3, 2))
-    big[:, :, n:-1, : n - 1] = -Q
-    sizes = (np.abs(big[:, :, : n - 1, n:-1]).max(initial=0.0), np.abs(Q).max(initial=0.0))
-    unit = np.sqrt(sizes[1] / sizes[0]) if min(sizes) > 0 else 1.0  # of the costate, so that G and H are alike
-    big[:, :, :n, n:] *= unit
-    big[:, :, n:, :n] /= unit
+    big[:, :, :n, n:], big[:, :, n:, :n] = -drive / weight, -sight * weight
     Omega = exponent(big, np.diff(model.t))
     j = halvings(Omega)
     flow = sla.expm(Omega / 2**j)
@@ -91,7 +117,7 @@ def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[
         turned = F.transpose(0, 2, 1)
         F, G, H = F @ middle @ F, G + F @ middle @ G @ turned, H + turned @ H @ middle @ F
         G, H = ((V + V.transpose(0, 2, 1)) / 2 for V in (G, H))
-    return F, G / unit, H * unit
+    return F, G, H, unit
 
 
 def _semidefinite(cost: Array, t: Array) -> Array:

@@ -19,8 +19,9 @@ from pliant.plants.core.errors import PliantError
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_finite
 
-from .checks import weight_matrix
+from .checks import indefinite, weight_matrix
 from .ltv_discretisation import LARGEST_DEFECT, hamiltonian_flow
+from .scaled_equation import input_units
 
 if TYPE_CHECKING:
     from pliant.plants.linear.ltv import LTVModel
@@ -75,9 +76,9 @@ def dtvlqr(
     weight[:, :nu, :nu], weight[:, nu:-1, nu:-1], weight[:, -1, -1] = R, Q, r
     weight[:, nu:-1, :nu], weight[:, -1, nu:-1], weight[:, -1, :nu] = N, q, s
     weight = np.tril(weight) + np.tril(weight, -1).transpose(0, 2, 1)
-    roots, defect = _roots(weight)
-    if defect.max(initial=0.0) > 1e-9:
-        i = int(np.argmax(defect))
+    roots, lacking = semidefinite_root(weight), indefinite(weight, 1e-9)
+    if lacking.any():
+        i = int(np.argmax(lacking))
         raise ValueError(f"step {i}: the cost [[Q, N, q], [N', R, s], [q', s', r]] has an eigenvalue < 0, must be >= 0")
     steps = np.zeros((T, nx + 1, nu + nx + 1))
     steps[:, :-1, :nu], steps[:, :-1, nu:-1], steps[:, :-1, -1], steps[:, -1, -1] = B, A, c, 1.0
@@ -86,7 +87,7 @@ def dtvlqr(
     for i in range(T - 1, -1, -1):
         stack = np.vstack([S.T @ steps[i], roots[i].T])
         upper = _triangle(stack)
-        if np.abs(np.diag(upper)[:nu]).min(initial=np.inf) <= 1e-14 * np.abs(upper[:nu]).max(initial=0.0):
+        if (np.abs(np.diag(upper)[:nu]) <= 1e-14 * np.linalg.norm(upper[:, :nu], axis=0)).any():
             raise ValueError(f"step {i}: R + B'P B is singular, must be > 0")
         gains[i] = sla.solve_triangular(upper[:nu, :nu], upper[:nu, nu:])
         S = upper[nu:, nu:].T
@@ -106,8 +107,10 @@ def tvlqr(model: LTVModel, Q: Any, R: Any, N: Any = None, *, end: Any = None) ->
     Q, R = weight_matrix("Q", Q, nx, definite=False), weight_matrix("R", R, nu, definite=True)
     N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
     weight_matrix("[[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), nx + nu, definite=False)
-    lean = np.linalg.solve(R, N.T)  # u = v - lean x has no cross term
-    F, G, H = hamiltonian_flow(model, Q - N @ lean, R, lean)
+    unit = input_units(R)[:, None]
+    even = unit * R * unit.T
+    lean = unit * np.linalg.solve(even, unit * N.T)  # u = v - lean x has no cross term
+    F, G, H, x = hamiltonian_flow(model, Q - N @ lean, R, lean)
     (input_roots, defect), (state_roots, other) = _roots(G), _roots(H)
     worst = np.maximum(defect, other)
     if worst.max() > LARGEST_DEFECT:
@@ -116,16 +119,16 @@ def tvlqr(model: LTVModel, Q: Any, R: Any, N: Any = None, *, end: Any = None) ->
             f"tvlqr: between the nodes at {model.t[i]:.4g} and {model.t[i + 1]:.4g} s the cost to go loses its sign by "
             f"{worst[i]:.2g} of its size, at most {LARGEST_DEFECT:g}: put the nodes of the nominal closer there"
         )
-    S = _end_root(end, nx)
+    S = x[:, None] * _end_root(end, nx)
     found = [S]
     for i in range(len(F) - 1, -1, -1):
         upper = _triangle(np.vstack([np.eye(nx + 1), input_roots[i].T @ S]))  # upper'upper = I + S'G S
         ahead = sla.solve_triangular(upper, S.T @ F[i], trans="T")
         S = _triangle(np.vstack([ahead, state_roots[i].T])).T
         found.append(S)
-    S = np.array(found[::-1])
+    S = np.array(found[::-1]) / x[:, None]
     B = np.concatenate([model.B, np.zeros((len(model.t), 1, nu))], axis=1)
-    gains = np.linalg.solve(R, B.transpose(0, 2, 1) @ S @ S.transpose(0, 2, 1))
+    gains = unit * np.linalg.solve(even, unit * (B.transpose(0, 2, 1) @ S @ S.transpose(0, 2, 1)))
     gains[:, :, :nx] += lean
     return _regulator(gains, S)
 
@@ -136,15 +139,23 @@ def _require_solved(A: Array, B: Array, Q: Array, R: Array, N: Array, made: Time
     G = B.transpose(0, 2, 1) @ later @ A + N.transpose(0, 2, 1)
     H = R + B.transpose(0, 2, 1) @ later @ B
     terms = np.array([turned @ later @ A, Q, -G.transpose(0, 2, 1) @ made.K, -made.P[:-1]])
-    left = np.abs(terms.sum(axis=0)).max(axis=(1, 2)) / np.abs(terms).max(axis=(0, 2, 3)).clip(1e-300)
-    other = np.abs(H @ made.K - G).max(axis=(1, 2)) / np.abs(G).max(axis=(1, 2)).clip(1e-300)
-    worst = np.maximum(left, other)
+    spread = np.abs(turned) @ np.abs(later) @ np.abs(A) + np.abs(Q)
+    own = np.sqrt(np.diagonal(spread, axis1=1, axis2=2))  # a unit of each state
+    paid = np.sqrt(np.diagonal(H, axis1=1, axis2=2))  # and of each input
+    left = _against(terms.sum(axis=0), own, own)
+    worst = np.maximum(left, _against(H @ made.K - G, paid, own))
     if not worst.max() <= LARGEST_DEFECT:
         i = int(np.argmax(worst))
         raise PliantError(
             f"dtvlqr: step {i} is solved only to a relative residual of {worst[i]:.2g}, must be {LARGEST_DEFECT:g}: "
             "scale the states, or change Q and R"
         )
+
+
+def _against(rest: Array, rows: Array, columns: Array) -> Array:
+    """Largest entry (T,) of rest (T, n, m) against the units of its rows (T, n) and columns (T, m)."""
+    unit = rows[:, :, None] * columns[:, None, :]
+    return np.asarray((np.abs(rest) / np.where(unit > 0, unit, np.inf)).max(axis=(1, 2), initial=0.0))
 
 
 def _roots(weight: Array) -> tuple[Array, Array]:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 
 from . import modal_analysis
+from .even_units import even_expm
 from .model_signals import ModelSignals
 
 if TYPE_CHECKING:
@@ -243,5 +243,5 @@ def held_response(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarr
     M[:, :n, :n] = A * h[:, None, None]
     M[:, :n, n : n + k] = G * h[:, None, None]
     M[:, n : n + k, n + k :] = np.eye(k)
-    P = linalg.expm(M)
+    P = even_expm(M)
     return P[:, :n, :n], P[:, :n, n : n + k], P[:, :n, n + k :]

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, read_only, read_only_times, sample
 
+from .even_units import even_expm
 from .lti import LinearModel
 from .magnus import exponent
 from .model_signals import ModelSignals
@@ -164,5 +164,5 @@ def _magnus(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np
     N = np.concatenate([A, G], axis=-1)
     Omega = np.zeros((len(A), N.shape[-1], N.shape[-1]))
     Omega[:, :n] = exponent(N, h)
-    P = linalg.expm(Omega)
+    P = even_expm(Omega)
     return P[:, :n, :n], P[:, :n, n:]

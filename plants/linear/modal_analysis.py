@@ -57,12 +57,13 @@ def dominant(left: np.ndarray, right: np.ndarray) -> int:
     return int(np.flatnonzero(part >= 0.95 * part.max())[0])
 
 
-def eigen(A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Eigenvalues (nx,), left and right eigenvectors (columns) of the balanced A, and rounding (nx,).
+def eigen(A: np.ndarray, balance: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Eigenvalues (nx,), left and right eigenvectors (columns) of the balanced A, and rounding (nx,); of A as it is
+    with `balance` False.
 
     An eigenvalue is known to 10 eps |A| / |left' right|, a double one to sqrt(10 eps) |A| (Wilkinson 1965).
     """
-    scaled, _ = linalg.matrix_balance(A, permute=False)
+    scaled = linalg.matrix_balance(A, permute=False)[0] if balance else A
     lam, left, right = linalg.eig(scaled, left=True, right=True)
     size, eps = np.linalg.norm(scaled), 10 * np.finfo(float).eps
     cosine = np.abs(np.sum(left.conj() * right, axis=0))

@@ -36,7 +36,7 @@ def test_alpha_beta_filter(index):
     r = (4 + index - np.sqrt(8 * index + index**2)) / 4
     alpha = 1 - r**2
     beta = 2 * (2 - alpha) - 4 * np.sqrt(1 - alpha)
-    found = Kalman.design(DOUBLE, seen(v), {"a": w**2 * T}, dt=T)
+    found = Kalman.design(DOUBLE, seen(v), {"a": w**2 * T}, dt=T, noise="held")
     np.testing.assert_allclose(found.gains[-1].L[:, 0], [alpha, beta / T], rtol=1e-9)
     np.testing.assert_allclose(found.covariance[0, 0], alpha * v**2, rtol=1e-9)
 
@@ -120,7 +120,7 @@ def test_covariance_is_what_monte_carlo_sees(delay):
     With the accelerometer: feedthrough of the known input and of the held noise count.
     """
     model = arm_model()
-    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02, delay=delay, P0=P0)
+    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02, delay=delay, P0=P0, noise="held")
     runs, steps, rng = 250, 40, np.random.default_rng(11)
     start = np.array([0.3, 0.0, -0.2, 0.0])
     all_errors = np.array([played(model, kalman, steps, rng, x0=start, P0=P0, delay=delay)[0] for _ in range(runs)])
@@ -136,7 +136,7 @@ def test_covariance_is_what_monte_carlo_sees(delay):
 def test_innovations_are_white():
     """Autocorrelation at lags 1 to 20 within 1.96/sqrt(n) in 95 % of all (Mehra 1970); sum of squares chi-square."""
     model = arm_model()
-    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02)
+    kalman = Kalman.design(model, sensors_of(ARM), W, dt=0.02, noise="held")
     n, rng = 4000, np.random.default_rng(3)
     _, innovations = played(model, kalman, n + 200, rng, x0=np.zeros(4), P0=P0)
     z = np.linalg.solve(np.linalg.cholesky(kalman.innovation_covariance), innovations[200:].T).T
@@ -148,7 +148,7 @@ def test_innovations_are_white():
         outside += (np.abs(correlation) > 1.96 / np.sqrt(n)).sum()
         total += correlation.size
     assert outside < 0.1 * total
-    careless = Kalman.design(model, sensors_of(ARM), {"tip_force_y": 1e-4}, dt=0.02)
+    careless = Kalman.design(model, sensors_of(ARM), {"tip_force_y": 1e-4}, dt=0.02, noise="held")
     _, innovations = played(model, careless, n + 200, np.random.default_rng(3), x0=np.zeros(4), P0=P0)
     assert (np.linalg.solve(np.linalg.cholesky(careless.innovation_covariance), innovations[200:].T) ** 2).sum() > high
 
@@ -165,7 +165,7 @@ def test_time_varying_filter_along_a_slew(delay):
     push = np.zeros_like(ltv.c)
     push[:, 2] = 0.5 * np.cos(3 * t)
     ltv = dataclasses.replace(ltv, c=ltv.c + push)
-    kalman = Kalman.along(ltv, sensors_of(arm), W, P0=P0, delay=delay)
+    kalman = Kalman.along(ltv, sensors_of(arm), W, P0=P0, delay=delay, noise="held")
     steps, rng, runs = ltv.discretize(), np.random.default_rng(5), 250
     at = [[s.name for s in arm.outputs].index(name) for name in kalman.reads]
     noise = np.sqrt(np.diag(kalman.steps[0].V))
@@ -259,3 +259,37 @@ def test_bad_measurement_and_uneven_nodes():
     motion = ARM.simulate(np.zeros(4), None, [0.0, 0.1, 0.3])
     with pytest.raises(ValueError, match="must be evenly spaced"):
         Kalman.along(ARM.linearize_along(motion), sensors_of(ARM), W, P0=P0)
+
+
+def test_white_noise_is_integrated_and_held_noise_is_not():
+    """White acceleration of density q: q [[T^3/3, T^2/2], [., T]], by integration of [s, 1]'[s, 1]; held over T:
+    q/T [T^2/2, T]'[T^2/2, T], of which the first is T^3/4. Along a nominal that does not move, the same.
+    """
+    q, T = 0.3, 0.5
+    white = Kalman.design(DOUBLE, seen(0.1), {"a": q}, dt=T)
+    held = Kalman.design(DOUBLE, seen(0.1), {"a": q}, dt=T, noise="held")
+    for found, first in ((white, T**3 / 3), (held, T**3 / 4)):
+        step = found.steps[0]
+        right = q * np.array([[first, T**2 / 2], [T**2 / 2, T]])
+        np.testing.assert_allclose(step.G @ step.W @ step.G.T, right, rtol=1e-12)
+    t, many = T * np.arange(40), {}
+    for name in "ABECDF":
+        value = getattr(DOUBLE, name)
+        many[name] = np.broadcast_to(value, (40, *value.shape))
+    rest = {name: np.zeros((40, len(getattr(DOUBLE, f"{name}0")))) for name in "xuyw"}
+    signals = {k: getattr(DOUBLE, k) for k in ("states", "inputs", "disturbances", "outputs")}
+    ltv = LTVModel(t, **many, c=np.zeros((40, 2)), **rest, **signals)
+    along = Kalman.along(ltv, seen(0.1), {"a": q}, P0=np.eye(2))
+    np.testing.assert_allclose(along.gains[-1].P, white.covariance, rtol=1e-9)
+    with pytest.raises(ValueError, match=r"Kalman\.noise = 'pink' must be one of"):
+        Kalman.design(DOUBLE, seen(0.1), {"a": q}, dt=T, noise="pink")
+
+
+def test_a_reading_that_white_noise_enters_takes_its_mean():
+    """x' = w, y = x + w: of w with mean m over T, x gets T m, and the reading m, of variance q/T."""
+    model = LinearModel.from_matrices([[0.0]], [[0.0]], [[1.0]], E=[[1.0]], F=[[1.0]], outputs=["seen"])
+    q, T = 0.7, 0.1
+    step = Kalman.design(model, seen(0.2), {"w1": q}, dt=T).steps[0]
+    np.testing.assert_allclose(step.G @ step.W @ step.G.T, [[q * T]], rtol=1e-12)
+    np.testing.assert_allclose(step.H @ step.W @ step.H.T, [[q / T]], rtol=1e-12)
+    np.testing.assert_allclose(step.G @ step.W @ step.H.T, [[q]], rtol=1e-12)

@@ -27,7 +27,7 @@ def test_many_samples_come_to_the_steady_one(h):
     one = step(a=0.9, h=h)
     found = corrected(one, 5 * ONE)
     for _ in range(300):
-        found = after(one, found.P)
+        found = after(one, found.root)
     limit = steady(one, ("x",), 1.0)
     for part, wanted in zip(found, limit):
         np.testing.assert_allclose(part, wanted, rtol=1e-9)

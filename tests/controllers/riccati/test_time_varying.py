@@ -279,3 +279,30 @@ def test_bad_input(change, message):
     given = {"A": np.tile(np.eye(2), (3, 1, 1)), "B": np.ones((3, 2, 1)), "Q": np.eye(2), "R": np.eye(1), **change}
     with pytest.raises(ValueError, match=message):
         riccati.dtvlqr(**given)
+
+
+def test_covariance_of_white_noise_along_a_model_that_varies():
+    """dP/dt = A P + P A' + E W E', P(0) = 0, by Dormand and Prince's method; of fourth order in the distance."""
+    W, worst = np.array([[0.7]]), []
+
+    def rate(s, y):
+        A, E, _ = varying(s)
+        P = y.reshape(2, 2)
+        return (A @ P + P @ A.T + E @ W @ E.T).ravel()
+
+    right = solve_ivp(rate, (0.0, 2.0), np.zeros(4), "DOP853", rtol=1e-12, atol=1e-14).y[:, -1].reshape(2, 2)
+    for nodes in (21, 41):
+        t = np.linspace(0.0, 2.0, nodes)
+        parts = [varying(s) for s in t]
+        A, E = (np.array([part[i] for part in parts]) for i in (0, 1))
+        none, names = np.zeros, (("a", "b"), (), ("w",), ())
+        model = LTVModel(
+            *(t, A, none((nodes, 2, 0)), E, none((nodes, 0, 2)), none((nodes, 0, 0)), none((nodes, 0, 1))),
+            *(none((nodes, 2)), none((nodes, 2)), none((nodes, 0)), none((nodes, 0))),
+            **dict(zip(("states", "inputs", "disturbances", "outputs"), names)),
+        )
+        P = np.zeros((2, 2))
+        for step, more in zip(model.transition()[0], riccati.noise_along(model, W)):
+            P = step @ P @ step.T + more
+        worst.append(np.abs(P - right).max() / right.max())
+    assert worst[0] < 1e-4 and worst[1] < worst[0] / 12
