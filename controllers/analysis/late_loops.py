@@ -156,8 +156,9 @@ def shortest(late: LateLoop | None, channel: int, dt: float, lag: float, grid: A
     def leaves(delay: float) -> bool:
         return bool(np.abs(np.linalg.eigvals(late.closed(channel, delay))).max() >= 1.0)
 
-    step, most = dt / parts, MOST_PERIODS if np.isinf(whole) else round(whole / dt) + 1
-    for k in np.flatnonzero(_outside(T, omega, most + 1).T.ravel() > 0):  # in order of the delay
+    step: float = dt / parts
+    most = MOST_PERIODS if np.isinf(whole) else round(whole / dt) + 1
+    for k in np.flatnonzero(_outside(T, omega, most + 1).T.ravel() > 0).tolist():  # in order of the delay
         before, at = max(k - 1, 0) * step, k * step
         if at > MOST_PERIODS * dt:
             return float(before)

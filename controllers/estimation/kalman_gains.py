@@ -180,7 +180,7 @@ def _noises(step: Sampled) -> tuple[Array, Array]:
 
 def _remembered(step: Sampled) -> Sampled:
     """The step with those of w that reach the reading as states: then nothing is common to x+ and the reading."""
-    direct = step.H.any(axis=0)
+    direct = np.asarray(step.H.any(axis=0))
     if not direct.any():
         return step
     k, nx = int(direct.sum()), len(step.A)
