@@ -24,6 +24,7 @@ from pliant.plants.linear.ltv import LTVModel
 from .declaration import SpacecraftDeclaration
 
 Array = np.ndarray
+ROUNDING = 256 * float(np.finfo(float).eps)  # of sums of four products of three factors, relative
 TURN = 1e-3  # [rad] that attitudes may be apart at a jump, of which the map is of first order
 
 
@@ -77,7 +78,26 @@ def in_deviations(craft: SpacecraftDeclaration, x: Array, dx: Array, jacobians: 
     q = slice(at.quaternion.start, at.quaternion.stop - 1)
     moved[..., at.quaternion, q] -= rates(dx[..., at.quaternion]) / 2
     moved[..., at.omega, q] -= skew(dx[..., at.omega])
-    return [change.rows(moved), change.rows(B), change.rows(E), change.columns(C), D, F]
+    return [_kinematic(craft, x, A, change.rows(moved)), change.rows(B), change.rows(E), change.columns(C), D, F]
+
+
+def _kinematic(craft: SpacecraftDeclaration, x: Array, A: Array, found: Array) -> Array:
+    """The model's matrix `found` with the rows of dq/dt, which is a state, free of the rounding of the map.
+
+    Without it three zero eigenvalues of a craft at rest are told as a growth of 1e-18 1/s. A nominal whose attitude
+    does not move as its body rates say keeps what it has.
+    """
+    s, turns = craft.layout.quaternion, craft.layout.omega
+    q, rate = slice(s.start, s.stop - 1), slice(turns.start - 1, turns.stop - 1)
+    size = np.abs(A[..., s, s]).max((-2, -1)) + np.abs(x[..., turns]).max(-1)  # [1/s]
+    off = found[..., q, :].copy()
+    off[..., rate] -= np.eye(3)
+    off[..., q] /= np.where(size > 0, size, 1.0)[..., None, None]
+    exact = np.zeros_like(off)
+    exact[..., rate] = np.eye(3)
+    rounding = np.abs(off).max((-2, -1)) <= ROUNDING
+    found[..., q, :] = np.where(rounding[..., None, None], exact, found[..., q, :])
+    return found
 
 
 def deviation_maps(craft: SpacecraftDeclaration, x: Array) -> tuple[Array, Array]:

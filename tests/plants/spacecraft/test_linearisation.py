@@ -10,9 +10,10 @@ from craft_cases import deviations, motor_hinged, random_nominal, slew
 
 from pliant.plants import MassMatrixError, Trajectory
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
-from pliant.plants.spacecraft.linearisation import deviation_maps
+from pliant.plants.spacecraft.linearisation import deviation_maps, in_deviations
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit
+from pliant.plants.stability import assess
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "spacecraft.json").read_text())
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
@@ -171,3 +172,29 @@ def flat(made, q, t=(0.0, 0.1, 0.2, 0.3), dx=None):
     x = np.tile(made.state(), (4, 1))
     x[:, made.layout.quaternion] = q
     return Trajectory.from_arrays(np.array(t), x, np.zeros((4, made.nu)), plant=made, dx=dx)
+
+
+@pytest.mark.parametrize("translation", [False, True])
+def test_a_craft_at_rest_is_marginal_at_any_attitude(translation):
+    """Its attitude and place are zero eigenvalues twice each, whatever the turn: no rounding of it may grow."""
+    craft = dataclasses.replace(CRAFT, translation=translation)
+    for seed in range(6):
+        q = np.random.default_rng(seed).normal(size=4)
+        x = craft.state()
+        x[craft.layout.quaternion] = q / np.linalg.norm(q)
+        model = craft.linearize(x)
+        rows = [model.state_names.index(f"q_{axis}") for axis in "xyz"]
+        rates = [model.state_names.index(f"q_{axis}_rate") for axis in "xyz"]
+        np.testing.assert_array_equal(model.A[rows], np.eye(len(model.A))[rates])
+        assert assess(model).verdict == "marginal"
+
+
+def test_a_nominal_that_does_not_turn_as_its_rates_say_keeps_its_own_rows():
+    x = CRAFT.state()
+    x[CRAFT.layout.omega] = [0.1, -0.2, 0.05]
+    dx, jacobians = CRAFT.dynamics(x), list(CRAFT.jacobians(x))
+    q = slice(CRAFT.layout.quaternion.start, CRAFT.layout.quaternion.stop - 1)
+    assert not in_deviations(CRAFT, x, dx, jacobians)[0][q, q].any()
+    still = dx.copy()
+    still[CRAFT.layout.quaternion] = 0.0
+    assert np.abs(in_deviations(CRAFT, x, still, jacobians)[0][q, q]).max() > 0.01
