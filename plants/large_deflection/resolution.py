@@ -14,8 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pliant.plants.core.imports import linalg
-
 from .tangent_field import Array, Points, points
 
 FINEST = 64  # points of the rule that others are judged by: exact to rounding for all shapes that a plant may have
@@ -36,7 +34,7 @@ class Resolved(NamedTuple):
         if not exact.shape[1]:
             return 0.0
         weight = np.linalg.qr(exact, mode="r")
-        inner = linalg.solve_triangular(weight, rule.T, trans="T")
+        inner = np.linalg.solve(weight.T, rule.T)
         return float(np.abs(np.linalg.eigvalsh(inner @ inner.T) - 1).max())
 
     def _rows(self, at: Points) -> Array:
