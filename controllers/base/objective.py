@@ -18,7 +18,7 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import index
-from pliant.plants.linear.quadratic_cost import QuadraticCost, squares
+from pliant.plants.linear.quadratic_cost import QuadraticCost, following, require_still, squares
 
 from .controller import ends, saturation
 
@@ -103,6 +103,7 @@ class Objective:
     def residual_expression(self) -> ca.SX:
         """r (nr,) in the plant's symbols (t, x, u, w, p)."""
         t, x, u, _, _ = self.plant.symbols
+        require_still("Objective", following(self.plant, self.x_goal, self.u_goal, self.drift), self.weights)
         z0 = np.concatenate([self.x_goal, self.plant.measure(self.x_goal, self.u_goal)])
         drift = np.array([self.goal_rates.get(s.name, 0.0) for s in self.signals])
         z = ca.vertcat(x, self.plant.expressions[1])

@@ -18,7 +18,13 @@ from pliant.plants import LinearModel, Plant, Signal, Trajectory
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import quantity, validate
 from pliant.plants.core.signals import index
-from pliant.plants.linear.quadratic_cost import QuadraticCost, about_moving_goal, quadratic_cost
+from pliant.plants.linear.quadratic_cost import (
+    QuadraticCost,
+    about_moving_goal,
+    following,
+    quadratic_cost,
+    require_still,
+)
 
 from . import cost
 from .checks import check
@@ -147,6 +153,10 @@ class Manoeuvre:
         """d(goal)/dt (nx,): zero but for `goal_rates`."""
         return self._by_state(self.goal_rates)
 
+    @cached_property
+    def _following(self) -> frozenset[str]:
+        return following(self.plant, *self.target, self.drift) if self.goal_rates else frozenset()
+
     def positions(self, names: Iterable[str]) -> list[int]:
         """Where the named signals stand in the vector [x; y]."""
         return [index(self.signals, name, "signal") for name in names]
@@ -161,7 +171,8 @@ class Manoeuvre:
         return self.signal_values(x, self.plant.measure(x, u), names)
 
     def goal_drift(self, names: tuple[str, ...]) -> np.ndarray:
-        """d/dt of `goal_values`: of states as in `goal_rates`; outputs are those that do not follow them."""
+        """d/dt of `goal_values`: of states as in `goal_rates`; ValueError for outputs that follow these."""
+        require_still(f"scene {self.name!r}", self._following, names)
         return self.signal_values(self.drift, np.zeros(self.plant.ny), names)
 
 

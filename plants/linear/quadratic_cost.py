@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import index, rows_by_name
 
 from .lti import LinearModel
@@ -71,3 +72,27 @@ def about_moving_goal(model: LinearModel, rates: Mapping[str, float]) -> LinearM
     """The model of deviations from a goal that moves at `rates`: f0 less what the goal itself moves at."""
     drift = goal_drift(model, rates)
     return replace(model, f0=model.f0 - drift) if drift.any() else model
+
+
+def following(plant: PlantLike, x: Array, u: Array, drift: Array) -> frozenset[str]:
+    """Outputs that a goal x (nx,), u (nu,) moves as its states move at `drift` (nx,): seen at three places on its way.
+
+    Of these a cost has no steady goal: an output bends where its states move evenly.
+    """
+    if not drift.any():
+        return frozenset()
+    ways = [x + s * drift / np.abs(drift).max() for s in (0.0, 0.7, -1.1)]
+    C = np.array([plant.jacobians(way, u)[3] for way in ways])
+    rounding = 1e-12 * np.abs(C).max((0, 2)) * np.abs(drift).max()
+    moved = (np.abs(C @ drift) > rounding).any(axis=0)
+    states = {s.name for s in plant.states}
+    return frozenset(s.name for s, m in zip(plant.outputs, moved, strict=True) if m and s.name not in states)
+
+
+def require_still(owner: str, moved: frozenset[str], names: Iterable[str]) -> None:
+    """ValueError where a cost or an observation names an output that `goal_rates` move."""
+    if taken := sorted(moved.intersection(names)):
+        raise ValueError(
+            f"{owner}: goal_rates move {', '.join(taken)} too, whose goal would stay; weigh and observe the states "
+            "that move, or outputs that these leave where they are"
+        )

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from pliant.controllers import Objective
 from pliant.envs import scenes
 from pliant.plants import LinearModel
 from pliant.plants.linear.quadratic_cost import about_moving_goal, goal_drift, quadratic_cost, signal_rows
@@ -113,3 +114,17 @@ def test_scene_is_charged_so_to_second_order(scene):
 
 def test_some_scenes_have_outputs_with_feedthrough():
     assert sum("," in case.id for case in weighed()) >= 2
+
+
+@pytest.mark.parametrize("name", ["tip_x", "tip_y"])
+def test_outputs_that_a_moving_goal_takes_along_are_refused(name):
+    """tip_x too, whose slope is zero where the goal begins; tip_deflection stays where it is."""
+    slew = scenes.get("single-link-slew", goal=(("hub_angle", 0.0),))
+    turning = dataclasses.replace(slew, goal_rates=(("hub_angle", 0.1),), weights=((name, 1.0), ("hub_angle", 1.0)))
+    with pytest.raises(ValueError, match=f"scene 'single-link-slew': goal_rates move {name} too"):
+        turning.goal_drift(turning.weighted)
+    with pytest.raises(ValueError, match=f"Objective: goal_rates move {name} too"):
+        _ = Objective.of(turning).residual_expression
+    held = dataclasses.replace(turning, weights=(("tip_deflection", 1.0), ("hub_angle", 1.0)))
+    np.testing.assert_array_equal(held.goal_drift(held.weighted), [0.0, 0.1])
+    assert Objective.of(held).residual_expression.shape[0] == 3
