@@ -33,7 +33,7 @@ class Resolved(NamedTuple):
         rule, exact = (self._rows(p) for p in (at, points(FINEST)))
         if not exact.shape[1]:
             return 0.0
-        weight = np.linalg.qr(exact, mode="r")
+        weight = np.asarray(np.linalg.qr(exact, mode="r"))
         inner = np.linalg.solve(weight.T, rule.T)
         return float(np.abs(np.linalg.eigvalsh(inner @ inner.T) - 1).max())
 
