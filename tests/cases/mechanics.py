@@ -75,11 +75,9 @@ def power(c: Case, rng: Any) -> float | None:
     if lost < 0:
         return np.inf
     step = 1e-3 / max(1e-9, float(np.abs(c.dx / c.sx).max()))
-    n = len(c.M)
     heights = abs(c.plant.energy(c.x)) + c.energy  # elastic and kinetic energies cancel in neither
     rate, off = derivative(lambda s: np.array([c.plant.energy(c.x + s * c.dx)]), step, 8 * EPS * heights)
-    solved = np.abs(c.x[-n:] if c.drawn.family != "craft" else c.dx[:n]) @ np.abs(c.M) @ np.abs(c.dx[-n:])
-    size = abs(put_in) + abs(lost) + solved
+    size = abs(put_in) + abs(lost) + heights / c.drawn.unit[2]
     off = off[0] + 100 * EPS * c.condition * size
     return None if off > LOOSE * size else float(abs(put_in - lost - rate[0]) / off)
 
