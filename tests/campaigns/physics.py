@@ -5,6 +5,7 @@
 definite    the mass matrix is symmetric and positive definite
 energy      kinetic energy is v' M v/2
 power       the rate of the energy along the motion is what is put in less what is lost, which is never negative
+idle        a free spacecraft without inputs is given nothing
 jacobians   of dynamics and outputs, by states, inputs and disturbances, in random directions
 scale       a plant in other units of length, mass and time moves the same
 mirror      a planar plant mirrored in x moves in mirror image
@@ -24,15 +25,31 @@ import by_seed
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
-from mechanics import CHECKS, Case
+import mechanics as m
 from random_plants import draw
+
+CHECKS = (
+    m.definite,
+    m.energy,
+    m.power,
+    m.idle,
+    m.jacobians,
+    m.scale,
+    m.mirror,
+    m.reversal,
+    m.momentum,
+    m.rates,
+    m.vary,
+    m.rotation,
+    m.bases,
+)
 
 
 def run(seed: int) -> dict:
     """The checks of one plant: the largest share of what rounding and truncation allow, by check; over 1 is a fault."""
     drawn = draw(seed)
     rng = np.random.default_rng([seed, 1])
-    c = Case(drawn, rng)
+    c = m.Case(drawn, rng)
     shares = {check.__name__: check(c, rng) for check in CHECKS}
     shares = {name: round(share, 4) for name, share in shares.items() if share is not None}
     wrong = [name for name, share in shares.items() if not share <= 1]
