@@ -88,7 +88,8 @@ def weight_matrix(name: str, value: Any, n: int, *, definite: bool) -> np.ndarra
     said = f"{lowest:.4g}" if np.sign(lowest) == np.sign(least) else f"{least:.4g} with a diagonal of ones"
     if definite and not (least > 0 and (np.diagonal(weight) > 0).all()):
         raise ValueError(f"{name} has eigenvalue {said}, must be > 0 (positive definite)")
-    if indefinite(weight, 1e-10):
+    alone = np.abs(weight).sum(axis=0) == -np.diagonal(weight)  # no difference of larger ones: meant
+    if indefinite(weight, 1e-10) or (alone & (np.diagonal(weight) < 0)).any():
         raise ValueError(f"{name} has eigenvalue {said}, must be >= 0 (positive semidefinite)")
     return weight
 

@@ -202,6 +202,7 @@ def test_a_wrong_solution_is_refused(monkeypatch):
     [
         ({"Q": [[1, 2], [0, 1]]}, r"Q\[0, 1\] = 2 must equal Q\[1, 0\], 0"),
         ({"Q": np.diag([1.0, -1.0])}, r"Q has eigenvalue -1, must be >= 0"),
+        ({"Q": np.diag([1e12, -1.0])}, r"Q has eigenvalue -1, must be >= 0"),
         ({"R": [[0.0]]}, r"R has eigenvalue 0, must be > 0"),
         ({"N": [[9.0], [0.0]]}, r"\[\[Q, N\], \[N', R\]\] has eigenvalue -8, must be >= 0"),
         ({"A": np.eye(3)}, r"B has shape \(2, 1\), must be \(3, -1\)"),
