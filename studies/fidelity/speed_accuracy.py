@@ -32,6 +32,7 @@ ENOUGH = 0.1  # a smaller step is not tried once its error is below this share o
 FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
 RUNS_AWAY = 1e5  # times the tolerance: a variant that goes so far from the reference is not timed
+SPENT = "not run: the time budget was spent"
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,11 @@ class Chart:
     def to_json(self) -> dict[str, Any]:
         return asdict(self)
 
+    @property
+    def not_run(self) -> int:
+        """Settings that the budget left no time for."""
+        return sum(row.failure == SPENT for row in self.rows)
+
     def save(self, table: str | Path) -> None:
         """Write the table as json; the picture is drawn by `figures.speed_accuracy.save`."""
         Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
@@ -123,7 +129,8 @@ def chart(
     motions: Motions | None = None,
     progress: Progress | None = None,
 ) -> Chart:
-    """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones.
+    """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones, and
+    variants that can keep the scene's tolerance before those that cannot.
 
     The reference and its confirmation take part of it.
 
@@ -145,8 +152,9 @@ def chart(
     runner = Runner(motions, began + budget, prune)
     plants = tuple(variants) if variants is not None else motions.ladder
     rows: list[Row] = []
+    useful_first = sorted(plants, key=lambda plant: motions.difference(plant, motions.reference) > scene.tolerance)
     for level in range(len(SUBSTEPS)):
-        for plant in plants:
+        for plant in useful_first:
             for method in methods:
                 done = (clock.perf_counter() - began) / budget
                 told(min(done, (level + 1) / len(SUBSTEPS)), f"{plant.label}, {method}")
@@ -224,7 +232,7 @@ class Runner:
         if expected > SLOW:
             return f"too slow: about {expected:.2g} s a run, limit {SLOW:g} s"
         if clock.perf_counter() + expected > self.deadline:
-            return "not run: the time budget was spent"
+            return SPENT
         return ""
 
     def _timed(self, row: Row, plant: Plant, work: float, options: dict[str, Any]) -> Row:

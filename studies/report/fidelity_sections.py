@@ -27,7 +27,9 @@ def chart(found: Findings) -> str:
     if not chart.measured:
         return text + paragraph("No setting was measured: see below why.", "warning")
     if fast is None:
-        return text + paragraph(f"No setting is within {measured(chart.tolerance, chart.unit)}.", "warning")
+        left = f"; {chart.not_run} were not run for want of time" if chart.not_run else ""
+        bound = measured(chart.tolerance, chart.unit)
+        return text + paragraph(f"No setting that was measured is within {bound}{left}.", "warning")
     return text + paragraph(
         f"Fastest within the tolerance of {measured(chart.tolerance, chart.unit)}: {fast.variant} by {fast.setting}, "
         f"{(fast.seconds or 0) * 1e3:.3g} ms a simulated second."

@@ -1,13 +1,16 @@
 import dataclasses
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pliant.envs import scenes
 from pliant.studies import chart
-from pliant.studies.fidelity.speed_accuracy import METHODS, pareto
+from pliant.studies.common.reference_motions import Motions
+from pliant.studies.fidelity.speed_accuracy import METHODS, Runner, pareto
 from pliant.studies.figures.speed_accuracy import save
+from pliant.studies.report import fidelity_sections
 
 SLEW = scenes.get("single-link-slew", duration=0.6)
 LADDER = SLEW.plant.ladder()
@@ -68,6 +71,28 @@ def test_what_the_budget_cuts_is_said():
     short = chart(SLEW, budget=0.05, variants=(LADDER[1],))
     assert {r.failure for r in short.failed} == {"not run: the time budget was spent"}
     assert short.failed
+
+
+def test_variants_that_can_keep_the_tolerance_are_measured_first(monkeypatch):
+    asked, motions = [], Motions(SLEW)
+    monkeypatch.setattr(Runner, "measure", lambda self, plant, method, level: asked.append((level, plant)))
+    chart(SLEW, motions=motions)
+    first = [plant for level, plant in asked if level == 0]
+    able = [motions.difference(plant, motions.reference) <= SLEW.tolerance for plant in first]
+    assert any(able) and not all(able) and able == sorted(able, reverse=True)
+    assert [level for level, _ in asked] == sorted(level for level, _ in asked)
+
+
+def test_the_page_says_how_many_settings_there_was_no_time_for():
+    """Nothing within the tolerance is not what a chart that was cut off shows."""
+    short = chart(SLEW, budget=0.05, variants=(LADDER[0],), methods=("dop853", "rk4"))
+    assert short.fastest() is None
+    assert short.not_run == sum("time" in (r.failure or "") for r in short.rows) > 0
+    cut = dataclasses.replace(
+        short, rows=(*(dataclasses.replace(r, failure=None, error=1.0) for r in short.rows[:1]), *short.rows[1:])
+    )
+    said = fidelity_sections.chart(SimpleNamespace(chart=cut))
+    assert f"No setting that was measured is within 1 mm; {cut.not_run} were not run for want of time" in said
 
 
 def test_front_is_the_front_of_the_measured_rows(measured):
