@@ -129,8 +129,8 @@ def chart(
     motions: Motions | None = None,
     progress: Progress | None = None,
 ) -> Chart:
-    """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones, and
-    variants that can keep the scene's tolerance before those that cannot.
+    """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones, one
+    method before the next, and variants that can keep the scene's tolerance before those that cannot.
 
     The reference and its confirmation take part of it.
 
@@ -154,8 +154,8 @@ def chart(
     rows: list[Row] = []
     useful_first = sorted(plants, key=lambda plant: motions.difference(plant, motions.reference) > scene.tolerance)
     for level in range(len(SUBSTEPS)):
-        for plant in useful_first:
-            for method in methods:
+        for method in methods:
+            for plant in useful_first:
                 done = (clock.perf_counter() - began) / budget
                 told(min(done, (level + 1) / len(SUBSTEPS)), f"{plant.label}, {method}")
                 row = runner.measure(plant, method, level)

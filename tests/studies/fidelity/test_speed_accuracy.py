@@ -75,12 +75,13 @@ def test_what_the_budget_cuts_is_said():
 
 def test_variants_that_can_keep_the_tolerance_are_measured_first(monkeypatch):
     asked, motions = [], Motions(SLEW)
-    monkeypatch.setattr(Runner, "measure", lambda self, plant, method, level: asked.append((level, plant)))
+    monkeypatch.setattr(Runner, "measure", lambda self, plant, method, level: asked.append((level, method, plant)))
     chart(SLEW, motions=motions)
-    first = [plant for level, plant in asked if level == 0]
+    first = [plant for level, method, plant in asked if (level, method) == (0, METHODS[0])]
     able = [motions.difference(plant, motions.reference) <= SLEW.tolerance for plant in first]
     assert any(able) and not all(able) and able == sorted(able, reverse=True)
-    assert [level for level, _ in asked] == sorted(level for level, _ in asked)
+    order = [(level, METHODS.index(method)) for level, method, _ in asked]
+    assert order == sorted(order) and set(first) == set(motions.ladder)
 
 
 def test_the_page_says_how_many_settings_there_was_no_time_for():
