@@ -9,6 +9,8 @@ from pliant.controllers.riccati import scaled_equation
 from pliant.controllers.riccati.scaled_equation import Problem, solve_riccati
 from pliant.plants import PliantError
 
+DOUBLE = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
+
 
 def problem(seed, n=4, m=2):
     rng = np.random.default_rng(seed)
@@ -88,3 +90,39 @@ def test_doubling_where_scipy_gives_up(dt, error, monkeypatch):
     np.testing.assert_allclose(P, right, rtol=0, atol=1e-11 * np.abs(right).max())
     with pytest.raises(PliantError, match="was not solved"):  # nothing reaches what grows
         solve_riccati(3 * np.eye(2), np.zeros((2, 1)), np.eye(2), np.eye(1), np.zeros((2, 1)), dt)
+
+
+def test_a_wrong_solution_is_refused(monkeypatch):
+    good = scaled_equation.sla.solve_continuous_are
+    monkeypatch.setattr(scaled_equation.sla, "solve_continuous_are", lambda *a, **k: -good(*a, **k))
+    np.testing.assert_allclose(
+        riccati.lqr(*DOUBLE, np.eye(2), np.eye(1)).K, [[1, np.sqrt(3)]], rtol=1e-13
+    )  # by doubling
+    monkeypatch.setattr(scaled_equation, "_doubled", lambda *a: None)
+    with pytest.raises(PliantError, match="relative residual of"):
+        riccati.lqr(*DOUBLE, np.eye(2), np.eye(1))
+
+
+@pytest.mark.parametrize("dt", [None, 1.0])
+def test_newton_steps_find_the_solution_of_a_problem_with_a_cross_weight(dt, monkeypatch):
+    """From a solution that is wrong by 1e-3: each step squares that, with every term of the cost in it."""
+    A, B, Q, R, N = problem(4)[0]
+    A = A if dt is None else A / np.abs(np.linalg.eigvals(A)).max()
+    name = "solve_continuous_are" if dt is None else "solve_discrete_are"
+    right = getattr(scaled_equation.sla, name)
+    P = right(A, B, Q, R, s=N)
+    monkeypatch.setattr(
+        scaled_equation.sla, name, lambda *a, **k: right(*a, **k) * (1 + 1e-3)
+    )  # in the solver's own units
+    found, _ = scaled_equation.solve_riccati(A, B, Q, R, N, dt)
+    np.testing.assert_allclose(found, P, rtol=0, atol=1e-9 * np.abs(P).max())
+
+
+@pytest.mark.parametrize(("dt", "a"), [(None, 1.0), (1.0, 2.0)])
+def test_a_solution_whose_loop_grows_is_refused(dt, a, monkeypatch):
+    """P = 0 solves the equation of x' = a x + u without a cost of x, and does nothing."""
+    one = np.ones((1, 1))
+    name = "solve_continuous_are" if dt is None else "solve_discrete_are"
+    monkeypatch.setattr(scaled_equation.sla, name, lambda *a, **k: 0 * one)
+    with pytest.raises(PliantError, match="does not decay: a pole is"):
+        scaled_equation.solve_riccati(a * one, one, 0 * one, one, 0 * one, dt)
