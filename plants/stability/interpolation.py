@@ -143,10 +143,10 @@ def _linear(h: np.ndarray, d1: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     else:
         turn = np.abs(np.diff(d1, axis=0))
         miss[0, 1:], miss[1, :-1] = turn, turn
-        miss[0, 0], miss[1, -1] = turn[0], turn[-1]  # ends: what the one neighbour shows
     largest = miss.max(axis=0)
     further = np.abs(d1[2:] - d1[:-2])  # where the neighbour holds a kink of its own
     miss[0, 2:], miss[1, :-2] = np.maximum(miss[0, 2:], further), np.maximum(miss[1, :-2], further)
+    miss[0, 0], miss[1, -1] = miss[1, 0], miss[0, -1]  # ends: what the one side shows
     least = miss.min(axis=0)
     return h[:, None] ** 2 * (least / 2 + largest / 20), h[:, None] * np.maximum(least, largest)
 
@@ -160,8 +160,8 @@ def _cubic(t: np.ndarray, f: np.ndarray, h: np.ndarray, d1: np.ndarray) -> tuple
     for order in (2, 4, 6, 8):
         apart = (apart[2:] - apart[:-2]) / (t[order:] - t[:-order])[:, None]
     bend = np.abs(near[3])
-    close = _covering(bend, m, 4)
-    fine = _covering(bend * ((t[4:] - t[:-4]) / 4)[:, None] ** 4, m, 4)
+    close = _ends_filled(_covering(bend, m, 4), 3)
+    fine = _ends_filled(_covering(bend * ((t[4:] - t[:-4]) / 4)[:, None] ** 4, m, 4), 3)
     wide = _covering(np.abs(apart) * ((t[8:] - t[:-8]) / 4)[:, None] ** 4, m, 8)
     before, after = np.r_[h[0], h[:-1]], np.r_[h[1:], h[-1]]
     largest = np.max(
@@ -187,3 +187,13 @@ def _covering(values: np.ndarray, m: int, width: int) -> np.ndarray:
     for k in range(width):
         np.maximum(found[k : k + len(values)], values, out=found[k : k + len(values)])
     return found
+
+
+def _ends_filled(values: np.ndarray, count: int) -> np.ndarray:
+    """values (m, c), the first and last `count` of which are at least the first that all stencils cover.
+
+    Of a kink a third of the way into the second interval the one stencil that covers the first shows nothing.
+    """
+    values[:count] = np.maximum(values[:count], values[count])
+    values[-count:] = np.maximum(values[-count:], values[-count - 1])
+    return values

@@ -64,6 +64,38 @@ def test_a_ramp_between_two_neighbouring_intervals_is_covered():
         assert missed(f, wave, t).sum() <= 1.01 * f.area.sum()
 
 
+@pytest.mark.parametrize("m", (13, 20, 32))
+@pytest.mark.parametrize("share", (0.3, 1 / 3, 0.337, 0.4))
+@pytest.mark.parametrize("mirrored", (False, True))
+def test_a_kink_beside_the_end_is_covered_in_the_first_interval_too(m, share, mirrored):
+    """A third of the way into the second interval the fourth difference of the first five nodes is zero:
+    f = max(0, t - 1 - s) has (3-s) - 4(2-s) + 6(1-s) = 1 - 3s."""
+    t = np.linspace(0.0, 1.0, m + 1)
+    kink = 1 - (1 + share) / m if mirrored else (1 + share) / m
+
+    def wave(s):
+        return np.maximum(0.0, s - kink)
+
+    f = Interpolant(t, wave(t)[:, None])
+    assert (missed(f, wave, t) <= 1.01 * f.area[:, 0] + 1e-12).all()
+
+
+def test_two_kinks_beside_the_end_do_not_hide_each_other():
+    """As ramps of two intervals; the first interval has a neighbour at one side alone."""
+    t = np.linspace(0.0, 1.0, 17)
+
+    def wave(s):
+        return -0.71 * np.maximum(0.0, s - 0.15 / 16) + 0.31 * np.maximum(0.0, s - 1.66 / 16)
+
+    for mirrored in (False, True):
+
+        def own(s, mirrored=mirrored):
+            return wave(1 - s if mirrored else s)
+
+        f = Interpolant(t, own(t)[:, None])
+        assert missed(f, own, t).sum() <= 1.01 * f.area.sum()
+
+
 def test_smooth_data_are_known_to_the_fourth_order_and_harmonics_to_rounding():
     wave, sizes = WAVES["sharp"], []
     for m in (64, 128, 256):
