@@ -45,11 +45,12 @@ class HeldInput:
         self.samples = np.zeros((len(t), plant.nu))
         self.controller: Any = u if hasattr(u, "act") else None
         self.law: Any = u if callable(u) and self.controller is None else None
+        self.together: Any = getattr(self.law, "at_times", None)
         self.smooth = self.law is not None
         if self.controller is not None:
             self._choose_reads()
         elif self.law is not None:
-            self.samples[:] = [self(s) for s in t]
+            self.samples[:] = self.at(t).reshape(len(t), -1)
         elif u is not None:
             array = np.asarray(cast(Any, u), dtype=float)
             shape = (len(t), plant.nu) if array.ndim == 2 else (plant.nu,)
@@ -74,8 +75,11 @@ class HeldInput:
         return value
 
     def at(self, times: np.ndarray) -> np.ndarray:
-        """The law's values at `times`, one after the other (len(times) * nu,)."""
-        values = [np.asarray(self.law(time), dtype=float).reshape(-1) for time in times]
+        """The law's values at `times`, (len(times) * nu,): by its own `at_times` at once, else one by one."""
+        if self.together is not None:
+            values = list(np.asarray(self.together(times), dtype=float))
+        else:
+            values = [np.asarray(self.law(time), dtype=float).reshape(-1) for time in times]
         together = np.concatenate(values)
         if any(len(value) != self.plant.nu for value in values) or not np.isfinite(together).all():
             return np.concatenate([self(time) for time in times])  # says which

@@ -6,6 +6,7 @@ method. Exceeding a bound by s half ranges costs penalty * (s + 0.0005 s^2) ther
 
 import copy
 import dataclasses
+import functools
 import pickle
 import types
 
@@ -41,10 +42,21 @@ def sampled_problem(model=LINK, Q=Q, R=R):
     return *step, riccati.dlqr(*step).P
 
 
-def reference(x, N, *, low=-np.inf, high=np.inf, change=np.inf, last=None, bound=np.inf, soft=None, blocks=None):
+def reference(x, N, *, low=-np.inf, high=np.inf, last=(0.0, 0.0), soft=None, **options):
     """First inputs (N, 2) of the program in states, inputs and excesses of |bend| <= bound, or None."""
+    solver, lbg, ubg = program(N, *map(tuple, np.broadcast_arrays(low, high, [0, 0])[:2]), soft is not None, **options)
+    found = solver(lbg=lbg, ubg=ubg, p=[*x, *last, soft or 0.0])
+    if not solver.stats()["success"]:
+        return None
+    return np.array(found["x"])[4 * (N + 1) :][: 2 * N].reshape(N, 2)
+
+
+@functools.cache
+def program(N, low, high, softened, *, change=np.inf, bound=np.inf, blocks=()):
+    """The solver, a function of the state, the last inputs and the price of an excess, and its rows' limits."""
     Ad, Bd, Qd, Rd, Nd, P = sampled_problem()
     xs, us, s = ca.MX.sym("x", 4, N + 1), ca.MX.sym("u", 2, N), ca.MX.sym("s", N)
+    x, last, price = ca.MX.sym("x0", 4), ca.MX.sym("last", 2), ca.MX.sym("price")
     cost = ca.bilin(P, xs[:, N])
     g, lbg, ubg = [xs[:, 0] - x], [0.0] * 4, [0.0] * 4
 
@@ -59,26 +71,27 @@ def reference(x, N, *, low=-np.inf, high=np.inf, change=np.inf, last=None, bound
         hold(xs[:, j + 1] - Ad @ xs[:, j] - Bd @ us[:, j], 0, 0)
         hold(us[:, j], low, high)
         if np.isfinite(change):
-            before = ca.DM(last) if j == 0 else us[:, j - 1]
+            before = last if j == 0 else us[:, j - 1]
             hold(us[:, j] - before, -change, change)
         if np.isfinite(bound):
             bend = xs[1, j + 1]
             hold(bend - bound * s[j], -np.inf, bound)
             hold(bend + bound * s[j], -bound, np.inf)
-            hold(s[j], 0.0, 0.0 if soft is None else np.inf)
-            cost += 0 if soft is None else soft * (s[j] + 0.0005 * s[j] ** 2)
-    for end, length in zip(np.cumsum(blocks or []), blocks or []):
+            hold(s[j], 0.0, np.inf if softened else 0.0)
+            cost += price * (s[j] + 0.0005 * s[j] ** 2) if softened else 0
+    for end, length in zip(np.cumsum(blocks), blocks):
         for j in range(end - length, end - 1):
             hold(us[:, j + 1] - us[:, j], 0, 0)
-    if not np.isfinite(bound) or soft is None:
+    if not np.isfinite(bound) or not softened:
         cost += ca.sumsqr(s)  # unused
-    program = {"x": ca.vertcat(ca.vec(xs), ca.vec(us), s), "f": cost, "g": ca.vertcat(*g)}
+    stated = {
+        "x": ca.vertcat(ca.vec(xs), ca.vec(us), s),
+        "p": ca.vertcat(x, last, price),
+        "f": cost,
+        "g": ca.vertcat(*g),
+    }
     options = {"printLevel": "none", "error_on_fail": False, "nWSR": 20_000}
-    solver = ca.qpsol("reference", "qpoases", program, options)
-    found = solver(lbg=lbg, ubg=ubg)
-    if not solver.stats()["success"]:
-        return None
-    return np.array(found["x"])[4 * (N + 1) :][: 2 * N].reshape(N, 2)
+    return ca.qpsol("reference", "qpoases", stated, options), lbg, ubg
 
 
 def plan(controller):

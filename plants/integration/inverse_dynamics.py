@@ -1,0 +1,66 @@
+"""Inputs that take a plant from rest to rest, by inverse dynamics at each time.
+
+M q'' = f + B u has one u for each q'' wanted where one input drives each moved coordinate. Many times are evaluated at
+once: an integrator asks for all stages of a step together, and the plant's functions cost little more for twelve points
+than for one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.core.signals import names
+
+Array = np.ndarray
+
+
+class InverseDynamics:
+    """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s], minimum jerk.
+
+    Moved are all coordinates where there are as many inputs, else those of the joints, with the others held at `begin`:
+    the inputs are then right while the others do not move. ValueError where the inputs and the moved do not match.
+
+    >>> arm = TwoLinkArm.textbook().ladder()[0]
+    >>> u = arm.rest_to_rest(np.zeros(4), np.array([1.0, 0.5, 0.0, 0.0]), time=1.0)
+    >>> u(0.25), u.at_times(np.linspace(0, 1, 5))  # (2,), (5, 2)
+    """
+
+    def __init__(self, plant: Any, begin: Array, end: Array, time: float) -> None:
+        known = names(plant.states)
+        moved = tuple(plant.rates) if len(plant.rates) == plant.nu else tuple(j.position for j in plant.joints)
+        if len(moved) != plant.nu or not set(moved) <= set(plant.rates):
+            raise ValueError(
+                f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) "
+                f"drive {', '.join(moved) or 'none'}; give the inputs as functions of time instead"
+            )
+        self.plant, self.time = plant, time
+        self._q = [known.index(name) for name in moved]
+        self._v = [known.index(plant.rates[name]) for name in moved]
+        self._start = np.array(begin, dtype=float)
+        self._way = np.asarray(end, dtype=float)[self._q] - self._start[self._q]
+        self._held: Array | None = None  # the input at the end, once it is known
+
+    def __call__(self, t: float) -> Array:
+        """The inputs (nu,) at one time; those of the end from then on."""
+        if t < self.time:
+            return self._inputs(np.array([t]))[0]
+        if self._held is None:
+            self._held = self._inputs(np.array([self.time]))[0]
+        return self._held.copy()
+
+    def at_times(self, times: Array) -> Array:
+        """The inputs (n, nu) at times (n,)."""
+        if times[0] >= self.time:
+            return np.tile(self(self.time), (len(times), 1))
+        return self._inputs(times)
+
+    def _inputs(self, times: Array) -> Array:
+        s, ds, dds = (np.multiply.outer(part, self._way) for part in minimum_jerk(times / self.time))
+        x, still = np.tile(self._start, (len(times), 1)), np.zeros(self.plant.nu)
+        x[:, self._q], x[:, self._v] = self._start[self._q] + s, ds / self.time
+        free = self.plant.dynamics(x, still)[:, self._v]
+        B = self.plant.jacobians(x, still)[1][:, self._v]
+        return np.linalg.solve(B, (dds / self.time**2 - free)[:, :, None])[:, :, 0]
