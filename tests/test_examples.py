@@ -81,7 +81,13 @@ def alone(parent, tmp_path):
     return run
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=[p.name for p in EXAMPLES])
+# Run by `make test`; the others, longer by half a minute, are run with the pages, by `make docs`.
+SAMPLE = ("cantilever.py", "environment.py", "monte_carlo.py", "paper_terms.py", "pd.py", "slider_crank.py")
+
+
+@pytest.mark.parametrize(
+    "path", [pytest.param(p, id=p.name, marks=[] if p.name in SAMPLE else pytest.mark.docs) for p in EXAMPLES]
+)
 def test_example(path: Path, alone) -> None:
     said = alone(path)
     pattern, low, high = SAID[path.name]

@@ -1,10 +1,11 @@
 """The C compiler of this machine: which one, which of its flags help, and how a shared library is made with it.
 
-What made gcc vectorise straight-line code over lanes: -O3 -march=native -ffast-math -fopenmp-simd, the math calls kept
-apart (gcc merges sin and cos of one angle to sincos, which has no vector form) and no SLP vectoriser. clang keeps them
-apart by itself, finds their vector forms only where they are built in, and must not unroll the lanes before it looks
-at them: else it leaves the loop scalar, at a third of the speed. -ffast-math is on the compile step only: on the link
-step gcc would add crtfastmath.o, which sets flush-to-zero for the whole process.
+What made gcc vectorise straight-line code over lanes: -O2 -march=native -ffast-math -fopenmp-simd, its vectoriser with
+the cost model of -O3, the math calls kept apart (gcc merges sin and cos of one angle to sincos, which has no vector
+form) and no SLP vectoriser. All of -O3 takes half as long again to compile and runs no faster (twelve kernels of six
+scenes). clang keeps the calls apart by itself, finds their vector forms only where they are built in, and must not
+unroll the lanes before it looks at them: else it leaves the loop scalar, at a third of the speed. -ffast-math is on the
+compile step only: on the link step gcc would add crtfastmath.o, which sets flush-to-zero for the whole process.
 
 Environment: CC names the compiler. PLIANT_CFLAGS adds flags after Pliant's own, so that they win, to the compile step
 alone: PLIANT_CFLAGS=-mno-avx512f, or -march=x86-64-v3 for kernels that all of a cluster's processors run. Both are part
@@ -33,15 +34,16 @@ from pliant.plants.core.errors import PliantError
 from . import kernel_cache
 
 TIMEOUT = 60.0  # [s] for one compilation; past it the virtual machine serves
-REQUIRED = ("-O3", "-fPIC", "-std=gnu11")
+REQUIRED = ("-fPIC", "-std=gnu11")
 OPTIONAL = (
     "-march=native",
     "-ffast-math",
     "-fopenmp-simd",
     "-fno-tree-slp-vectorize",
 )
-MATH_APART = tuple(f"-fno-builtin-{name}{suffix}" for name in ("sin", "cos") for suffix in ("", "f"))  # gcc
-CLANG = ("-fno-unroll-loops", "-fveclib=libmvec")
+MATH_APART = tuple(f"-fno-builtin-{name}{suffix}" for name in ("sin", "cos") for suffix in ("", "f"))
+GCC = ("-O2", "-ftree-vectorize", "-fvect-cost-model=dynamic", *MATH_APART)
+CLANG = ("-O3", "-fno-unroll-loops", "-fveclib=libmvec")
 LONG_SOURCE, QUICK = 100_000, ("-O1", "-ftree-vectorize")  # half the time to compile, a twentieth more to run
 PROBE = """#include <math.h>
 void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = sin(x[l]) + cos(x[l]); }
@@ -102,7 +104,7 @@ def _stamp(command: tuple[str, ...]) -> str:
     if cpuinfo.exists():
         lines = cpuinfo.read_text().splitlines()
         cpu += "".join(sorted({s for s in lines if s.startswith(("model name", "flags", "Features"))}))
-    tried = OPTIONAL, MATH_APART, CLANG, PROBE, extra_flags()
+    tried = OPTIONAL, GCC, CLANG, PROBE, extra_flags()
     parts = (*command, os.path.realpath(path), info.st_mtime_ns, info.st_size, cpu, *tried)
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]
 
@@ -132,7 +134,7 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
     macros = native or _run(command, *extra, "-dM", "-E", "-x", "c", "-").stdout
     flags = list(REQUIRED)
     wide = ("-mprefer-vector-width=512",) if "__AVX512F__" in macros else ()
-    vectors = CLANG if "__clang__" in macros else MATH_APART
+    own = CLANG if "__clang__" in macros else GCC
     with tempfile.TemporaryDirectory() as folder:
         source, output = Path(folder, "probe.c"), Path(folder, "probe.o")
         source.write_text(PROBE)
@@ -143,7 +145,7 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
 
         if not takes():
             raise CompileError("does not compile a small C file")
-        flags += [flag for flag in (*OPTIONAL, *wide, *vectors) if takes(flag)]
+        flags += [flag for flag in (*OPTIONAL, *wide, *own) if takes(flag)]
         if extra and not takes(*extra):
             raise CompileError(f"does not take PLIANT_CFLAGS={shlex.join(extra)}")
         flags += extra
@@ -165,7 +167,7 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
 def _flags_for(source: str, tools: Toolchain) -> tuple[str, ...]:
     """The toolchain's compile flags, and for a long source those that gcc is quicker with; added ones stay last."""
     own = len(tools.compile_flags) - len(extra_flags())
-    quick = QUICK if len(source) > LONG_SOURCE and CLANG[0] not in tools.compile_flags else ()
+    quick = QUICK if len(source) > LONG_SOURCE and CLANG[1] not in tools.compile_flags else ()
     return (*tools.compile_flags[:own], *quick, *tools.compile_flags[own:])
 
 

@@ -71,6 +71,7 @@ def test_the_predicted_state_holds_near_the_bound(periods, more):
     assert np.allclose(run.u[:periods], u[:periods])
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("periods", [0, 1, 3])
 def test_prediction_is_the_optimal_regulator_of_the_delayed_model(periods):
     """The stabilising solution of the augmented Riccati equation, by fixed-point iteration, against K [A^n .. B]."""

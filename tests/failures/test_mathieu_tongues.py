@@ -32,7 +32,7 @@ def edge(q, low, high):
     return (low + high) / 2
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(3)
 @pytest.mark.parametrize("q", (0.1, 0.7, 2.5))
 def test_boundaries(q):
     known = [mathieu_a(0, q), mathieu_b(1, q), mathieu_a(1, q), mathieu_b(2, q), mathieu_a(2, q)]

@@ -20,6 +20,7 @@ def worst(plant, rows):
     return error, np.abs(energy - energy[0]).max() / plant.kinetic(motion.x).max()
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize(("frame", "least"), [("mean-axis", 0.4), ("chord", 0.3), ("tangent", 3.0)])
 def test_more_modes_do_not_save_one_sub_beam_and_energy_does_not_tell(reference, frame, least):
     rows = reference("large_beam")["release"]["M0_inextensible"]

@@ -118,6 +118,7 @@ def test_equal_modes_that_do_not_share_a_direction_stay_bounded():
     assert (found.verdict, found.growth) == ("marginal", "bounded")
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("onset", (2.0, 5.0, 7.0, 9.0))
 @pytest.mark.parametrize("rate", (5.0, 40.0))
 def test_a_drift_that_starts_late_is_drift(onset, rate):

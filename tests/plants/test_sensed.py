@@ -85,6 +85,7 @@ def test_root_curvatures_of_the_arm_carry_what_is_beyond_them():
     assert (errors[1] < 1e-3).all() and (errors[1] < 0.11 * errors[0] + 1e-9).all()
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("kinematics", ["strain", "substructured"])
 @pytest.mark.parametrize("planar", [True, False])
 def test_root_curvature_and_gyro_of_the_large_beam(kinematics, planar):

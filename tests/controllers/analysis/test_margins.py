@@ -111,6 +111,7 @@ SISO = {
 }
 
 
+@pytest.mark.every(2)
 @pytest.mark.filterwarnings("ignore:.*encountered in divide:RuntimeWarning")  # theirs, at a pole
 @pytest.mark.parametrize("name", list(SISO))
 def test_python_control_agrees(name):

@@ -67,6 +67,7 @@ def test_bandwidth_is_where_the_loop_gain_is_one():
     assert crossover_hz(loop(RIGID, FAR_SIDE), 1e-9) < 1e-3
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("gain", [1.0, 1e2, 1e4])
 def test_collocated_rate_feedback_never_spills_in_continuous_time(gain):
     """Damping at the motor takes energy from every mode (Aubrun 1980), so that no rung of the ladder grows."""

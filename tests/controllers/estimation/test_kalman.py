@@ -113,6 +113,7 @@ W = {"tip_force_y": 1e-2}
 P0 = np.diag([1e-2, 1e-4, 1.0, 1e-2]) ** 2
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("delay", [0, 2])
 def test_covariance_is_what_monte_carlo_sees(delay):
     """Normalised squared error, summed over runs, is chi-square with runs * nx degrees (99.9 % interval at each time).

@@ -31,7 +31,8 @@ def test_ids() -> None:
 
 
 @pytest.mark.parametrize(
-    ("env_id", "randomise"), [*((env_id, True) for env_id in IDS), *((env_id, False) for env_id in SAMPLE)]
+    ("env_id", "randomise"),
+    [*((env_id, True) for env_id in IDS), *(pytest.param(i, False, marks=pytest.mark.campaign) for i in SAMPLE)],
 )
 def test_gymnasium_checker(env_id: str, randomise: bool) -> None:
     env = gymnasium.make(env_id, randomise=randomise)
@@ -44,7 +45,11 @@ def test_gymnasium_checker(env_id: str, randomise: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("env_id", "dtype"), [*((env_id, "float32") for env_id in IDS), *((env_id, "float64") for env_id in SAMPLE)]
+    ("env_id", "dtype"),
+    [
+        *((i, "float32") for i in IDS),
+        *(pytest.param(i, "float64", marks=pytest.mark.campaign) for i in SAMPLE),
+    ],
 )
 def test_stable_baselines_checker(env_id: str, dtype: str) -> None:
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
@@ -53,6 +58,7 @@ def test_stable_baselines_checker(env_id: str, dtype: str) -> None:
         checker.check_env(gymnasium.make(env_id, randomise=True, dtype=dtype).unwrapped)
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("env_id", IDS)
 def test_same_seed_same_bits_and_no_global_randomness(env_id: str) -> None:
     random.seed(5)
@@ -138,6 +144,7 @@ def test_actions_scale_and_clip(env_id: str) -> None:
     assert after[1.0][1] == pytest.approx(-scene.dt * scene.stage_cost(x0, u, y), rel=1e-12)
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("env_id", IDS)
 def test_time_limit_truncates_once(env_id: str) -> None:
     name = gymnasium.spec(env_id).kwargs["scene"]

@@ -79,6 +79,7 @@ def test_a_lanes_result_depends_neither_on_its_place_nor_on_the_batch(name: str)
     assert np.array_equal(paths[0], paths[2])
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_lanes_have_their_own_parameters(name: str) -> None:
     vector = PlantVectorEnv(name, 6, randomise=True)
@@ -108,6 +109,7 @@ def test_gusts_push_the_lanes() -> None:
     np.testing.assert_allclose(vector.states[2], want.x[-1], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("mode", list(AutoresetMode))
 @pytest.mark.parametrize("name", NAMES)
 def test_autoreset_modes(name: str, mode: AutoresetMode) -> None:

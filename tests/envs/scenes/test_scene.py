@@ -14,7 +14,7 @@ from pliant.envs.environments.vector_env import PlantVectorEnv
 IDS = [pliant.envs.environment_id(name) for name in scenes.names()]
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 @pytest.mark.parametrize("env_id", IDS)
 def test_ending_costs_more_than_going_on(env_id: str) -> None:
     """Anywhere on the open-loop motion, the charge for the time left exceeds what the motion still costs."""

@@ -72,6 +72,7 @@ def test_geometric_stiffness_is_the_papers_with_payload(random_state):
     np.testing.assert_allclose(stiffness, K - gamma**2 * Xi, rtol=0, atol=1e-10 * np.abs(K).max())
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize(
     ("payload", "rate"),
     [(Payload(mass=1.0), -3), (Payload(mass=1.0, inertia=0.3), -1)],
@@ -120,6 +121,7 @@ def reaction(free, driven, x, acceleration):
     return torque[:, 0]
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("kinematics", ["rigid", "linear", "stiffened"])
 def test_driven_hub_and_its_reaction_torque_give_the_same_motion(kinematics):
     free = dataclasses.replace(

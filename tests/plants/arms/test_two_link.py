@@ -98,6 +98,7 @@ def test_no_frequency_is_lost_with_many_modes(basis):
     assert len(arm.natural_frequencies(rigid=True)) == 2 * n + 2
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("basis", ["clamped-free", "payload"])
 def test_frequency_error_falls_as_one_over_the_number_of_modes(basis):
     """Link 1's tip carries a moment, phi'' (1) != 0, which no mode with a free or massive tip has: phi''(1) = 0.
@@ -131,6 +132,7 @@ def test_five_seconds_from_hanging(reference, variant):
     np.testing.assert_allclose(got[:, 2:], expected[:, 2:], rtol=0, atol=5e-13)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("slope", [False, pytest.param(True, marks=pytest.mark.campaign)])
 def test_error_against_the_rigid_arm_falls_with_stiffness(slope, reference):
     def angles(arm):

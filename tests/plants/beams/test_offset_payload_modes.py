@@ -10,6 +10,7 @@ from pliant.plants import beams
 from pliant.plants.beams.offset_payload_roots import OffsetPayload
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("case", [*CASES, "coupled"])
 def test_modes_are_orthonormal_and_carry_their_frequencies(reference, case):
     p = COUPLED if case == "coupled" else reference("offset_payload")["cases"][case]["params"]

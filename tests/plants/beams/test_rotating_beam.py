@@ -176,6 +176,7 @@ def test_hub_radius_of_the_arm_stiffens_as_the_table_says():
     np.testing.assert_allclose(arm.outline(np.zeros(arm.nx))[0, [0, -1], 0], [0.4, 1.4], rtol=1e-14)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "timoshenko"])
 def test_spin_up_reproduces_the_reference(reference, theory):
     from pliant.studies.papers.single_link import spin_up

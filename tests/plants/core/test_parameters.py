@@ -20,6 +20,7 @@ def rebuilt(arm, paths, values):
     return arm
 
 
+@pytest.mark.every(4)
 @pytest.mark.parametrize("changes", [{}, {"basis": "polynomial", "kinematics": "stiffened"}, {"tip_slope": False}])
 @pytest.mark.parametrize("values", VALUES)
 def test_functions_of_p_equal_the_rebuilt_plant(changes, values, random_state):

@@ -20,6 +20,7 @@ PLANTS = {
 }
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("method", ["rk4", "rk8"])
 @pytest.mark.parametrize("name", PLANTS)
 def test_the_same_steps_are_refused_as_by_simulate(name, method):

@@ -199,8 +199,8 @@ def test_a_plant_that_turns_into_nan_stops_with_time_and_state(method):
 
 
 def test_adaptive_methods_agree():
-    times = np.linspace(0, 1, 11)
-    u = np.tile([1.0, 0.5], (11, 1)) * np.sin(times)[:, None]
+    times = np.linspace(0, 0.4, 5)
+    u = np.tile([1.0, 0.5], (5, 1)) * np.sin(times)[:, None]
     x0, _ = ARM.equilibrium(theta1=-1.2, theta2=0.4)
     exact = ARM.simulate(x0, u, times, rtol=1e-12, atol=1e-14)
     assert np.abs(exact.x - x0).max() > 0.1

@@ -19,6 +19,7 @@ def extended(plant, n, a):
     return out
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("name", ["clamped", "hinged", "driven", "loaded", "polynomial"])
 def test_spatial_beam_in_the_plane_is_the_planar_one(name):
     flat = dataclasses.replace(VARIANTS[name], gravity=(1.0, -9.8, 0.0))

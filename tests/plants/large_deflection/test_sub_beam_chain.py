@@ -100,6 +100,7 @@ def test_six_sub_beams_are_better_than_four(reference):
     assert max(errors(chain(6), reference("large_beam")["release"]["M0_inextensible"])) < 0.002
 
 
+@pytest.mark.campaign
 def test_frames_compared(reference):
     """The chord frame is a little better than the mean-axis one, the tangent frame useless with two sub-beams."""
     rows = reference("large_beam")["release"]["M0_inextensible"][:4]
@@ -114,6 +115,7 @@ def test_energy_is_constant():
     assert np.abs(energy - energy[0]).max() < 1e-8 * plant.kinetic(motion.x).max()
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("root", ["clamped", "hinged", "driven"])
 @pytest.mark.parametrize("frame", FRAMES)
 def test_equations_are_those_of_the_energies(root, frame):

@@ -26,6 +26,7 @@ def test_energy_is_exact_up_to_the_highest_degree_of_a_field(m, panels):
     np.testing.assert_allclose(moved.T @ moved, 1 / ((a + 1) * (b + 1) * (a + b + 3)), rtol=1e-12)
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("name", VARIANTS)
 def test_equations_are_those_of_the_energies(name):
     """The mass matrix and forces built from Jacobians, against the base class's derivatives of T and V."""
@@ -42,6 +43,7 @@ def test_equations_are_those_of_the_energies(name):
             np.testing.assert_allclose(np.asarray(got), np.asarray(expected), rtol=0, atol=1e-12 * scale)
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("name", VARIANTS)
 def test_energy_changes_at_the_net_power(name):
     plant = VARIANTS[name]

@@ -7,6 +7,7 @@ from chain_cases import BEAM, LOADED, chain
 from pliant.plants import PliantError, TransferMatrices
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("root", ["clamped", "hinged", "driven"])
 @pytest.mark.parametrize(("segments", "modes", "frame"), [(1, 2, "chord"), (2, 3, "mean-axis"), (3, 2, "tangent")])
 def test_transfer_matrices_give_the_accelerations_of_minimal_coordinates(root, segments, modes, frame):

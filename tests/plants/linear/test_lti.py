@@ -160,6 +160,7 @@ def gain_error(model, reduced):
     return worst
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("dt", [None, 0.05])
 @pytest.mark.parametrize("method", ["balanced", "modal"])
 @pytest.mark.parametrize("order", [2, 4])

@@ -91,29 +91,28 @@ def differences(scene):
     return found
 
 
-def weighed():
-    """Every scene as it is, and with each output that depends on an input at once weighed too."""
-    for name in scenes.names():
-        scene = scenes.get(name)
-        yield pytest.param(scene, id=name)
-        D = scene.feedback_model.D
-        for signal, row in zip(scene.feedback_model.outputs, D):
-            if row.any() and signal.name not in dict(scene.weights):
-                more = (*scene.weights, (signal.name, 1e-2))
-                yield pytest.param(dataclasses.replace(scene, weights=more), id=f"{name}, {signal.name}")
+def weighed(scene):
+    """The scene as it is, and with each output that depends on an input at once weighed too."""
+    yield scene
+    for signal, row in zip(scene.feedback_model.outputs, scene.feedback_model.D):
+        if row.any() and signal.name not in dict(scene.weights):
+            yield dataclasses.replace(scene, weights=(*scene.weights, (signal.name, 1e-2)))
 
 
-@pytest.mark.parametrize("scene", list(weighed()))
-def test_scene_is_charged_so_to_second_order(scene):
-    Q, R, N = scene.quadratic()
-    found = differences(scene)
-    np.testing.assert_allclose(np.block([[Q, N], [N.T, R]]), found, rtol=0, atol=1e-6 * np.abs(found).max())
+@pytest.mark.parametrize("name", scenes.names())
+def test_scene_is_charged_so_to_second_order(name):
+    for scene in weighed(scenes.get(name)):
+        Q, R, N = scene.quadratic()
+        found, said = differences(scene), str(scene.weights[-1])
+        np.testing.assert_allclose(
+            np.block([[Q, N], [N.T, R]]), found, rtol=0, atol=1e-6 * np.abs(found).max(), err_msg=said
+        )
     if any(d.any() for d in scene.feedback_model.D[[s.name in scene.weighted for s in scene.feedback_model.outputs]]):
         assert N.any()
 
 
 def test_some_scenes_have_outputs_with_feedthrough():
-    assert sum("," in case.id for case in weighed()) >= 2
+    assert sum(len(list(weighed(scenes.get(name)))) - 1 for name in ("single-link-slew", "slider-crank-run")) >= 2
 
 
 @pytest.mark.parametrize("name", ["tip_x", "tip_y"])

@@ -72,8 +72,8 @@ STEP = """
 import sys
 import numpy as np
 from pliant.plants import SingleLinkArm
-step = SingleLinkArm.textbook().stepper(0.01, batch=2)
-sys.stdout.write(f"{step.native} {step(np.zeros((2, 6)), np.ones(1)).sum()}\\n")
+step = SingleLinkArm.textbook().ladder()[0].stepper(0.01, batch=2)
+sys.stdout.write(f"{step.native} {step(np.zeros((2, 2)), np.ones(1)).sum()}\\n")
 """
 
 
@@ -84,7 +84,7 @@ def test_four_processes_on_an_empty_cache(folder: Path) -> None:
 import multiprocessing
 import pliant.plants.native.batch_kernels
 from pliant.plants import SingleLinkArm
-SingleLinkArm.textbook().dynamics([0.0] * 6)
+SingleLinkArm.textbook().ladder()[0].dynamics([0.0] * 2)
 def step():
     exec({STEP!r})
 children = [multiprocessing.get_context("fork").Process(target=step) for _ in range(4)]

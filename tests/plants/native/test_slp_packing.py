@@ -96,7 +96,7 @@ def test_matrix_code_equals_the_virtual_machine(dtype: str) -> None:
     agrees(gram(), dtype)
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_any_function_equals_the_virtual_machine(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Random sums, products and calls of earlier values, all vectors used however little they gain."""

@@ -33,6 +33,7 @@ def bent_state(plant, seed, deflection=1e-4):
     return x
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize(
     ("changes", "within"),
     [

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize(
     "options",
     [

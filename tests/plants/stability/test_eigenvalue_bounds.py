@@ -29,6 +29,7 @@ def of_kind(kind, rng):
     return np.triu(rng.standard_normal((n, n)))
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("kind", ["simple", "normal", "chain", "equal", "triangular"])
 @pytest.mark.parametrize("size", (1e-9, 1e-4, 3e-2))
 @pytest.mark.parametrize("scaled", (False, True))

@@ -49,6 +49,7 @@ def test_a_goal_that_moves_is_charged_where_it_then_is() -> None:
     assert np.ptp(run["hinge1_1"]) > 0.5  # the panels did turn
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("scene", [SLEW, REACH], ids=lambda s: s.name)
 def test_without_noise_and_delay_it_is_plant_simulate(scene):
     law, played = regulator(scene), play(scene)

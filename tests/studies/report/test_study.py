@@ -64,6 +64,7 @@ def test_linear_model_along_the_motion_predicts(made):
     assert first < 0.1 * size and first / second > 50  # second order or higher
 
 
+@pytest.mark.campaign
 def test_following_keeps_up_with_the_goal():
     """Over an orbit the panels turn once; without following, the regulator pulls them back to where they began."""
     scene = scenes.get("spacecraft-orbit", duration=5712.0)
