@@ -152,7 +152,7 @@ def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
     centred = (flat - flat.mean(axis=0)) / np.ptp(flat, axis=0)
     few = centred @ rng.uniform(0.5, 1.0, (flat.shape[1], 2)) / flat.shape[1]
     uniform = few if _uniform(t) else _spline(t, few)(np.linspace(t[0], t[-1], n))
-    half = n // 2 + 1
+    half = n // 2 + 2  # the neighbours of every shift up to half the span
     square = np.vstack([np.zeros(1), np.cumsum((uniform**2).sum(axis=1))[:, None]])[:, 0]
     pad = np.fft.rfft(uniform, 2 * n, axis=0)
     cross = np.fft.irfft((np.abs(pad) ** 2).sum(axis=1))[:half]

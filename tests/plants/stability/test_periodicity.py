@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.plants.stability import assess, floquet
-from pliant.plants.stability.periodicity import varying, why_not
+from pliant.plants.stability.periodicity import find, varying, why_not
 
 
 def test_a_slow_period_of_a_fast_model(model_of):
@@ -54,3 +54,13 @@ def test_a_given_period_is_compared_in_any_unit_of_time(model_of, unit):
         A = np.zeros((len(t), 2, 2))
         A[:, 0, 1], A[:, 1, 0], A[:, 1, 1] = 1.0, -swing, -0.1
         assert bool(why_not(model_of(t * unit, A / unit), 1.0 * unit)) == (period != 1.0)
+
+
+@pytest.mark.parametrize("nodes", [101, 202, 401])
+def test_two_whole_periods_are_told_from_one_of_twice_the_length(model_of, nodes):
+    """The shift of half the span is found whether the middle of the window is a node or not."""
+    t = np.linspace(0.0, 4 * np.pi, nodes)
+    A = np.zeros((nodes, 2, 2))
+    A[:, 0, 1], A[:, 1, 0], A[:, 1, 1] = 1.0, -1 - 0.3 * np.cos(t) - 0.1 * np.sin(2 * t), -0.1
+    found, why = find(model_of(t, A))
+    assert found == pytest.approx(2 * np.pi, rel=1e-6) and "repeats every 6.28" in why
