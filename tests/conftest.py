@@ -119,6 +119,12 @@ CRAFTS = {
 }
 LAGRANGIAN = ARMS | OTHERS
 PLANTS = LAGRANGIAN | CRAFTS
+# What these vary, others vary beside something else: in `make campaign` alone.
+SELDOM = {
+    *("two no slope", "two polynomial", "two one-sided", "two rigid-inertia", "two rigid-coupling"),
+    *("one linear", "one gravity", "one driven", "large hinged", "large driven", "crank rigid"),
+    *("craft linear", "craft bare"),
+}
 DAMPED = ("two damped", "one damped")
 UNDAMPED = tuple(name for name in ARMS if name not in DAMPED)
 
@@ -143,22 +149,27 @@ def nudge(monkeypatch):
     monkeypatch.setattr(np.random, "default_rng", lambda *a: Nudged(new(*a).bit_generator, seed))
 
 
-@pytest.fixture(scope="session", params=list(PLANTS))  # so that all tests of one plant follow one another
+def variants(names):
+    """Parameters of a fixture."""
+    return [pytest.param(name, marks=[pytest.mark.campaign] if name in SELDOM else []) for name in names]
+
+
+@pytest.fixture(scope="session", params=variants(PLANTS))  # so that all tests of one plant follow one another
 def plant(request):
     return PLANTS[request.param]
 
 
-@pytest.fixture(scope="session", params=list(LAGRANGIAN))
+@pytest.fixture(scope="session", params=variants(LAGRANGIAN))
 def lagrangian(request):
     return LAGRANGIAN[request.param]
 
 
-@pytest.fixture(scope="session", params=list(ARMS))
+@pytest.fixture(scope="session", params=variants(ARMS))
 def arm(request):
     return ARMS[request.param]
 
 
-@pytest.fixture(scope="session", params=UNDAMPED)
+@pytest.fixture(scope="session", params=variants(UNDAMPED))
 def undamped(request):
     return ARMS[request.param]
 

@@ -71,7 +71,7 @@ def case(seed):
     return LinearModel.from_matrices(A, B, C, D, outputs=["a", "b"]), K, D
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 @pytest.mark.parametrize("at", ["input", "output"])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_closed_matrix_grows_as_the_motion_does(seed, at):

@@ -413,7 +413,7 @@ def test_a_failed_solve_goes_on_with_the_plan_and_says_so(monkeypatch):
 def test_after_reset_it_acts_bit_for_bit_as_a_new_one():
     options = {"limits": (-0.7, 0.7), "rates": 5.0, "bounds": {"bend": (-0.004, 0.004)}}
     controller = MPC.design(LINK, Q, R, dt=DT, **options)
-    for x, former in zip(STATES, STATES[::-1]):
+    for x, former in zip(STATES[::4], STATES[::-4]):
         controller.act(0.0, former)
         controller.reset()
         np.testing.assert_array_equal(controller.act(0.0, x), MPC.design(LINK, Q, R, dt=DT, **options).act(0.0, x))

@@ -33,7 +33,7 @@ def test_make_vec_gives_the_native_vector_environment(env_id: str) -> None:
     assert terminated.dtype == truncated.dtype == bool and infos == {}
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 @pytest.mark.parametrize("randomise", [False, True])
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("name", NAMES)

@@ -26,7 +26,7 @@ def variants():
             yield dataclasses.replace(ARM, kinematics=kinematics, theory=theory)
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 @pytest.mark.parametrize("arm", list(variants()), ids=lambda a: a.label)
 def test_same_motion_in_all_three_frames_to_rounding(arm):
     """A fixed step commutes with a constant linear map, so that only rounding is left."""

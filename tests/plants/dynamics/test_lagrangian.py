@@ -94,7 +94,7 @@ def test_driving_hinges_takes_the_power_of_torques(random_state):
         assert abs(put_in) > 1e-3
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 def test_work_done_equals_energy_gained(undamped):
     """Over two seconds, a swing; over twenty in tests/campaigns/long_motions.py."""
     seconds = int(os.environ.get("PLIANT_TEST_SECONDS", "2"))
@@ -328,7 +328,7 @@ def at_its_own_accelerations(arm, ltv):
     return dataclasses.replace(ltv, A=A, B=B, E=E)
 
 
-@pytest.mark.every(4)
+@pytest.mark.every(6)
 @pytest.mark.parametrize("name", list(RIGID_NOMINALS))
 def test_nominal_of_the_rigid_arm_is_corrected_by_its_residual(name):
     """The nominal goes from the elastic arm's own motion (size 0) to the rigid arm's (size 1).

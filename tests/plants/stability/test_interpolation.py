@@ -25,7 +25,7 @@ def missed(f, wave, t, parts=200):
     return np.abs(f(inner.ravel())[:, 0] - wave(inner.ravel())).reshape(len(t) - 1, parts).mean(1) * np.diff(t)
 
 
-@pytest.mark.every(3)
+@pytest.mark.every(6)
 @pytest.mark.parametrize("grid", GRIDS)
 @pytest.mark.parametrize("name", WAVES)
 @pytest.mark.parametrize("m", (6, 10, 16, 40, 150, 900))

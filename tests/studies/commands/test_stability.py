@@ -45,7 +45,7 @@ def test_json_is_json_alone(run):
     assert found["at_the_goal"]["verdict"] == "stable" and len(model.t) >= 401
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(5)
 @pytest.mark.parametrize(
     ("words", "says", "about_the_goal"),
     [

@@ -40,7 +40,7 @@ CASES = {
 }
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 @pytest.mark.parametrize("name", CASES)
 def test_predicted_error_is_the_measured_difference(name):
     scene, needed = CASES[name]
