@@ -184,7 +184,7 @@ def _basis(kind: str, n: int, mass: float, inertia: float, coupling: float) -> B
 @lru_cache(maxsize=128)
 def _sheared(kind: str, n: int, rotary: float, shear: float, mass: float, inertia: float, coupling: float) -> Basis:
     if kind == "polynomial":
-        phi = polynomial(n, shear)
+        phi = polynomial(n, rotary, shear)
     else:
         phi = timoshenko_modes(n, rotary, shear, mass, inertia, coupling)
     found = matrices(phi)
