@@ -1,4 +1,4 @@
-"""Shape functions of a clamped beam from Legendre polynomials of its strains: for shear and for fast spin.
+"""Shape functions of a clamped beam from Legendre polynomials of its strains: for shear, fast spin and a tip force.
 
 psi' = curvature and w' - psi = shear strain are each a sum of orthonormal Legendre polynomials, so that both
 stiffness matrices are identities, nothing locks, and any number of shapes keeps its digits. Without shear
@@ -210,3 +210,29 @@ def polynomial(n: int, rotary: float, shear: float) -> StrainShapes:
     R = np.linalg.qr(strain / unit, mode="r")
     _, _, modes = np.linalg.svd(np.linalg.solve(R.T, motion.T).T, full_matrices=False)
     return normalised(raw.combined(np.linalg.solve(R, modes.T) / unit[:, None]))
+
+
+def tip_force(
+    n: int, hinged: bool, tip_mass: float = 0.0, tip_inertia: float = 0.0, coupling: float = 0.0
+) -> StrainShapes:
+    """n shapes that serve a force at the tip, without shear: the natural modes in the space of curvatures that vanish
+    at a tip free to turn, and at the root if it is `hinged`.
+
+    A tip force bends a beam by a moment that is zero at the tip, straight or bent: 1 - x of a straight one, the shape
+    when there is one alone. Natural modes sum that as 1/n^3, polynomials exactly. Where a payload resists turning
+    curvatures need not vanish at the tip. int w^2 dx = 1, psi'(0) > 0 (psi(1) > 0 where `hinged`).
+    """
+    free = tip_inertia == 0 and coupling == 0
+    ends = [-1.0] * hinged + [1.0] * (free or n == 1)
+    k = np.arange(n + len(ends))
+    at = np.array([np.sqrt(2 * k + 1) * end**k for end in ends]).reshape(len(ends), len(k))
+    raw = np.linalg.qr(at.T, mode="complete").Q[:, len(ends) :]
+    trial = StrainShapes(raw, np.zeros((0, n)))
+    tip, turn = trial(1.0), trial.rotation(1.0)
+    both = coupling * np.outer(tip, turn)
+    M = matrices(trial).mass + tip_mass * np.outer(tip, tip) + tip_inertia * np.outer(turn, turn) + both + both.T
+    _, modes = np.linalg.eigh(M)  # where stiffness is 1 mass is 1/omega^2
+    shapes = trial.combined(modes[:, ::-1])
+    size = np.sqrt(np.diag(matrices(shapes).mass))
+    size = np.copysign(size, shapes.rotation(1.0) if hinged else shapes.rotation(0.0, 1))
+    return shapes.combined(np.diag(1 / size))

@@ -83,6 +83,30 @@ def test_few_polynomials_with_shear_tend_to_timoshenkos_beam(shear):
             assert (error < 1e-6 + rounding).all()
 
 
+@pytest.mark.parametrize("n", [0, 1, 2, 5, 20])
+@pytest.mark.parametrize("hinged", [False, True])
+@pytest.mark.parametrize("turning", [0.0, 0.1])
+def test_curvatures_of_a_tip_force_vanish_where_an_end_is_free_to_turn(n, hinged, turning):
+    """Orthogonal in stiffness, and in mass with the payload's; one alone is the moment of a tip force, 1 - x."""
+    shapes, xi = legendre_ritz.tip_force(n, hinged, 0.3, turning), np.linspace(0.0, 1.0, 41)
+    bent, free = shapes(xi, 2), turning == 0 or n == 1
+    assert bent.shape == (41, n) and np.linalg.matrix_rank(bent) == n
+    size = np.abs(bent).max(axis=0, initial=1e-300)
+    assert (np.abs(bent[0]) < 1e-10 * size).all() == (hinged or not n)
+    assert (np.abs(bent[-1]) < 1e-10 * size).all() == (free or not n)
+    tip, turn, found = shapes(1.0), shapes.rotation(1.0), legendre_ritz.matrices(shapes)
+    M = found.mass + 0.3 * np.outer(tip, tip) + turning * np.outer(turn, turn)
+    squares = np.diag(found.bending) / np.diag(M)
+    assert (np.diff(squares) > 0).all() and ((turn if hinged else bent[0]) > 0).all()
+    grown = np.sqrt(squares / squares.min(initial=np.inf))
+    for matrix in (M, found.bending):
+        size = np.sqrt(np.diag(matrix))
+        apart = np.abs(matrix / np.outer(size, size) - np.eye(n))
+        assert (apart <= 8 * (n + 1) * np.finfo(float).eps * np.maximum.outer(grown, grown) ** 2).all()
+    if n == 1 and not hinged:
+        np.testing.assert_allclose(bent[:, 0] / bent[0, 0], 1 - xi, atol=1e-13)
+
+
 def _squares(shapes, rotary, shear):
     found = legendre_ritz.matrices(shapes)
     stiffness, mass = found.bending + found.shearing / shear, found.mass + rotary * found.rotary
