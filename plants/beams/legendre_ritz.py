@@ -207,7 +207,7 @@ def polynomial(n: int, rotary: float, shear: float) -> StrainShapes:
     strain = np.vstack([raw.curvature, raw.shear / math.sqrt(shear)])
     unit = np.linalg.norm(strain, axis=0)
     motion = np.vstack([w * raw(xi), math.sqrt(rotary) * w * raw.rotation(xi)]) / unit
-    R = np.linalg.qr(strain / unit, mode="r")
+    R = np.asarray(np.linalg.qr(strain / unit, mode="r"))
     _, _, modes = np.linalg.svd(np.linalg.solve(R.T, motion.T).T, full_matrices=False)
     return normalised(raw.combined(np.linalg.solve(R, modes.T) / unit[:, None]))
 
