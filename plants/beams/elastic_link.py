@@ -24,8 +24,9 @@ def _dot(a: np.ndarray, q: ca.SX) -> ca.SX:
 
 
 def _quadratic(q: ca.SX, S: np.ndarray, r: ca.SX) -> ca.SX:
-    """q . S r for a constant symmetric S: only the nonzero entries, the diagonal kept apart."""
-    tidy = np.where(np.abs(S) > 1e-14 * np.abs(S).max(initial=0.0), S, 0.0)
+    """q . S r for a constant symmetric S: only entries above rounding of what is largest in their row and column."""
+    size = np.sqrt(np.abs(S).max(axis=0, initial=0.0))
+    tidy = np.where(np.abs(S) > 1e-14 * np.outer(size, size), S, 0.0)
     return ca.dot(q, ca.sparsify(ca.DM(tidy)) @ r) if len(S) else ca.SX(0)
 
 

@@ -1,8 +1,8 @@
-"""Shape functions of a clamped beam from Legendre polynomials of its strains: for shear and for fast spin.
+"""Shape functions of a clamped beam from Legendre polynomials of its strains: for shear, fast spin and a tip force.
 
 psi' = curvature and w' - psi = shear strain are each a sum of orthonormal Legendre polynomials, so that both
 stiffness matrices are identities, nothing locks, and any number of shapes keeps its digits. Without shear
-psi = w'.
+psi = w'. Few of them, for a plant, are made orthogonal in mass and in stiffness, see `polynomial`.
 
 Scale    x in [0, 1], w in lengths of the beam; omega^2 in E I/(rho A L^4)
          rotary = I/(A L^2), shear = E I/(kappa G A L^2), tip mass/(rho A L), tip inertia/(rho A L^3)
@@ -23,6 +23,7 @@ from pliant.plants.core.parameters import require_count
 from .euler_bernoulli_modes import checked_position
 
 MOST = 120  # strain polynomials of one kind
+SLIGHT = 1e-5  # of omega^2: what shapes of shear alone may bring and yet be left out
 
 
 def enough(n: int) -> int:
@@ -68,7 +69,7 @@ class StrainShapes:
         """The shapes (columns of `coefficients`) made of these."""
         return StrainShapes(self.curvature @ coefficients, self.shear @ coefficients)
 
-    def _sum(self, xi: np.ndarray, bent: int, sheared: int | None) -> np.ndarray:
+    def _sum(self, xi: np.ndarray, bent: int | None, sheared: int | None) -> np.ndarray:
         """Integral number bent - 1 (0: derivative) of the curvatures plus that of the shear strains, (..., n)."""
         total: Any = 0.0
         for coefficients, order in ((self.curvature, bent), (self.shear, sheared)):
@@ -90,8 +91,7 @@ class StrainShapes:
 
     def shear_strain(self, xi: float | np.ndarray) -> np.ndarray:
         """w' - psi."""
-        xi = checked_position(xi, 0)
-        return self._sum(xi, 1, 1) - StrainShapes(self.curvature, self.shear[:0])._sum(xi, 1, None)
+        return self._sum(checked_position(xi, 0), None, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +116,7 @@ def matrices(shapes: StrainShapes) -> Matrices:
     size = max(len(shapes.curvature), len(shapes.shear))
     x, w = np.polynomial.legendre.leggauss(size + 4)
     x, w = (1 + x) / 2, w / 2
-    value, slope, psi, bend = shapes(x), shapes(x, 1), shapes.rotation(x), shapes.rotation(x, 1)
-    gamma = slope - psi
+    value, slope, psi, gamma = shapes(x), shapes(x, 1), shapes.rotation(x), shapes.shear_strain(x)
 
     def gram(f: np.ndarray, weight: np.ndarray) -> np.ndarray:
         product = f.T @ (weight[:, None] * f)
@@ -127,8 +126,8 @@ def matrices(shapes: StrainShapes) -> Matrices:
         return gram(slope, w * weight) - gram(gamma, w * weight)
 
     return Matrices(
-        bending=gram(bend, w),
-        shearing=gram(gamma, w),
+        bending=shapes.curvature.T @ shapes.curvature,  # of orthonormal polynomials
+        shearing=shapes.shear.T @ shapes.shear,
         mass=gram(value, w),
         rotary=gram(psi, w),
         tension_uniform=tension(np.ones_like(x)),
@@ -166,16 +165,74 @@ def normalised(shapes: StrainShapes) -> StrainShapes:
     return shapes.combined(np.diag(sign / np.sqrt(np.diag(matrices(shapes).mass))))
 
 
-def polynomial(n: int, shear: float) -> StrainShapes:
-    """n shapes: curvatures of rising degree with the shear that balances them; shear alone for two of five.
+def shear_alone(n: int, rotary: float, shear: float) -> int:
+    """How many of n shapes bend nothing: two of five, none where they would bring less than SLIGHT.
+
+    The balanced curvatures leave out the shear -shear rotary omega^2 psi of sections that swing, and with it the share
+    shear rotary^2 omega^4/beta^2, omega = beta^2, of omega^2: counted for the mode n/4, beta = pi n/4, about the last
+    that n polynomials resolve well. On slender beams such shapes bring nothing but frequencies of 1/(shear rotary),
+    beside which the first, 12.4, loses its digits; curvatures in their place bring more.
+    """
+    swings = shear * rotary**2 * (math.pi * n / 4) ** 6
+    return 2 * (n - 2) // 5 if n > 2 and swings > SLIGHT else 0
+
+
+def balanced(n: int, rotary: float, shear: float) -> StrainShapes:
+    """n shapes: curvatures of rising degree with the shear that balances them, then those of shear alone.
 
     A section without rotary inertia is at rest where M' + Q = 0: its shear strain is -shear psi''. What rotary inertia
-    changes of that the shapes of pure shear make up for, so that the whole converges to Timoshenko's beam.
+    changes of that the shapes of shear alone make up for, so that the whole converges to Timoshenko's beam.
     """
-    sheared = max(0, 2 * (n - 2) // 5)
+    sheared = shear_alone(n, rotary, shear)
     curved = n - sheared
     slope = _integrals(curved)[0]  # of the curvatures, by Legendre polynomials that are not normalised
     b = max(sheared, curved)
     balance = -shear * slope[:b] / np.sqrt(2 * np.arange(b) + 1)[:, None]
     alone = np.eye(b, sheared)
-    return normalised(StrainShapes(np.eye(curved, n), np.hstack([balance, alone])))
+    return StrainShapes(np.eye(curved, n), np.hstack([balance, alone]))
+
+
+@lru_cache(maxsize=64)
+def polynomial(n: int, rotary: float, shear: float) -> StrainShapes:
+    """The natural modes, lowest first, that a bare clamped beam has in the space of `balanced` shapes.
+
+    As they stand those are nearly dependent, their mass matrix as ill-conditioned as 1/shear. From QR of the strains
+    and the singular values 1/omega of the motion beside them, not from matrices, whose condition is the square.
+    """
+    raw = balanced(n, rotary, shear)
+    if not n:
+        return raw
+    x, w = np.polynomial.legendre.leggauss(max(len(raw.curvature), len(raw.shear)) + 4)
+    xi, w = (1 + x) / 2, np.sqrt(w / 2)[:, None]
+    strain = np.vstack([raw.curvature, raw.shear / math.sqrt(shear)])
+    unit = np.linalg.norm(strain, axis=0)
+    motion = np.vstack([w * raw(xi), math.sqrt(rotary) * w * raw.rotation(xi)]) / unit
+    R = np.asarray(np.linalg.qr(strain / unit, mode="r"))
+    _, _, modes = np.linalg.svd(np.linalg.solve(R.T, motion.T).T, full_matrices=False)
+    return normalised(raw.combined(np.linalg.solve(R, modes.T) / unit[:, None]))
+
+
+def tip_force(
+    n: int, hinged: bool, tip_mass: float = 0.0, tip_inertia: float = 0.0, coupling: float = 0.0
+) -> StrainShapes:
+    """n shapes that serve a force at the tip, without shear: the natural modes in the space of curvatures that vanish
+    at a tip free to turn, and at the root if it is `hinged`.
+
+    A tip force bends a beam by a moment that is zero at the tip, straight or bent: 1 - x of a straight one, the shape
+    when there is one alone. Natural modes sum that as 1/n^3, polynomials exactly. Where a payload resists turning
+    curvatures need not vanish at the tip. int w^2 dx = 1, psi'(0) > 0 (psi(1) > 0 where `hinged`).
+    """
+    free = tip_inertia == 0 and coupling == 0
+    ends = [-1.0] * hinged + [1.0] * (free or n == 1)
+    k = np.arange(n + len(ends))
+    at = np.array([np.sqrt(2 * k + 1) * end**k for end in ends]).reshape(len(ends), len(k))
+    raw = np.linalg.qr(at.T, mode="complete").Q[:, len(ends) :]
+    trial = StrainShapes(raw, np.zeros((0, n)))
+    tip, turn = trial(1.0), trial.rotation(1.0)
+    both = coupling * np.outer(tip, turn)
+    M = matrices(trial).mass + tip_mass * np.outer(tip, tip) + tip_inertia * np.outer(turn, turn) + both + both.T
+    _, modes = np.linalg.eigh(M)  # where stiffness is 1 mass is 1/omega^2
+    shapes = trial.combined(modes[:, ::-1])
+    size = np.sqrt(np.diag(matrices(shapes).mass))
+    size = np.copysign(size, shapes.rotation(1.0) if hinged else shapes.rotation(0.0, 1))
+    return shapes.combined(np.diag(1 / size))

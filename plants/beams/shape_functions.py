@@ -1,6 +1,7 @@
 """Shape functions for a Ritz beam: a named kind, how many, and every integral that a plant needs of them.
 
-Kinds   natural modes for a pair of ends, "payload" (clamped, loaded tip), "pinned-payload", "polynomial" (clamped)
+Kinds   natural modes for a pair of ends, "payload" (clamped, loaded tip), "pinned-payload", "polynomial" (clamped),
+        "tip-force" and "hinged-tip-force" (polynomials too, see `legendre_ritz.tip_force`)
 Shear   the clamped kinds also for Timoshenko beams, see `legendre_ritz`
 """
 
@@ -24,10 +25,11 @@ from .euler_bernoulli_modes import (
     quadrature,
     shapes,
 )
-from .legendre_ritz import StrainShapes, matrices, polynomial
+from .legendre_ritz import StrainShapes, matrices, polynomial, tip_force
 from .legendre_ritz import modes as timoshenko_modes
 
-BASES = (*BOUNDARIES, *LOADED, "polynomial")
+TIP_FORCE = ("tip-force", "hinged-tip-force")
+BASES = (*BOUNDARIES, *LOADED, "polynomial", *TIP_FORCE)
 SHEARABLE = ("clamped-free", "payload", "polynomial")
 MOST_SHEARABLE = 40
 MOST_POLYNOMIALS = 30  # their highest frequency grows as n^4, that of modes as n^2
@@ -124,12 +126,12 @@ def basis(
     """The first n shape functions of a kind in BASES, each scaled to int phi^2 dxi = 1. Cached.
 
     The ratios, mass/(rho A L), inertia about the tip/(rho A L^3) and mass times the offset of its centre along the
-    beam/(rho A L^2), shape "payload" and "pinned-payload" only; other kinds ignore them. `shear` = E I/(kappa G A L^2)
-    > 0 makes a Timoshenko beam with `rotary` = I/(A L^2). ValueError for another kind, n above 200 (30 for
-    "polynomial", 40 with shear), or a ratio outside [0, 1e12].
+    beam/(rho A L^2), shape the kinds of a payload and of a tip force; others ignore them. `shear` =
+    E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2). ValueError for another kind, n above 200
+    (30 for polynomials, 40 with shear), or a ratio outside [0, 1e12].
     """
     require_choice("basis", "kind", kind, BASES)
-    require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind == "polynomial" else MOST_MODES)
+    require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind in ("polynomial", *TIP_FORCE) else MOST_MODES)
     for name, value in (("tip_mass_ratio", tip_mass_ratio), ("tip_inertia_ratio", tip_inertia_ratio)):
         if not 0 <= value <= LARGEST_RATIO:
             raise ValueError(f"basis.{name} = {value!r} must be within [0, {LARGEST_RATIO:g}]")
@@ -140,16 +142,17 @@ def basis(
         require_choice("basis", "kind", kind, SHEARABLE)
         require_count("basis", "n", n, 0, MOST_SHEARABLE)
     tip = (float(tip_mass_ratio), float(tip_inertia_ratio), float(tip_coupling_ratio))
-    tip = tip if kind in LOADED else (0.0, 0.0, 0.0)
+    tip = tip if kind in (*LOADED, *TIP_FORCE) else (0.0, 0.0, 0.0)
     return _sheared(kind, int(n), float(rotary), float(shear), *tip) if shear else _basis(kind, int(n), *tip)
 
 
 @lru_cache(maxsize=128)
 def _basis(kind: str, n: int, mass: float, inertia: float, coupling: float) -> Basis:
-    phi: ModeShapes | Polynomials
-    if kind == "polynomial":
-        phi = Polynomials(n)
-        x, w = np.polynomial.legendre.leggauss(n + 3)  # exact to degree 2 n + 5; the integrands reach 2 n + 4
+    phi: ModeShapes | Polynomials | StrainShapes
+    if kind in ("polynomial", *TIP_FORCE):
+        phi = Polynomials(n) if kind == "polynomial" else tip_force(n, kind != "tip-force", mass, inertia, coupling)
+        most = n + 3 if kind == "polynomial" else n + 5  # exact to degree 2 most - 1; the integrands reach 2 most - 2
+        x, w = np.polynomial.legendre.leggauss(most)
         xi, w = (1 + x) / 2, w / 2
     else:
         phi = shapes(kind, n, mass=mass, inertia=inertia, coupling=coupling)
@@ -184,7 +187,7 @@ def _basis(kind: str, n: int, mass: float, inertia: float, coupling: float) -> B
 @lru_cache(maxsize=128)
 def _sheared(kind: str, n: int, rotary: float, shear: float, mass: float, inertia: float, coupling: float) -> Basis:
     if kind == "polynomial":
-        phi = polynomial(n, shear)
+        phi = polynomial(n, rotary, shear)
     else:
         phi = timoshenko_modes(n, rotary, shear, mass, inertia, coupling)
     found = matrices(phi)

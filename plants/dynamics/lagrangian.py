@@ -15,9 +15,9 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
-from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.linear.second_order import natural_squares
 
 from . import arguments
 from .declaration import Array
@@ -218,7 +218,7 @@ class LagrangianPlant(MechanicalPlant):
         values, _ = self._arguments(x, p=p)
         M = self.mass_matrix(x, p=p)[np.ix_(free, free)]
         K = self._stiffness(*values)[0][np.ix_(free, free)]
-        squares = linalg.eigh((K + K.T) / 2, M, eigvals_only=True)
+        squares = natural_squares(K, M)
         found = np.sign(squares) * np.sqrt(np.abs(squares))
         return found if rigid else found[np.abs(found) > 1e-6 * np.abs(found).max(initial=0.0)]
 

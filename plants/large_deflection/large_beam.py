@@ -44,10 +44,11 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         """The paper's example: a 10 m cantilever, straight along x and at rest, that gravity pulls down from t = 0.
 
         E = 68.95 GPa, Poisson's ratio 0.33, density 2766.7 kg/m^3, A = 7.3e-5 m^2, I = 8.218e-9 m^4 about y and z.
+        Natural modes: no force bends its tip, and let go it swings in them (see `basis`).
         """
         E, I = 68.95e9, 8.218e-9
         beam = Beam(length=10.0, area=7.3e-5, I_y=I, I_z=I, J=2 * I, density=2766.7, E=E, G=E / (2 * 1.33))
-        return cls(beam=beam)
+        return cls(beam=beam, basis="modes")
 
     def ladder(self) -> tuple[Self, ...]:
         """Rotation fields with one to eight shapes and chains of sub-beams; in space twice the twists last."""

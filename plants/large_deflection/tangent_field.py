@@ -6,8 +6,8 @@ position r(xi) = L int_0^xi t, kinetic energy (1/2) rho A L^3 sum_ab W_ab t_a' .
 W_ab = int int l_a(x) l_b(y) (1 - max(x, y)) dx dy, l_a the Lagrange polynomials of the points.
 
 Valid    inextensible, unshearable; any rotation in the plane
-Source   the geometric variable-strain approach, with rotations expanded in place of curvatures: the slopes of the
-         linear modes. Curvatures in Legendre polynomials are as accurate but needlessly stiff.
+Source   the geometric variable-strain approach, with rotations expanded in place of curvatures: slopes of shapes for
+         the force at the tip (`legendre_ritz.tip_force`), of linear modes, or of polynomials
 """
 
 from __future__ import annotations
@@ -220,12 +220,14 @@ class Rotations:
 
 
 def rotations(root: str, kind: str, n: int, **ratios: float) -> Rotations:
-    """n bending shapes for a clamped, hinged or driven root, from natural modes ("modes") or polynomials.
+    """n bending shapes for a clamped, hinged or driven root: for a tip force, natural modes ("modes") or polynomials.
 
     `ratios`: those of the payload, see `Payload.ratios`.
     """
     if kind == "modes":
         kind = "pinned-payload" if root == "hinged" else "payload"
+    elif kind == "tip-force" and root == "hinged":
+        kind = "hinged-tip-force"
     return Rotations(beams.basis(kind, n, **ratios), root != "clamped")
 
 

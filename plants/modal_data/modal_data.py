@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import read_only
+from pliant.plants.linear.second_order import natural_squares
 
 from .component_modes import clamped_modes
 from .from_beams import boom, panel
@@ -110,7 +110,7 @@ class ModalData:
         """Natural frequencies clamped (n,) [rad/s], ascending."""
         if not self.n:
             return np.zeros(0)
-        return np.sqrt(np.maximum(linalg.eigh(self.stiffness, self.modal_mass, eigvals_only=True), 0.0))
+        return np.sqrt(np.maximum(natural_squares(self.stiffness, self.modal_mass), 0.0))
 
     @cached_property
     def pi(self) -> Array:

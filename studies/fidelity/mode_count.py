@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants import Plant, Trajectory
+from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
 from pliant.plants.core.parameters import require_count
+from pliant.plants.linear.rest_spaces import conserved_by
 from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.stability import assess, growth
 
 FACTOR = 2.0  # by which the margins of settled answers differ at most
+SAME = 1e-12  # of its largest entry: what a matrix that is constant along a motion changes by
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class ModesNeeded:
     linear_growth: float  # factor by which the worst deviation changes over the nominal, by the linear model ..
     nonlinear_growth: float  # .. and by simulating the plant with and without it
     why: str
+    conserved: tuple[str, ...] = ()  # what no mode changes about a rest, left out of verdicts and margins
 
     @property
     def difference(self) -> float:
@@ -62,15 +65,21 @@ def modes_needed(
     that gives the motion of a variant. Variants have 1 .. `most` modes: `plant.modes`, or `with_modes(plant, n)`. Only
     linear models decide; then the chosen variant is simulated once with a deviation of `size` (of each state's scale)
     in the direction that grows most, and once without. `options` as in `assess`.
+
+    About a rest the answer is of what is not conserved with inputs held, as total momentum is and, where it is zero,
+    place and attitude: their eigenvalues are zero with any number of modes, and would hide those that modes change.
+    They are named in `conserved`.
     """
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise ValueError(f"modes_needed.tolerance = {tolerance!r} must be > 0 [1/s]")
     require_count("modes_needed", "most", most, 1, 1000)
     vary = with_modes or _with_modes
+    kept: tuple[str, ...] = ()
     found, variants = [], [vary(plant, n) for n in range(1, most + 1)]
     for variant in variants:
         motion = _nominal_of(variant, nominal)
-        verdict = assess(variant.linearize_along(motion), thorough=False, **options)
+        model, kept = _changing(variant.linearize_along(motion))
+        verdict = assess(model, thorough=False, **options)
         found.append((variant, motion, verdict))
     rows = []
     for n, (variant, _, verdict) in enumerate(found, start=1):
@@ -86,8 +95,25 @@ def modes_needed(
     else:
         settled = f"margin within {tolerance:.2g} of {last.margin:.4g} 1/s"
         why = f"with {chosen} of up to {most} modes: {last.verdict}, {settled}"
+    if kept:
+        led = ", ".join(name.split()[0] for name in kept)
+        why += f"; apart from {len(kept)} conserved quantities, led by {led}, where all of them are zero"
     why += f"; the worst deviation changes by a factor of {linear:.4g}, in nonlinear simulation {nonlinear:.4g}"
-    return ModesNeeded(chosen, float(tolerance), tuple(rows), linear, nonlinear, why)
+    return ModesNeeded(chosen, float(tolerance), tuple(rows), linear, nonlinear, why, kept)
+
+
+def _changing(model: LTVModel) -> tuple[LinearModel | LTVModel, tuple[str, ...]]:
+    """About a rest the model where what it conserves with inputs held is zero, and the names of that; a model that
+    changes along its motion, or conserves nothing, as it is.
+    """
+    A = model.A[0]
+    if np.abs(model.A - A).max(initial=0.0) > SAME * np.abs(A).max(initial=0.0):
+        return model, ()
+    found = conserved_by(A, np.zeros((len(A), 0)), None, model.state_names)
+    if not found.names or len(found.names) == len(A):
+        return model, ()
+    left = found.down @ A @ found.up
+    return LinearModel.from_matrices(left, np.zeros((len(left), 0))), found.names
 
 
 def _differ(one: ModeCount, other: ModeCount, tolerance: float) -> bool:

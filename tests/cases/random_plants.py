@@ -178,7 +178,7 @@ def draw(seed: int) -> Drawn:
             "root": lambda: pick("hinged", "driven"),
             "gravity": lambda: tuple(L / t**2 * rng.uniform(-1, 1, 3)),
             "payload": lambda: payload(rng, L, m, base.planar),
-            "basis": lambda: "polynomial",
+            "basis": lambda: pick("polynomial", "modes"),
             "kinematics": lambda: "substructured",
         }
     elif family == "crank":

@@ -16,7 +16,9 @@ from pliant.controllers.base.objective import Objective
 from pliant.controllers.linear_quadratic.period_cost import law_at_goal
 from pliant.controllers.optimal_control.stage_derivatives import StageTerms
 from pliant.envs import scenes
-from pliant.plants import PliantError, UncontrollableError, Wheel
+from pliant.plants import PliantError, Trajectory, UncontrollableError, Wheel
+from pliant.plants.stability import assess
+from pliant.studies.fidelity.mode_count import modes_needed
 
 SLEW = scenes.get("spacecraft-slew")
 WHEELS = scenes.get("spacecraft-wheels")
@@ -66,6 +68,28 @@ def test_cost_margins_and_verdict_are_those_without_wheels():
     verdict, without = (spillover(k, [s.plant], dict(s.goal)) for k, s in ((law, THREE), (wanted, SLEW)))
     assert verdict.holds and verdict.conserved == law.conserved
     assert verdict.cases[0].growth == pytest.approx(without.cases[0].growth, rel=1e-6)
+
+
+def test_modes_needed_at_rest_are_those_without_wheels():
+    """Naive: momentum and attitude make every count of modes marginal, margin 0, and one mode enough for any answer."""
+
+    def rest(craft):
+        t = np.linspace(0.0, 20.0, 41)
+        x = np.zeros((len(t), craft.nx))
+        x[:, craft.layout.quaternion.start] = 1.0
+        return Trajectory.from_arrays(t, x, np.zeros((len(t), craft.nu)), plant=craft, dx=0 * x)
+
+    naive = assess(SLEW.plant.linearize_along(rest(SLEW.plant)), thorough=False)
+    assert naive.verdict == "marginal" and abs(naive.margin) < 1e-9
+    wanted, found = (modes_needed(craft, rest, 1e-9, most=2) for craft in (SLEW.plant, THREE.plant))
+    for one, other in zip(wanted.rows, found.rows):
+        assert one.verdict == other.verdict == "stable" and one.margin > 1e-3
+        assert other.margin == pytest.approx(one.margin, rel=1e-6)
+    assert wanted.modes is found.modes is None  # 6e-8 1/s apart, which one count more does not tell to be the last
+    wheels = {f"wheel{k}_momentum" for k in (1, 2, 3)}
+    assert len(wanted.conserved) == 6 and len(found.conserved) == 9
+    assert wheels <= {name.split()[0] for name in found.conserved} and "9 conserved quantities" in found.why
+    assert modes_needed(THREE.plant, rest, 1e-6, most=2).modes == 1
 
 
 def test_four_wheels_share_a_spin_that_nothing_feels():

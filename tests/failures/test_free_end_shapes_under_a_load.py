@@ -22,7 +22,9 @@ HEAVY = Payload(mass=1.0, inertia=((2e-2, 0.0, 0.0), (0.0, 1e-2, 0.0), (0.0, 0.0
 
 
 def spatial(**changes):
-    return LargeDeflectionBeam(beam=ROD, payload=HEAVY, planar=False, gravity=(0.0, 0.0, 0.0), **changes)
+    return LargeDeflectionBeam(
+        beam=ROD, payload=HEAVY, planar=False, gravity=(0.0, 0.0, 0.0), **{"basis": "modes", **changes}
+    )
 
 
 def lowest_twist(shapes, load):
@@ -73,7 +75,9 @@ def pinned_elements(mass, inertia, coupling, elements=40):
 )
 def test_hinged_beam_has_its_frequencies_with_any_payload(load):
     """Against forty Hermite elements; modes of a free end are off by per cents with as many shapes."""
-    hinged = LargeDeflectionBeam(beam=ROD, root="hinged", payload=load, gravity=(0.0, 0.0, 0.0), modes=3, points=20)
+    hinged = LargeDeflectionBeam(
+        beam=ROD, root="hinged", payload=load, gravity=(0.0, 0.0, 0.0), basis="modes", modes=3, points=20
+    )
     scale = np.sqrt(ROD.EI / ROD.linear_density) / ROD.length**2
     exact = scale * pinned_elements(*load.ratios(ROD.mass, ROD.length).values())[:3] ** 2
     np.testing.assert_allclose(hinged.natural_frequencies()[-3:], exact, rtol=3e-4)

@@ -74,7 +74,9 @@ def test_every_basis_meets_its_ends_and_its_integrals(kind, n):
     left, _, right = kind.partition("-")
     if left != "pinned":
         np.testing.assert_allclose(one[0], 0, atol=1e-13 * size)
-        assert np.all(basis.phi(0.0, 2) > 0)
+        root = basis.phi(0.0, 2)
+        assert np.all(basis.tip_slope > 0 if left == "hinged" else root > 0)
+        assert (np.abs(root) < 1e-13 * n**6).all() == (left == "hinged")
     else:
         assert np.all(one[0] > 0)
     if right in ("pinned", "clamped"):

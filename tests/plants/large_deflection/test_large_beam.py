@@ -189,9 +189,10 @@ def test_keyword_constructor():
     plant = LargeDeflectionBeam(beam=beam)
     assert plant.root == "clamped" and plant.kinematics == "strain" and plant.planar
     assert plant.gravity == (0.0, -9.8, 0.0) and plant.segments == 1 and plant.modes == 3
+    assert plant.basis == "tip-force" and BEAM.basis == "modes"
 
 
-@pytest.mark.parametrize("basis", ["modes", "polynomial"])
+@pytest.mark.parametrize("basis", ["modes", "polynomial", "tip-force"])
 def test_root_angle_is_the_direction_in_which_the_beam_leaves_its_root(basis):
     for root in ("hinged", "driven"):
         plant = large(root=root, basis=basis, points=20)

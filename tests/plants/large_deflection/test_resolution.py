@@ -63,7 +63,7 @@ def test_default_of_a_chain_resolves_its_modes(modes):
 @pytest.mark.parametrize(
     "load", [Payload(), Payload(mass=50.0, inertia=3.0), Payload(mass=5.0, offset=(0.5, 0.0, 0.0))]
 )
-@pytest.mark.parametrize("basis", ["modes", "polynomial"])
+@pytest.mark.parametrize("basis", ["modes", "polynomial", "tip-force"])
 def test_default_resolves_bends_and_flaps_of_any_payload(load, basis):
     plant = LargeDeflectionBeam(beam=ROD, payload=load, basis=basis, modes=3, gravity=(0.0, 0.0, 0.0))
     finer = dataclasses.replace(plant, points=30).natural_frequencies()

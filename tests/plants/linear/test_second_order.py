@@ -7,7 +7,7 @@ import pytest
 
 from pliant.plants.core.signals import Signal
 from pliant.plants.linear.ltv import LTVModel
-from pliant.plants.linear.second_order import SecondOrderModel, from_ltv
+from pliant.plants.linear.second_order import SecondOrderModel, from_ltv, natural_squares
 
 M = np.diag([2.0, 0.5])
 D = np.array([[0.3, -0.1], [-0.1, 0.2]])
@@ -76,3 +76,18 @@ def test_states_of_another_form_are_refused():
     A[:, 0, 1] = 0.5
     with pytest.raises(ValueError, match="must be coordinates and then their rates"):
         dataclasses.replace(model, A=A).second_order()
+
+
+@pytest.mark.parametrize("rigid", [0.0, -3.0])
+@pytest.mark.parametrize("stiffest", [1e3, 1e12, 1e25])
+def test_natural_squares_keep_the_lowest_beside_the_stiffest(stiffest, rigid):
+    """K = T'diag T, M = T'T with an integer T of determinant 1, so that both are exact; rounding of (omega^2 + s)^2/s,
+    s about the lowest that is not zero. As it stands the eigenproblem gives the lowest no digit beside 1e25."""
+    squares = np.array([rigid, 1.0, 40.0, stiffest])
+    T = np.array([[1.0, 0.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0], [1.0, -1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    K, M = T.T @ np.diag(squares) @ T, T.T @ T
+    found, s = natural_squares(K, M), 1.0 + 2 * abs(rigid)
+    eps = 64 * np.linalg.cond(M) * np.finfo(float).eps
+    np.testing.assert_array_less(np.abs(found - squares), eps * np.minimum((squares + s) ** 2 / s + s, stiffest))
+    assert natural_squares(np.zeros((0, 0)), np.zeros((0, 0))).shape == (0,)
+    assert (natural_squares(np.zeros((2, 2)), np.eye(2)) == 0).all()
