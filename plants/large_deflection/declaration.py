@@ -32,8 +32,9 @@ class LargeBeamDeclaration(LagrangianPlant):
     """A beam, its root and its payload; `LargeDeflectionBeam` adds their energies and equations.
 
     `basis`, of n = `modes` rotation shapes: "tip-force", curvatures that vanish at an end free to turn; "modes",
-    natural modes with the payload; "polynomial", any curvatures. The default serves the beam's own input, a tip force
-    F, best. Relative error of the tip's displacement, clamped, without payload, F L^2/(E I) = 1 across: at rest against
+    natural modes with the payload; "polynomial", any curvatures. "auto" serves the beam's own input, a tip force F,
+    best in the plane: "tip-force"; in space it is "modes", so that bend1 and flap1 are the first natural modes' there
+    as in version 0.1. Relative error of the tip's displacement, clamped, without payload, F L^2/(E I) = 1 across: at rest against
     the elastica's elliptic integrals; while F grows within half the first period, and where it is there at once,
     undamped and with stiffness-proportional damping (0.35 % in the first mode), for 3 sqrt(rho A L^4/(E I)), against
     nine shapes; the highest frequency in sqrt(E I/(rho A L^4)), which an explicit step must follow:
@@ -65,7 +66,7 @@ class LargeBeamDeclaration(LagrangianPlant):
     segments: int = 1  # sub-beams ("substructured")
     modes: int = 3  # shapes, of each sub-beam if "substructured"
     frame: str = "mean-axis"  # of each sub-beam ("substructured")
-    basis: str = "tip-force"  # of the rotations ("strain")
+    basis: str = "auto"  # of the rotations ("strain")
     planar: bool = True
     twists: int = 1  # torsion shapes (planar=False)
     points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
@@ -77,19 +78,24 @@ class LargeBeamDeclaration(LagrangianPlant):
             ("root", ROOTS),
             ("kinematics", KINEMATICS),
             ("frame", FRAMES),
-            ("basis", tuple(BASES)),
+            ("basis", ("auto", *BASES)),
             ("planar", (True, False)),
         ):
             require_choice(owner, name, getattr(self, name), choices)
         if not isinstance(self.gravity, tuple) or len(self.gravity) != 3:
             raise ValueError(f"{owner}.gravity = {self.gravity!r} must be a tuple of 3 numbers [m/s^2]")
-        require_count(owner, "modes", self.modes, 1, BASES[self.basis] if self.kinematics == "strain" else 12)
+        require_count(owner, "modes", self.modes, 1, BASES[self.rotation_basis] if self.kinematics == "strain" else 12)
         require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
         require_count(owner, "twists", self.twists, 0, MOST_TWISTS)
         if self.points is not None:
             require_count(owner, "points", self.points, 2, FINEST)
             if not any(is_symbolic(parameters.get(self, path)) for path in parameters.quantities(self)):
                 check_given(owner, self.points, *self._resolved)
+
+    @property
+    def rotation_basis(self) -> str:
+        """The basis that is taken: that which `basis` names, or where it is "auto" that for the plane or for space."""
+        return self.basis if self.basis != "auto" else "tip-force" if self.planar else "modes"
 
     @property
     def coordinates(self) -> tuple[Signal, ...]:
@@ -161,7 +167,7 @@ class LargeBeamDeclaration(LagrangianPlant):
     def label(self) -> str:
         space = "" if self.planar else f", spatial, twists {self.twists}"
         if self.kinematics == "strain":
-            return f"strain, {self.basis} {self.modes}{space}"
+            return f"strain, {self.rotation_basis} {self.modes}{space}"
         return f"substructured, {self.segments} x {self.modes}, {self.frame}{space}"
 
     @cached_property
@@ -187,8 +193,10 @@ class LargeBeamDeclaration(LagrangianPlant):
     def _rotations(self) -> tuple[tangent_field.Rotations, tangent_field.Rotations]:
         """Bending about z and about y; a payload's inertia differs between them."""
         mass, length, load = self.beam.mass, self.beam.length, self.payload
-        bend = tangent_field.rotations(self.root, self.basis, self.modes, **load.ratios(mass, length))
-        return bend, tangent_field.rotations("clamped", self.basis, self.modes, **load.ratios(mass, length, axis=1))
+        bend = tangent_field.rotations(self.root, self.rotation_basis, self.modes, **load.ratios(mass, length))
+        return bend, tangent_field.rotations(
+            "clamped", self.rotation_basis, self.modes, **load.ratios(mass, length, axis=1)
+        )
 
     @cached_property
     def _torsion(self) -> TorsionShapes:

@@ -189,7 +189,8 @@ def test_keyword_constructor():
     plant = LargeDeflectionBeam(beam=beam)
     assert plant.root == "clamped" and plant.kinematics == "strain" and plant.planar
     assert plant.gravity == (0.0, -9.8, 0.0) and plant.segments == 1 and plant.modes == 3
-    assert plant.basis == "tip-force" and BEAM.basis == "modes"
+    assert plant.rotation_basis == "tip-force" and BEAM.rotation_basis == "modes"
+    assert dataclasses.replace(plant, planar=False).rotation_basis == "modes"
 
 
 @pytest.mark.parametrize("basis", ["modes", "polynomial", "tip-force"])
