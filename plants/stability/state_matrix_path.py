@@ -122,6 +122,17 @@ def scaling(A: np.ndarray) -> np.ndarray:
     return scale / scale.max()
 
 
+def modal(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Real coordinates X (n, n) in which the mean of A (nt, n, n) is a mode beside the other, and their inverse.
+
+    Columns are the eigenvectors, of a complex pair their real and imaginary part. LinAlgError where they are no basis.
+    """
+    lam, V = np.linalg.eig(A.mean(axis=0))
+    X = np.where(lam.imag < 0, -V.imag, V.real)
+    inverse = np.linalg.inv(X)
+    return X, inverse @ (2 * np.eye(len(X)) - X @ inverse)
+
+
 class Path:
     """A(t) = base + what varies, from values A (nt, n, n) at times t; `periodic`: t[-1] is a period after t[0]."""
 
@@ -140,6 +151,7 @@ class Path:
         rounding = 1e-14 * np.abs(A).max(axis=0, initial=0.0)
         self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > rounding if moving is None else moving)
         self.base = A.mean(axis=0)
+        self.rounding = np.zeros((self.n, self.n))  # [1/s] what every A(t) may be off beside what `area` says
         if not len(self.rows):
             return
         self.base[self.rows, self.columns] = 0.0
