@@ -193,10 +193,7 @@ def _sharper(model: Model, about: About, tolerance: float, cycle: Floquet) -> Fl
         piece, keep = as_pieces(model).pieces[0], [_names(model).index(name) for name in names]
         scale = paths[0].scale
         A = piece.A[:, keep][:, :, keep] * scale / scale[:, None]
-        try:
-            X, inverse = modal(A)
-        except np.linalg.LinAlgError:
-            return cycle
+        X, inverse = modal(A)
         size, n = np.abs(A).max(axis=0), len(names)
         A, around = inverse @ A @ X, 4 * n * EPS * np.abs(inverse)
         apart = np.abs(inverse @ X - np.eye(n)) + around @ np.abs(X)  # the inverse is one to rounding
@@ -229,7 +226,7 @@ def periodic_paths(
     model: Model, period: float | None, states: Sequence[str] | None
 ) -> tuple[list[Path], list[np.ndarray], float, str]:
     """A(t) over one period in pieces, the jumps between, the period [s] and where it comes from."""
-    if isinstance(model, LinearModel | LTVModel):
+    if isinstance(model, LinearModel):
         path, length, source = periodic_path(model, period, states)
         return [path], [], length, source
     joined = as_pieces(model)
