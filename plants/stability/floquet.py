@@ -23,7 +23,7 @@ from . import periodicity as periods
 from .eigenvalue_bounds import EPS, Bounds, bounds
 from .interpolation import FEW
 from .state_matrix_path import Model, Path, as_pieces, kept, modal, scaling
-from .transition_error import Transition, monodromy, transition
+from .transition_error import TooManySteps, Transition, monodromy, transition
 from .verdict import CLEAR
 
 FLOOR = 1e-9  # a multiplier this near the unit circle is on it
@@ -131,8 +131,8 @@ def floquet(
     paths, jumps, length, source = periodic_paths(model, period, states)
     try:
         found = transition(paths, jumps, tolerance)
-    except ValueError as refusal:
-        raise ValueError(f"floquet: {refusal}") from None
+    except TooManySteps as refusal:
+        raise TooManySteps(f"floquet: {refusal}") from None
     b = bounds(found.M, found.D, volume=(found.rate, found.rate_error), trace=found.trace)
     named, keep = _names(model), kept(model, states)
     names = tuple(named[i] for i in keep)
@@ -206,7 +206,7 @@ def _sharper(model: Model, about: About, tolerance: float, cycle: Floquet) -> Fl
         X, inverse, paths = X * path.scale, inverse / path.scale[:, None], (path,)
     try:
         found = transition(paths, jumps, tolerance, modal=True)
-    except ValueError:
+    except TooManySteps:
         return cycle
     if found.V is None or found.M_V is None or found.D_V is None:
         return cycle

@@ -31,6 +31,10 @@ HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it
 EPS = float(np.finfo(float).eps)
 
 
+class TooManySteps(ValueError):
+    """The fastest modes need more steps over the nominal than are taken."""
+
+
 @dataclass(frozen=True, eq=False)
 class Transition:
     """M (n, n) in scaled coordinates and D (n, n) >= |M' - M| for every A(t) that the data allow."""
@@ -57,7 +61,7 @@ def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]
     need = int(parts.sum())
     if need > MOST_STEPS:
         need = 1 << (need - 1).bit_length()
-        raise ValueError(
+        raise TooManySteps(
             f"a period of {path.t[-1] - path.t[0]:.6g} s and modes of up to {fastest:.4g} 1/s need {need:,} steps, "
             f"more than {MOST_STEPS:,}: leave out the fastest modes"
         )
