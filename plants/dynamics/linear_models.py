@@ -1,11 +1,22 @@
-"""Linear models of a plant: about a point, along any nominal motion, and over an impulse."""
+"""Linear models of a plant: about a point, along any nominal motion, and over an impulse.
+
+Along a motion the nodes may not show what A(t) does: they stand a period apart, or a pulse falls between two. A is
+therefore looked at between them too, at a share of 0.38 or 0.62 of each interval in turn (at its middle the sine whose
+period is an interval would be missed), from the motion as `Trajectory.resample` has it there. Where it lies beyond the
+four nodes about it by more than HIDDEN of their range, nodes are put there and about, until the chords between them
+show what is seen: `LTVModel.finer`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.plants.core.errors import MassMatrixError
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import names
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.linear.lti import LinearModel
@@ -15,6 +26,12 @@ if TYPE_CHECKING:
     from .plant import Plant
 
 Array = np.ndarray
+SHARE = 0.381966  # of an interval, by the golden section; the next one's is taken from its end
+LOOKED_AT = 128  # intervals of the first look; all where one of them hides something
+HIDDEN, CHORD = 0.25, 0.1  # of the range of the four nodes about: beyond them, and off the chord
+NOTHING = 1e-2  # of all that is seen of an entry
+FELT = 1e-2  # of the largest in an entry's row or column: what varies by less is not looked for
+MOST_NODES = 8  # times the nodes that were asked for
 
 
 def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
@@ -48,8 +65,12 @@ def check_signals(plant: Plant, nominal: Trajectory) -> None:
 
 
 def along(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
-    """The model at the nodes of a nominal, c its residual f(x, u) - dx/dt."""
+    """The model along a nominal, c its residual f(x, u) - dx/dt."""
     check_signals(plant, nominal)
+    return with_finer(lambda motion, values: _at_nodes(plant, motion, values), nominal, p)
+
+
+def _at_nodes(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
     w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), plant.nw))
     rate = plant.dynamics(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
     A, B, E, C, D, F = plant._jacobians_along(nominal, w, p)
@@ -64,6 +85,77 @@ def along(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
         inputs=plant.inputs,
         disturbances=plant.disturbances,
         outputs=plant.outputs,
+    )
+
+
+def with_finer(made: Callable[[Trajectory, Any], LTVModel], nominal: Trajectory, p: Any) -> LTVModel:
+    """made(nominal, p), and where its nodes hide what A does the same with nodes between them as `finer`.
+
+    Without where the plant has no model between them (MassMatrixError): such nodes are no motion of it there.
+    """
+    model = made(nominal, p)
+    try:
+        t = _finer_times(made, model, nominal, p) if len(model.t) > 2 else model.t
+        return replace(model, finer=made(*_at(nominal, p, t))) if len(t) > len(model.t) else model
+    except MassMatrixError:
+        return model
+
+
+def _finer_times(made: Callable[[Trajectory, Any], LTVModel], model: LTVModel, nominal: Trajectory, p: Any) -> Array:
+    """The nodes of the model, and those between them at which the chords of A show what is seen."""
+    t, A = model.t, model.A
+    for every in sorted({max(1, (len(t) - 1) // LOOKED_AT), 1}, reverse=True):
+        k = np.arange(len(t) - 1)[::every]
+        seen = made(*_at(nominal, p, _between(t)[k])).A
+        hidden = _hidden(A, seen, k, beyond=True)
+        if not hidden.any():
+            return t
+    while hidden.any() and len(t) < MOST_NODES * len(model.t):
+        new = k[hidden] + 1
+        t, A = np.insert(t, new, _between(t)[k[hidden]]), np.insert(A, new, seen[hidden], axis=0)
+        fresh = new + np.arange(len(new))  # nodes; the intervals beside them, and those beside these, are looked at
+        k = np.unique(np.clip(fresh[:, None] + np.arange(-2, 2), 0, len(t) - 2))  # two at least
+        seen = made(*_at(nominal, p, _between(t)[k])).A
+        hidden = _hidden(A, seen, k, beyond=False)
+    return t
+
+
+def _between(t: Array) -> Array:
+    """A time within each interval of t (nt,)."""
+    share = np.where(np.arange(len(t) - 1) % 2 == 0, SHARE, 1 - SHARE)
+    return t[:-1] + share * np.diff(t)
+
+
+def _at(nominal: Trajectory, p: Any, times: Array) -> tuple[Trajectory, Any]:
+    """The motion at other times and the parameters there."""
+    from scipy.interpolate import CubicSpline
+
+    found = nominal.resample(times)
+    if found.dx is None:  # of the whole motion, not of a few times of it
+        found = replace(found, dx=CubicSpline(nominal.t, nominal.x)(times, 1))
+    if p is not None and np.ndim(p) == 2:
+        p = np.array([np.interp(times, nominal.t, column) for column in np.asarray(p, dtype=float).T]).T
+    return found, p
+
+
+def _hidden(A: Array, seen: Array, k: Array, *, beyond: bool) -> Array:
+    """Of which intervals k (m,) between nodes the values A (nt, n, n) there do not show what is seen (m, n, n).
+
+    `beyond`: it is beyond what the four nodes about it hold; else off the chord between two nodes.
+    """
+    about = A[np.clip(k[:, None] + np.arange(-1, 3), 0, len(A) - 1)]  # (m, 4, n, n)
+    low, high = about.min(axis=1), about.max(axis=1)
+    share = np.where(k % 2 == 0, SHARE, 1 - SHARE)[:, None, None]
+    chord = (1 - share) * A[k] + share * A[k + 1]
+    miss = np.maximum(seen - high, low - seen) if beyond else np.abs(seen - chord)
+    least, largest = np.minimum(A.min(axis=0), seen.min(axis=0)), np.maximum(A.max(axis=0), seen.max(axis=0))
+    size = np.maximum(np.abs(largest), np.abs(least))
+    _, (scale, _) = linalg.matrix_balance(size, permute=False, separate=True)  # units do not count
+    beside = size * scale / scale[:, None]
+    felt = np.minimum(beside.max(axis=0), beside.max(axis=1)[:, None]) * scale[:, None] / scale
+    varies = largest - least > FELT * felt
+    return ((miss > (HIDDEN if beyond else CHORD) * (high - low) + NOTHING * (largest - least)) & varies).any(
+        axis=(1, 2)
     )
 
 

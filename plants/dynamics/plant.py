@@ -200,6 +200,10 @@ class Plant(PlantContract):
         The nominal need not satisfy the equations: its residual f(x, u) - dx/dt is kept as the affine term c(t).
         Mechanical plants are then linearised at the nominal's accelerations, not at those they would have there; see
         `MechanicalPlant`. Outputs are linearised at (x, u). `p`: (np,), or (nt, np) where parameters vary on the way.
+
+        Where the nodes cannot show what A does (a period apart, or a pulse between two of them), `finer` is the model
+        with nodes between them, up to 8 times as many, the motion as `Trajectory.resample` has it there: stability
+        is judged on it. Simulation and design keep to the nodes that were asked for.
         """
         return linear_models.along(self, nominal, p)
 

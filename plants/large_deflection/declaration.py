@@ -32,12 +32,12 @@ class LargeBeamDeclaration(LagrangianPlant):
     """A beam, its root and its payload; `LargeDeflectionBeam` adds their energies and equations.
 
     `basis`, of n = `modes` rotation shapes: "tip-force", curvatures that vanish at an end free to turn; "modes",
-    natural modes with the payload; "polynomial", any curvatures. "auto" serves the beam's own input, a tip force F,
-    best in the plane: "tip-force"; in space it is "modes", so that bend1 and flap1 are the first natural modes' there
-    as in version 0.1. Relative error of the tip's displacement, clamped, without payload, F L^2/(E I) = 1 across: at rest against
-    the elastica's elliptic integrals; while F grows within half the first period, and where it is there at once,
-    undamped and with stiffness-proportional damping (0.35 % in the first mode), for 3 sqrt(rho A L^4/(E I)), against
-    nine shapes; the highest frequency in sqrt(E I/(rho A L^4)), which an explicit step must follow:
+    natural modes with the payload; "polynomial", any curvatures; "auto". In the plane "auto" serves the beam's own
+    input, a tip force F, best: "tip-force"; in space it is "modes", whose bend1 and flap1 are the first natural modes.
+    Relative error of the tip's displacement, clamped, without payload, F L^2/(E I) = 1 across: at rest against the
+    elastica's elliptic integrals; while F grows within half the first period, and where it is there at once, undamped
+    and with stiffness-proportional damping (0.35 % in the first mode), for 3 sqrt(rho A L^4/(E I)), against nine
+    shapes; the highest frequency in sqrt(E I/(rho A L^4)), which an explicit step must follow:
 
         n   basis        at rest   growing   at once   damped    highest
         2   modes        3.7e-3    3.1e-3    4.5e-3    4.2e-3    22

@@ -61,6 +61,8 @@ class LTVModel(ModelSignals):
     disturbances: tuple[Signal, ...]
     outputs: tuple[Signal, ...]
     w: np.ndarray | None = field(default=None, repr=False)  # (nt, nw), zero where None
+    # The same model with nodes between these, where these cannot show what A does: stability is judged on it.
+    finer: LTVModel | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         n, m, k, p = (len(s) for s in (self.states, self.inputs, self.disturbances, self.outputs))
@@ -71,6 +73,10 @@ class LTVModel(ModelSignals):
             given = np.zeros((len(self.t), k)) if name == "w" and self.w is None else getattr(self, name)
             object.__setattr__(self, name, read_only(f"LTVModel.{name}", given, (len(self.t), *shape)))
         self._check_signals()
+        if self.finer is not None:
+            at = np.isin(self.finer.t, self.t)
+            if at.sum() != len(self.t) or np.abs(self.finer.A[at] - self.A).max() > 1e-9 * np.abs(self.A).max():
+                object.__setattr__(self, "finer", None)  # A is no longer what it was made from
 
     def at(self, k: int) -> LinearModel:
         """The model frozen at node k; its f0 is c[k], the rate of a deviation from the moving nominal."""

@@ -83,7 +83,7 @@ def refined(M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarr
         W = np.linalg.inv(V).astype(extended)
     except np.linalg.LinAlgError:
         return unknown
-    V, A, one = V.astype(extended), M.astype(np.longdouble), np.eye(n)
+    V, A, one = V.astype(extended), M.astype(extended), np.eye(n)
     for last in (False, False, True):
         W = W @ (2 * one - V @ W)
         T = W @ (A @ V)

@@ -17,7 +17,7 @@ from pliant.plants.core import parameters
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.core.trajectory import Trajectory
-from pliant.plants.dynamics.linear_models import check_signals
+from pliant.plants.dynamics.linear_models import check_signals, with_finer
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -210,6 +210,21 @@ def linearize_along(craft: SpacecraftDeclaration, nominal: Trajectory, p: Any) -
     """
     check_signals(craft, nominal)
     check_nominal(craft, nominal)
+
+    def made(motion: Trajectory, values: Any) -> LTVModel:
+        return _at_nodes(craft, motion if motion is nominal else _of_unit_length(craft, motion), values)
+
+    return with_finer(made, nominal, p)
+
+
+def _of_unit_length(craft: SpacecraftDeclaration, motion: Trajectory) -> Trajectory:
+    """A motion between the nodes of another, where the polynomials of a quaternion leave the unit sphere."""
+    x, q = motion.x.copy(), craft.layout.quaternion
+    x[:, q] /= np.linalg.norm(x[:, q], axis=1, keepdims=True)
+    return dataclasses.replace(motion, x=x)
+
+
+def _at_nodes(craft: SpacecraftDeclaration, nominal: Trajectory, p: Any) -> LTVModel:
     w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), craft.nw))
     dx = nominal.derivative()
     A, B, E, C, D, F = in_deviations(craft, nominal.x, dx, craft._jacobians_along(nominal, w, p))

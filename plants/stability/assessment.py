@@ -40,7 +40,7 @@ from .frozen_time import (
 from .lyapunov_certificate import Certificate, certified, lyapunov
 from .periodicity import varying
 from .state_matrix_path import Model, Path, as_pieces, kept, scaling
-from .transition_error import transition
+from .transition_error import TooManySteps, transition
 from .transition_growth import Growth, grown, growth
 from .verdict import METHODS, Verdict, degree, of_constant
 
@@ -102,9 +102,11 @@ def assess(
         try:
             cycle = floquet(joined, period, states=states)
         except ValueError as refusal:
-            if periodic or period is not None:
-                raise
             said["floquet"] = str(refusal).removeprefix("floquet: ")
+            if periodic or period is not None:
+                if isinstance(refusal, TooManySteps):  # periodic it is
+                    return _made("undecided", "", np.nan, said["floquet"], evidence, said)
+                raise
     if cycle is not None:
         evidence["floquet"] = cycle
         if thorough:

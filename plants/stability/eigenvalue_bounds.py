@@ -51,7 +51,7 @@ def bounds(
     volume: tuple[np.ndarray, np.ndarray] | None = None,
     trace: np.ndarray | None = None,
 ) -> Bounds:
-    """Against the unit circle, or the line Re z = 0: M (n, n) real, D (n, n) >= 0.
+    """Against the unit circle, or the line Re z = 0: M (n, n), of a real matrix in any coordinates, D (n, n) >= 0.
 
     `volume`: the integral (n,) of each A_ii whose transition matrix M is, and what it may be off (n,). `trace` (n, n):
     the sum over a part bounds what its trace may be off, where that is less than D says.
@@ -67,7 +67,7 @@ def bounds(
     for part in parts_of((np.abs(M) + D) != 0):
         square = np.ix_(part, part)
         one = None
-        if len(part) == 2 and not line:
+        if len(part) == 2 and not line and np.isrealobj(M):
             known = None if volume is None else tuple(float(v[part].sum()) for v in volume)
             one = _two(M[square], D[square], known, np.inf if trace is None else float(trace[square].sum()))
         one = one or _part(M[square], D[square], line)
@@ -169,7 +169,7 @@ def _grows(M: np.ndarray, D: np.ndarray) -> bool:
     """Whether a power of every member has a trace beyond n: its largest eigenvalue is at least |trace|/n."""
     P, E = M, D
     for _ in range(4):
-        if abs(float(np.trace(P))) - float(np.trace(E)) > len(M) * (1 + 1e-6):
+        if abs(np.trace(P)) - float(np.trace(E)) > len(M) * (1 + 1e-6):
             return True
         P, E = P @ M, E @ (np.abs(M) + D) + np.abs(P) @ D
     return False

@@ -12,18 +12,18 @@ the error: data that are known to 1e-3 do not put a multiplier onto the circle.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
-from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 
 from . import periodicity as periods
-from .eigenvalue_bounds import bounds
-from .state_matrix_path import Model, Path, as_pieces, kept, scaling
-from .transition_error import monodromy, transition
+from .eigenvalue_bounds import EPS, Bounds, bounds
+from .interpolation import FEW
+from .state_matrix_path import Model, Path, as_pieces, kept, modal, scaling
+from .transition_error import TooManySteps, Transition, monodromy, transition
 from .verdict import CLEAR
 
 FLOOR = 1e-9  # a multiplier this near the unit circle is on it
@@ -129,23 +129,35 @@ def floquet(
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise ValueError(f"floquet.tolerance = {tolerance!r} must be > 0")
     paths, jumps, length, source = periodic_paths(model, period, states)
-    scale = paths[0].scale
     try:
         found = transition(paths, jumps, tolerance)
-    except ValueError as refusal:
-        raise ValueError(f"floquet: {refusal}") from None
-    M = found.M
-    b = bounds(M, found.D, volume=(found.rate, found.rate_error), trace=found.trace)
+    except TooManySteps as refusal:
+        raise TooManySteps(f"floquet: {refusal}") from None
+    b = bounds(found.M, found.D, volume=(found.rate, found.rate_error), trace=found.trace)
+    named, keep = _names(model), kept(model, states)
+    names = tuple(named[i] for i in keep)
+    about = (length, source, names, tuple(paths), tuple(jumps), undamped, found)
+    cycle = _found(about, found.M, found.D, b)
+    if cycle.verdict == "undecided" and len(names) > 2 and all(p.constant or len(p.t) > FEW for p in paths):
+        cycle = _sharper(model, about, tolerance, cycle)
+    if undamped and not cycle.undamped:
+        raise ValueError("floquet.undamped = True: the multipliers do not come in pairs lambda, 1/lambda")
+    return cycle
+
+
+About = tuple[float, str, tuple[str, ...], tuple[Path, ...], tuple[np.ndarray, ...], bool | None, Transition]
+
+
+def _found(about: About, M: np.ndarray, D: np.ndarray, b: Bounds) -> Floquet:
+    """From M and D (n, n) in the paths' scaled coordinates and the bounds on the eigenvalues."""
+    length, source, names, paths, jumps, undamped, found = about
+    scale = paths[0].scale
     order = np.argsort(-np.abs(b.values), kind="stable")
     place = np.argsort(order)
     lam, error = b.values[order], b.errors[order]
-    paired = undamped is not False and _traceless(paths, jumps) and _paired(lam, error)
-    if undamped and not paired:
-        raise ValueError("floquet.undamped = True: the multipliers do not come in pairs lambda, 1/lambda")
     vectors = b.vectors[:, order] * scale[:, None]
     with np.errstate(divide="ignore"):
         exponents = np.log(lam) / length
-    named, keep = _names(model), kept(model, states)
     ratio = scale[:, None] / scale
     return Floquet(
         length,
@@ -154,19 +166,56 @@ def floquet(
         vectors / np.maximum(np.linalg.norm(vectors, axis=0), 1e-300),
         M * ratio,
         error,
-        found.D * ratio,
+        D * ratio,
         tuple(np.sort(place[g]) for g in b.groups),
         b.least,
         b.most,
-        paired,
+        undamped is not False and _traceless(paths, jumps) and _paired(lam, error),
         found.steps,
-        tuple(named[i] for i in keep),
+        names,
         source,
-        tuple(paths),
-        tuple(jumps),
+        paths,
+        jumps,
         found.times,
         found.Phi,
     )
+
+
+def _sharper(model: Model, about: About, tolerance: float, cycle: Floquet) -> Floquet:
+    """The same judged in the modes' coordinates: those of the mean of A for A(t), those of the matrix for its bound.
+
+    A fast mode's oscillation is no growth in them, as it is where |Phi| is taken entry by entry in other coordinates,
+    and a part that the states hide stands alone. Kept where it decides, or knows the largest multiplier better.
+    """
+    length, _, names, paths, jumps, _, first = about
+    X, inverse = np.eye(len(names)), np.eye(len(names))
+    if len(paths) == 1 and not paths[0].constant:
+        piece, keep = as_pieces(model).pieces[0], [_names(model).index(name) for name in names]
+        scale = paths[0].scale
+        A = piece.A[:, keep][:, :, keep] * scale / scale[:, None]
+        X, inverse = modal(A)
+        size, n = np.abs(A).max(axis=0), len(names)
+        A, around = inverse @ A @ X, 4 * n * EPS * np.abs(inverse)
+        apart = np.abs(inverse @ X - np.eye(n)) + around @ np.abs(X)  # the inverse is one to rounding
+        rounding = around @ size @ np.abs(X) + 2 * apart @ np.abs(A).max(axis=0)
+        if apart.sum(axis=1).max() > 0.1:
+            return cycle
+        path, reason = periods.one_period(piece.t, A, length, names, rounding=rounding)
+        if reason:
+            return cycle
+        X, inverse, paths = X * path.scale, inverse / path.scale[:, None], (path,)
+    try:
+        found = transition(paths, jumps, tolerance, modal=True)
+    except TooManySteps:
+        return cycle
+    if found.V is None or found.M_V is None or found.D_V is None:
+        return cycle
+    b = bounds(found.M_V, found.D_V)
+    M = X @ found.M @ inverse
+    D = np.minimum(np.abs(X) @ found.D @ np.abs(inverse), first.D + np.abs(first.M - M))
+    other = _found(about, M, D, replace(b, vectors=X @ found.V @ b.vectors))
+    better = other.verdict != "undecided" or other.error[0] < cycle.error[0]
+    return other if better else cycle
 
 
 def _names(model: Model) -> tuple[str, ...]:
@@ -177,7 +226,7 @@ def periodic_paths(
     model: Model, period: float | None, states: Sequence[str] | None
 ) -> tuple[list[Path], list[np.ndarray], float, str]:
     """A(t) over one period in pieces, the jumps between, the period [s] and where it comes from."""
-    if isinstance(model, LinearModel | LTVModel):
+    if isinstance(model, LinearModel):
         path, length, source = periodic_path(model, period, states)
         return [path], [], length, source
     joined = as_pieces(model)
@@ -186,43 +235,7 @@ def periodic_paths(
         return [path], [], length, source
     if period is None:
         raise ValueError("floquet.period = None: pieces have no smooth period to be found, it must be given")
-    return pieced(joined, require_period(period), kept(model, states))
-
-
-def require_period(period: float) -> float:
-    length = float(period)
-    if not (np.isfinite(length) and length > 0):
-        raise ValueError(f"floquet.period = {period!r} must be > 0 [s]")
-    return length
-
-
-def pieced(joined: PiecewiseLTV, period: float, keep: list[int]) -> tuple[list[Path], list[np.ndarray], float, str]:
-    """The first period of a nominal in pieces; the later ones must be like it, their jumps too."""
-    begin, end = joined.pieces[0].t[0], joined.pieces[-1].t[-1]
-    turns = round((end - begin) / period)
-    if turns < 1 or abs(turns * period - (end - begin)) > 1e-9 * (end - begin):
-        raise ValueError(f"floquet.period = {period:.6g} s: the pieces cover {end - begin:.6g} s, no whole number")
-    stops = np.array([piece.t[-1] for piece in joined.pieces])
-    count = int(np.argmin(np.abs(stops - begin - period))) + 1
-    if abs(stops[count - 1] - begin - period) > 1e-9 * (end - begin) or count * turns != len(joined.pieces):
-        raise ValueError(f"floquet.period = {period:.6g} s: a period must begin where a piece does")
-    A = [piece.A[:, keep][:, :, keep] for piece in joined.pieces]
-    scale = scaling(np.concatenate(A[:count]))
-    paths = [Path(p.t, a, scale) for p, a in zip(joined.pieces[:count], A[:count])]
-    square = np.ix_(keep, keep)
-    jumps = [J[square] * scale / scale[:, None] for J, _ in joined.jumps]
-    size = max(path.size for path in paths)
-    for k in range(count, len(A)):
-        first, shift = paths[k % count], (k // count) * period
-        local = np.clip(joined.pieces[k].t - shift, first.t[0], first.t[-1])
-        miss = float(np.abs(A[k] * scale / scale[:, None] - first(local)).max()) if len(A[k]) else 0.0
-        slack = abs(joined.pieces[k].t[0] - shift - first.t[0]) + abs(joined.pieces[k].t[-1] - shift - first.t[-1])
-        if miss > 1e-9 * size or slack > 1e-9 * period or np.abs(jumps[k - 1] - jumps[(k - 1) % count]).max() > 1e-9:
-            raise ValueError(f"floquet.period = {period:.6g} s: piece {k} differs from piece {k % count}")
-    if turns > 1:  # the jump between two periods is known; of a single one its end is its start
-        paths.append(Path(paths[-1].t[-1] + np.array([0.0, 0.0]), np.zeros((2, len(scale), len(scale))), scale))
-        return paths, jumps[:count], period, f"given, {turns} periods of {count} pieces"
-    return paths, jumps, period, f"given, {count} pieces"
+    return periods.pieced(joined, periods.require_period(period), kept(model, states))
 
 
 def periodic_path(
@@ -242,7 +255,7 @@ def periodic_path(
             raise ValueError(f"floquet: the model is not periodic: {source}")
         length = found
     else:
-        length, source = require_period(period), "given"
+        length, source = periods.require_period(period), "given"
     if length > span * (1 + 1e-9):
         covers = f"the model covers {span:.6g} s, less than the period {length:.6g} s"
         raise ValueError(f"floquet.period = {length:.6g} s: the model is not periodic: {covers}")

@@ -6,7 +6,9 @@ cubic       Hermite cubic, slopes from five nodes. Its error is w |f[5 nodes]|, 
             f''''h^4/384. Where f is smooth the fourth difference falls sixteenfold when its nodes move together by
             half, at a kink twofold, at a jump not at all. So: where that of neighbouring nodes is SMOOTH times smaller
             than that of every other node the cubic is believed; else its error counts ROUGH times: a kink in
-            mid-interval makes it 16 w |f[5 nodes]|. An interval much longer than one beside it shows neither.
+            mid-interval makes it 16 w |f[5 nodes]|. An interval much longer than one beside it shows neither. Nor is it
+            believed where five nodes' fourth difference is no smaller than the largest second one among them, as at
+            each kink and jump: beside a large jump every other node's is large, and hides a small one.
 linear      Let `left` be the miss at t[k+1] of the line through nodes k-1, k and `right` that at t[k] of the line
             through k+1, k+2, or with the slope of the interval after it, which a kink beside this one spares. A kink at
             a share s of the interval makes them |ds| h (1-s) and |ds| h s, and the area between f and the chord is
@@ -26,6 +28,7 @@ from typing import Any
 import numpy as np
 
 SMOOTH, ROUGH = 9.0, 32.0
+FALLS = 1.25  # times the second difference: a fourth one larger than that is no smooth function's
 LONE = 0.3  # of an interval's length: one beside it that is shorter does not help to judge it
 FEW = 12  # intervals below which nothing is measured, and the steps between the nodes count too, ..
 STEP = 0.5  # .. so much of them
@@ -161,7 +164,10 @@ def _cubic(t: np.ndarray, f: np.ndarray, h: np.ndarray, d1: np.ndarray) -> tuple
         apart = (apart[2:] - apart[:-2]) / (t[order:] - t[:-order])[:, None]
     bend = np.abs(near[3])
     close = _ends_filled(_covering(bend, m, 4), 3)
-    fine = _ends_filled(_covering(bend * ((t[4:] - t[:-4]) / 4)[:, None] ** 4, m, 4), 3)
+    width = ((t[4:] - t[:-4]) / 4)[:, None]  # of each five nodes
+    fine = _ends_filled(_covering(bend * width**4, m, 4), 3)
+    bent = np.max([np.abs(near[1][k : k + m - 3]) for k in range(3)], axis=0)
+    falls = _ends_filled(_covering((FALLS * 12 * width**2 * bend > bent).astype(float), m, 4), 3) == 0
     wide = _covering(np.abs(apart) * ((t[8:] - t[:-8]) / 4)[:, None] ** 4, m, 8)
     before, after = np.r_[h[0], h[:-1]], np.r_[h[1:], h[-1]]
     largest = np.max(
@@ -169,7 +175,7 @@ def _cubic(t: np.ndarray, f: np.ndarray, h: np.ndarray, d1: np.ndarray) -> tuple
     )
     w = np.maximum(h**2 / 4 * (before + h / 2) * (after + h / 2), 0.1 * h * largest**3)
     beside = np.minimum(before, after) >= LONE * h
-    cubic = close * w[:, None] * np.where((SMOOTH * fine <= wide) & beside[:, None], 1.0, ROUGH)
+    cubic = close * w[:, None] * np.where((SMOOTH * fine <= wide) & beside[:, None] & falls, 1.0, ROUGH)
     start = np.clip(np.arange(m + 1) - 2, 0, m - 4)
     a, b, c, d = (t - t[start + k] for k in range(4))
     slope = (

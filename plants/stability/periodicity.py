@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 
 from .state_matrix_path import CLOSES, Path, scaling
 
@@ -39,13 +40,19 @@ def why_not(model: LTVModel, period: float) -> str:
 
 
 def one_period(
-    t: np.ndarray, A: np.ndarray, period: float, names: Sequence[str], *, found: bool = False
+    t: np.ndarray,
+    A: np.ndarray,
+    period: float,
+    names: Sequence[str],
+    *,
+    found: bool = False,
+    rounding: np.ndarray | None = None,
 ) -> tuple[Path, str]:
     """A(t) over the first period [s], and why the nodes of later ones do not agree with it, "" where they do.
 
     Compared at every shift, entry by entry, with A between the nodes of the first; what differs by less than CLOSES of
     an entry's range, or by less than the nodes of the first leave open, is counted as an error of A there. A period
-    that is `found` is not believed where much is open.
+    that is `found` is not believed where much is open. `rounding` (n, n) [1/s]: what A may be off at all times.
     """
     begin, span = t[0], float(t[-1] - t[0])
     inner = t < begin + period * (1 - 1e-9)
@@ -60,6 +67,8 @@ def one_period(
     moving = spread > 1e-14 * np.abs(A).max(axis=0)
     nodes = np.append(first, begin + period)
     path = Path(nodes, np.concatenate([values, last[None]]), scale, periodic=True, moving=moving)
+    if rounding is not None:
+        path.rounding = rounding * scale / scale[:, None]
     if path.constant:
         return path, ""
     at = (slice(None), path.rows, path.columns)
@@ -71,6 +80,7 @@ def one_period(
     if period > span * (1 - 1e-9):
         open_ = np.zeros_like(open_)  # nothing but the seam is there to see
     allowed = CLOSES * spread + 64 * np.finfo(float).eps * np.abs(path.values.f).max(axis=0)
+    allowed = allowed + path.rounding[path.rows, path.columns]
     worst = np.zeros_like(path.values.most)
     times = t[later]
     for j in range(0, len(times), 256):
@@ -88,6 +98,42 @@ def one_period(
         np.maximum.at(worst, k, np.where(miss > path.values.most[k], miss, 0.0))
     path.values.add(slice(None), worst)
     return path, ""
+
+
+def require_period(period: float) -> float:
+    length = float(period)
+    if not (np.isfinite(length) and length > 0):
+        raise ValueError(f"floquet.period = {period!r} must be > 0 [s]")
+    return length
+
+
+def pieced(joined: PiecewiseLTV, period: float, keep: list[int]) -> tuple[list[Path], list[np.ndarray], float, str]:
+    """The first period of a nominal in pieces; the later ones must be like it, their jumps too."""
+    begin, end = joined.pieces[0].t[0], joined.pieces[-1].t[-1]
+    turns = round((end - begin) / period)
+    if turns < 1 or abs(turns * period - (end - begin)) > 1e-9 * (end - begin):
+        raise ValueError(f"floquet.period = {period:.6g} s: the pieces cover {end - begin:.6g} s, no whole number")
+    stops = np.array([piece.t[-1] for piece in joined.pieces])
+    count = int(np.argmin(np.abs(stops - begin - period))) + 1
+    if abs(stops[count - 1] - begin - period) > 1e-9 * (end - begin) or count * turns != len(joined.pieces):
+        raise ValueError(f"floquet.period = {period:.6g} s: a period must begin where a piece does")
+    A = [piece.A[:, keep][:, :, keep] for piece in joined.pieces]
+    scale = scaling(np.concatenate(A[:count]))
+    paths = [Path(p.t, a, scale) for p, a in zip(joined.pieces[:count], A[:count])]
+    square = np.ix_(keep, keep)
+    jumps = [J[square] * scale / scale[:, None] for J, _ in joined.jumps]
+    size = max(path.size for path in paths)
+    for k in range(count, len(A)):
+        first, shift = paths[k % count], (k // count) * period
+        local = np.clip(joined.pieces[k].t - shift, first.t[0], first.t[-1])
+        miss = float(np.abs(A[k] * scale / scale[:, None] - first(local)).max()) if len(A[k]) else 0.0
+        slack = abs(joined.pieces[k].t[0] - shift - first.t[0]) + abs(joined.pieces[k].t[-1] - shift - first.t[-1])
+        if miss > 1e-9 * size or slack > 1e-9 * period or np.abs(jumps[k - 1] - jumps[(k - 1) % count]).max() > 1e-9:
+            raise ValueError(f"floquet.period = {period:.6g} s: piece {k} differs from piece {k % count}")
+    if turns > 1:  # the jump between two periods is known; of a single one its end is its start
+        paths.append(Path(paths[-1].t[-1] + np.array([0.0, 0.0]), np.zeros((2, len(scale), len(scale))), scale))
+        return paths, jumps[:count], period, f"given, {turns} periods of {count} pieces"
+    return paths, jumps, period, f"given, {count} pieces"
 
 
 def find(model: LTVModel) -> tuple[float | None, str]:

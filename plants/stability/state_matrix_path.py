@@ -23,6 +23,7 @@ from .interpolation import Interpolant
 CLOSES = 1e-5  # of an entry's range: how near it must come back after a period
 NOISE, WIDEST = 1e-12, 2.0**80  # of entries that scaling ignores; of scales from their median
 FELT = 1e-12  # of the largest entry in scaled coordinates: what is less is rounding
+SKEW = 1e6  # condition of eigenvectors that are taken for coordinates
 CHUNK = 4096  # steps whose matrices are held at a time
 MOST_STEPS = 2**20
 
@@ -34,14 +35,15 @@ def as_pieces(model: Model) -> PiecewiseLTV:
     """The model as pieces: one where it has no jump; a list is joined without jumps of the state.
 
     ValueError for a LinearModel, which has no times. A constant jump j moves all deviations alike: only J matters.
+    Where the nodes of a model hide what A does, it is taken at its `finer` ones.
     """
     if isinstance(model, PiecewiseLTV):
-        return model
+        return PiecewiseLTV(tuple(m.finer or m for m in model.pieces), model.jumps)
     models = (model,) if isinstance(model, LTVModel) else model
     if not isinstance(models, Sequence) or not models or not all(isinstance(m, LTVModel) for m in models):
         raise ValueError(f"model is a {type(model).__name__}, must be an LTVModel, PiecewiseLTV or a list of LTVModel")
     n = len(models[0].states)
-    return PiecewiseLTV(tuple(models), ((np.eye(n), np.zeros(n)),) * (len(models) - 1))
+    return PiecewiseLTV(tuple(m.finer or m for m in models), ((np.eye(n), np.zeros(n)),) * (len(models) - 1))
 
 
 def kept(model: Any, states: Sequence[str] | None) -> list[int]:
@@ -122,6 +124,21 @@ def scaling(A: np.ndarray) -> np.ndarray:
     return scale / scale.max()
 
 
+def modal(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Real coordinates X (n, n) in which the mean of A (nt, n, n) is a mode beside the other, and their inverse.
+
+    Columns are the eigenvectors, of a complex pair their real and imaginary part; Schur's, where these are hardly a
+    basis: a mode then feels later ones alone.
+    """
+    mean = A.mean(axis=0)
+    lam, V = np.linalg.eig(mean)
+    X = np.where(lam.imag < 0, -V.imag, V.real)
+    if np.linalg.cond(X) > SKEW:
+        X = sla.schur(mean)[1]
+    inverse = np.linalg.inv(X)
+    return X, inverse @ (2 * np.eye(len(X)) - X @ inverse)
+
+
 class Path:
     """A(t) = base + what varies, from values A (nt, n, n) at times t; `periodic`: t[-1] is a period after t[0]."""
 
@@ -140,6 +157,7 @@ class Path:
         rounding = 1e-14 * np.abs(A).max(axis=0, initial=0.0)
         self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > rounding if moving is None else moving)
         self.base = A.mean(axis=0)
+        self.rounding = np.zeros((self.n, self.n))  # [1/s] what every A(t) may be off beside what `area` says
         if not len(self.rows):
             return
         self.base[self.rows, self.columns] = 0.0

@@ -5,6 +5,9 @@ E_k (n, n) the integral of what A(t) misses between two nodes (`interpolation`).
 enlarged by what it may itself be off, dF_k <= sum over j < k of |Phi(t_k, t_j)| E_j (|Phi(t_j, 0)| + dF_j), found from
 the start onwards over stretches of the nominal. To it come the change when all steps are halved, and the rounding of
 the products. Where D is large the steps need not be small.
+
+What a multiplier may be off hangs on V^-1 dM V, V the eigenvectors of M:
+|V^-1 Phi(T, t)| E_k |Phi(t, 0) V| is less than |V^-1| D |V|, in which what cancels is summed by its size (`modal`).
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pliant.plants.linear import magnus
+from pliant.plants.linear.modal_analysis import refined as eigenvectors
 
 from .state_matrix_path import MOST_STEPS, Path
 
@@ -25,6 +29,10 @@ STRETCHES = 192  # between which higher orders are summed
 SEEN = 0.7  # |eigenvalue| times distance of two partial products between which they hide little
 HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it
 EPS = float(np.finfo(float).eps)
+
+
+class TooManySteps(ValueError):
+    """The fastest modes need more steps over the nominal than are taken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +47,9 @@ class Transition:
     trace: np.ndarray = field(repr=False)  # (n, n): the sum over a closed part bounds what the part's trace may be off
     times: np.ndarray = field(repr=False)  # (m + 1,) [s], and ..
     Phi: np.ndarray = field(repr=False)  # (m, n, n) .. between them, a piece's jump in its first
+    V: np.ndarray | None = field(repr=False, default=None)  # (n, n) eigenvectors of M where they are asked for, ..
+    M_V: np.ndarray | None = field(repr=False, default=None)  # .. about V^-1 M V, and ..
+    D_V: np.ndarray | None = field(repr=False, default=None)  # .. what V^-1 M' V differs from it at most
 
 
 def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]:
@@ -50,7 +61,7 @@ def refined(path: Path, across: float = ACROSS) -> tuple[np.ndarray, np.ndarray]
     need = int(parts.sum())
     if need > MOST_STEPS:
         need = 1 << (need - 1).bit_length()
-        raise ValueError(
+        raise TooManySteps(
             f"a period of {path.t[-1] - path.t[0]:.6g} s and modes of up to {fastest:.4g} 1/s need {need:,} steps, "
             f"more than {MOST_STEPS:,}: leave out the fastest modes"
         )
@@ -78,18 +89,29 @@ def monodromy(path: Path, length: float, tolerance: float) -> tuple[int, np.ndar
 
 
 @np.errstate(over="ignore", invalid="ignore")  # beyond the range of numbers D is not finite: nothing is known
-def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), tolerance: float = 1e-11) -> Transition:
-    """Over the paths in turn, a jump (n, n) in the same scaled coordinates between each two."""
-    n = paths[0].n
+def transition(
+    paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), tolerance: float = 1e-11, *, modal: bool = False
+) -> Transition:
+    """Over the paths in turn, a jump (n, n) in the same scaled coordinates between each two.
+
+    `modal`: in the coordinates of the eigenvectors too, where M has a basis of them.
+    """
+    n, one = paths[0].n, np.eye(paths[0].n)
+    V, W, D_V = None, one, None
     grids = [refined(path) for path in paths]
     chosen = [_edges(path, *grid) for path, grid in zip(paths, grids)]
     steps, halvings, before = sum(len(grid) - 1 for grid, _ in grids), 0, None
     D, S = np.zeros((n, n)), np.zeros((n, n))
     while True:
         Phi = [_products(path, grid, edges, 1 << halvings) for path, (grid, _), edges in zip(paths, grids, chosen)]
-        if before is None:
-            D, S = _first_order(paths, grids, chosen, Phi, jumps)
         M = _joined([magnus.product(P) for P in Phi], jumps)
+        if before is None:
+            D, S = _first_order(paths, grids, chosen, Phi, jumps, one, one)
+            if modal and np.isfinite(M).all():
+                _, V, W, off = eigenvectors(M)
+                V = V if np.isfinite(off).all() else None
+            if V is not None:
+                D_V, _ = _first_order(paths, grids, chosen, Phi, jumps, W, V)
         if before is not None:
             change = np.abs(M - before)
             size = float(np.linalg.norm(M))
@@ -103,6 +125,13 @@ def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), toleranc
     for J, P in zip(jumps, Phi[1:]):
         P[0] = P[0] @ J
     times = [grids[0][0][:1], *(grid[edges[1:]] for (grid, _), edges in zip(grids, chosen))]
+    M_V = None
+    if V is not None and D_V is not None:
+        M_V = W @ M @ V
+        D_V = D_V + np.abs(W) @ (HALVED * change + 4 * n * EPS * np.abs(M)) @ np.abs(V)
+        apart = np.abs(W @ V - one) + 2 * n * EPS * np.abs(W) @ np.abs(V)  # W is V^-1 to rounding
+        D_V = D_V + 2 * (apart @ (np.abs(M_V) + D_V))
+        D_V = D_V if apart.sum(axis=1).max() < 0.1 else np.full((n, n), np.inf)
     return Transition(
         M,
         D + HALVED * change,
@@ -111,6 +140,9 @@ def transition(paths: Sequence[Path], jumps: Sequence[np.ndarray] = (), toleranc
         S + np.diag(np.diagonal(HALVED * change)),
         np.concatenate(times),
         np.concatenate(Phi),
+        V,
+        M_V,
+        D_V,
     )
 
 
@@ -165,16 +197,19 @@ def _first_order(
     chosen: Sequence[np.ndarray],
     Phi: Sequence[np.ndarray],
     jumps: Sequence[np.ndarray],
+    left: np.ndarray,
+    right: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds (n, n) on the entries, and those whose sum over a part bounds its trace.
+    """Bounds (n, n) on the entries of left dM right, and those whose sum over a part bounds the trace of dM, where
+    right left = 1.
 
     The trace of Phi(T, t) dA Phi(t, 0) is that of Phi(t, 0) Phi(T, t) dA: the factors' signs count.
     """
     n = paths[0].n
-    before = [np.eye(n)]  # Phi(start of the path, 0)
+    before = [right]  # Phi(start of the path, 0)
     for k, P in enumerate(Phi[:-1]):
         before.append(jumps[k] @ magnus.product(P) @ before[-1])
-    after = np.eye(n)
+    after = left
     D, trace = np.zeros((n, n)), np.zeros((n, n))
     stretches: list[tuple[np.ndarray, ...]] = []  # last path first
     for k in range(len(paths) - 1, -1, -1):
@@ -222,7 +257,7 @@ def _over_one(
 ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
     """The first order of one path in the whole, of the trace, and its stretches for the higher ones."""
     m, n = len(Phi), path.n
-    F, B = np.empty((m + 1, n, n)), np.empty((m + 1, n, n))
+    F, B = np.empty((m + 1, n, n), before.dtype), np.empty((m + 1, n, n), after.dtype)
     F[0], B[m] = before, after
     for k in range(m):
         F[k + 1] = Phi[k] @ F[k]
@@ -238,6 +273,8 @@ def _over_one(
     if not path.constant:
         first = np.searchsorted(nodes, edges[own])  # nodes that these are
         E[:, path.rows, path.columns] = np.add.reduceat(path.values.area, first[:-1], axis=0)
+    if path.rounding.any():
+        E += path.rounding * np.diff(grid[edges[own]])[:, None, None]
     D = np.zeros((n, n))
     for k in range(0, len(E), 64):
         part = slice(k, k + 64)

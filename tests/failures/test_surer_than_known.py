@@ -213,3 +213,24 @@ def test_arguments_that_could_have_no_effect_are_refused():
     ):
         with pytest.raises(ValueError):
             call()
+
+
+@pytest.mark.parametrize("slow", (-1e-6, 1e-6))
+def test_a_mode_a_thousand_million_times_faster(slow):
+    """e^(-1e9 T) beside e^(slow T), hidden by a rotation and by units: decided where A is constant (its rates are those
+    that it was made with), and with what would decide where it pulses.
+    """
+    Q = np.linalg.qr(np.random.default_rng(2).standard_normal((2, 2)))[0]
+    for S in (np.eye(2), np.diag([1.0, 1e9])):
+        A = S @ np.diag([-1e9, slow]) @ np.linalg.inv(S)
+        still = assess(LinearModel.from_matrices(A, np.zeros((2, 0))), period=10.0)
+        assert still.verdict == ("unstable" if slow > 0 else "stable")
+        assert still.margin == pytest.approx(-slow, rel=1e-6)
+    turned = assess(LinearModel.from_matrices(Q @ np.diag([-1e9, slow]) @ Q.T, np.zeros((2, 0))))
+    assert turned.verdict in ("marginal", still.verdict)  # rounding of 1e9 is 1e-7, some of which it hangs on
+    t = np.linspace(0.0, 10.0, 41)
+    pulsing = model_of(t, Q @ np.diag([-1e9, slow]) @ Q.T * (1 + 0.1 * np.cos(np.pi / 5 * t))[:, None, None])
+    open_ = assess(pulsing, period=10.0)
+    assert open_.verdict == "undecided" and "leave out the fastest modes" in open_.why
+    with pytest.raises(ValueError, match="leave out the fastest modes"):
+        floquet(pulsing, 10.0)

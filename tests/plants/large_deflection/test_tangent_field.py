@@ -218,7 +218,7 @@ def test_shapes_for_a_tip_force_meet_any_payload_from_above(load):
     assert (dataclasses.replace(plant, modes=4).natural_frequencies() >= found[:4] * (1 - 1e-10)).all()
 
 
-@pytest.mark.parametrize("given", [{}, {"planar": False, "twists": 1}])
+@pytest.mark.parametrize("given", [{}, {"planar": False, "twists": 1, "basis": "tip-force"}])
 def test_three_shapes_for_a_tip_force_bend_as_the_elastica(given):
     """In the plane, and in space along a diagonal, as a round rod bends alike all ways."""
     plant = LargeDeflectionBeam(beam=ROD, gravity=(0.0, 0.0, 0.0), **given)

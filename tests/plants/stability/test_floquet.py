@@ -345,3 +345,27 @@ def test_modulated_hinge_of_the_reference(reference):
 
     critical = brentq(largest, 0.04, 0.06, xtol=1e-7)
     assert critical == pytest.approx(table["critical_eps_symmetric"], abs=1e-5)
+
+
+def test_a_fast_mode_in_coordinates_that_hide_it():
+    """A slow pair whose stiffness pulses beside a fast one, in skew states. Bounded entry by entry the fast one's
+    oscillation counts as growth, and the multipliers are told to be known to 8.4 and 2.6; in the modes' coordinates to
+    4e-6. They are those of Dormand and Prince's method of order 8 at 1e-12.
+    """
+    rng = np.random.default_rng(5)
+    first, second = (np.linalg.qr(rng.standard_normal((4, 4)))[0] for _ in range(2))
+    S = first @ np.diag([1.0, 1.0, 0.03, 0.03]) @ second
+    back = np.linalg.inv(S)
+    mean = np.array([[0, 1, 0, 0], [-0.6, -0.02, 0, 0], [0, 0, 0, 20.0], [0, 0, -20.0, -0.2]])
+    pump = np.array([[0, 0, 0, 0], [-0.3, 0, 0.3, 0], [0, 0, 0, 0], [0.3, 0, 0, 0]])
+    mean, pump = S @ mean @ back, S @ pump @ back
+    wanted = np.linalg.eigvals(integrated(lambda s: mean + np.cos(s) * pump, 2 * np.pi, 4))
+    for nodes in (60, 120):
+        t = np.linspace(0.0, 2 * np.pi, nodes) ** 1.1 / (2 * np.pi) ** 0.1
+        found = floquet(model_of(t, mean + np.cos(t)[:, None, None] * pump), 2 * np.pi)
+        assert found.verdict == "stable" and found.error.max() < 1e-4
+        for value in wanted:
+            k = np.abs(found.multipliers - value).argmin()
+            assert abs(found.multipliers[k] - value) <= found.error[k]
+        sizes = np.abs(np.linalg.eigvals(found.monodromy))
+        np.testing.assert_allclose(np.sort(sizes), np.sort(np.abs(found.multipliers)), rtol=1e-8)

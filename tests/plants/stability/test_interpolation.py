@@ -126,3 +126,12 @@ def test_integral_of_each_kind():
             fine = (np.arange(200_000) + 0.5) / 200_000
             found, error = f.integral(0)
             assert abs(found - WAVES[name](fine).mean()) <= error + 1e-9
+
+
+def test_a_small_jump_beside_a_large_one_is_no_smooth_stretch():
+    """The large one makes every wider difference large, beside which the small one's look as if they fell."""
+    t, h = np.linspace(0.0, 1.0, 41), 1 / 40
+    for apart in (3, 4, 5, 6, 7):
+        edge = (10.5 + apart) * h
+        f = Interpolant(t, (np.where(t < 10.5 * h, 0.0, 2.0) + np.where(t < edge, 0.0, 0.1))[:, None])
+        assert f.area[10 + apart, 0] >= h * 0.1 / 4  # closed form: J h/4 for one in mid-interval

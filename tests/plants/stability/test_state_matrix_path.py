@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pliant.plants import LinearModel
-from pliant.plants.stability.state_matrix_path import Path, kept, scaling
+from pliant.plants.stability.state_matrix_path import Path, kept, modal, scaling
 
 
 def turning(t):
@@ -75,3 +75,16 @@ def test_kept_states_by_name():
     assert kept(model, ("c", "a")) == [2, 0] and kept(model, None) == [0, 1, 2]
     with pytest.raises(ValueError, match="must name one state or more, each once"):
         kept(model, ("a", "a"))
+
+
+def test_modes_of_the_mean_stand_one_beside_the_other():
+    """Two pairs and a real root, hidden by a rotation: blocks again, for every A(t) of the same modes."""
+    rng = np.random.default_rng(3)
+    blocks = np.zeros((5, 5))
+    blocks[:2, :2], blocks[2:4, 2:4], blocks[4, 4] = [[-0.1, 3.0], [-3.0, -0.1]], [[-0.2, 50], [-50, -0.2]], -1.0
+    Q = np.linalg.qr(rng.standard_normal((5, 5)))[0]
+    A = Q @ (np.array([0.9, 1.0, 1.1])[:, None, None] * blocks) @ Q.T
+    X, inverse = modal(A)
+    np.testing.assert_allclose(inverse @ X, np.eye(5), atol=1e-14)
+    found = np.abs(inverse @ A @ X) > 1e-10
+    assert found.any(axis=0).sum() == 4 * 2 + 1

@@ -89,3 +89,23 @@ def test_beyond_the_range_of_numbers_nothing_is_known():
     t = np.linspace(0.0, 1.0, 11)
     A = np.full((11, 1, 1), 2000.0) + t[:, None, None]
     assert not np.isfinite(transition([Path(t, A, np.ones(1))]).D).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_in_the_eigenvectors_coordinates_the_bound_holds_and_is_smaller(seed):
+    """Every place of a jump again, now V^-1 (M' - M) V, for a fast mode in coordinates in which it is no rotation."""
+    rng = np.random.default_rng(seed)
+    S = np.linalg.qr(rng.standard_normal((4, 4)))[0] @ np.diag([1.0, 20.0, 1.0, 5.0])
+    mean = np.zeros((4, 4))
+    mean[:2, :2], mean[2:, 2:] = [[-0.1, 40.0], [-40.0, -0.1]], [[-0.05, 2.0], [-2.0, -0.05]]
+    mean, pump = S @ mean @ np.linalg.inv(S), 0.05 * S @ rng.standard_normal((4, 4)) @ np.linalg.inv(S)
+    t, k = np.linspace(0.0, 1.0, 61), 20
+    sign = np.where(np.arange(61) <= k, 1.0, -1.0)
+    found = transition([Path(t, mean + sign[:, None, None] * pump, np.ones(4))], modal=True)
+    W = np.linalg.inv(found.V)
+    np.testing.assert_allclose(found.M_V, W @ found.M @ found.V, atol=1e-10)
+    for share in (1e-9, 0.25, 0.5, 0.75, 1 - 1e-9):
+        at = t[k] + share * (t[k + 1] - t[k])
+        true = expm((mean - pump) * (1 - at)) @ expm((mean + pump) * at)
+        assert (np.abs(W @ true @ found.V - found.M_V) <= found.D_V).all()
+    assert found.D_V.max() < 0.2 * (np.abs(W) @ found.D @ np.abs(found.V)).max()
