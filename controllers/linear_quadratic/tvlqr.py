@@ -136,9 +136,7 @@ class TVLQR:
         if np.ptp(steps) > 1e-6 * dt:
             raise ValueError(f"TVLQR.design: nodes {steps.min():.6g} to {steps.max():.6g} s apart must be equally far")
         found = riccati.sampled_along(ltv, Q, R, N)
-        regulator = _of_steps(found, end)
-        other = lambda: _of_steps(joined(riccati.sampled_along(refined(ltv), Q, R, N)), end).root  # noqa: E731
-        regulator = regulator._replace(error=measured(ltv, "TVLQR.design", regulator.root, other, 1))
+        regulator = _of_nodes(ltv, found, (Q, R, N), end)
         u = (ltv.u[:-1] + ltv.u[1:]) / 2
         bounds = saturation("TVLQR", limits, ltv.input_names)
         names = ltv.state_names
@@ -254,6 +252,18 @@ class TVLQR:
 def _of_steps(found: riccati.SampledLTV, end: Any) -> TimeVaryingRegulator:
     terms = {"q": found.q, "s": found.s, "r": found.r}
     return riccati.dtvlqr(found.A, found.B, found.Q, found.R, found.N, found.c, end=end, **terms)
+
+
+def _of_nodes(
+    ltv: LTVModel, found: riccati.SampledLTV, weights: tuple[Any, Any, Any], end: Any
+) -> TimeVaryingRegulator:
+    """With what the distance of the nodes leaves unknown."""
+    regulator = _of_steps(found, end)
+
+    def other() -> np.ndarray:
+        return _of_steps(joined(riccati.sampled_along(refined(ltv), *weights)), end).root
+
+    return regulator._replace(error=measured(ltv, "TVLQR.design", regulator.root, other, 1))
 
 
 def _held_by_plant(made: TVLQR, steps: HeldSteps, hold: tuple[Any, Any, Any], weights: tuple[Any, Any, Any]) -> Hold:
