@@ -103,7 +103,7 @@ class MPC:
         track: Sequence[str] = (),
         disturbance: str | None = None,
         time: float = 0.2,
-        noise: float = 1e-2,
+        noise: float | Mapping[str, float] = 1e-2,
     ) -> Self:
         """On a linear model about an equilibrium.
 
@@ -120,7 +120,8 @@ class MPC:
         track: states or outputs brought without steady error to their values at the model's point, or to what `aim`
         says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (offset_free.py);
         `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: standard
-        deviation of the readings where that of the inputs, and of the disturbance's drift over `time`, is one unit.
+        deviation of the readings where that of the inputs, and of the disturbance's drift over `time`, is one unit; or
+        by name of reading or input, each in its unit (else 0.01 and 1): an input drifts by its own, a reading by 100.
         """
         weights, limited = (Q, R, N, P), (limits, rates, bounds, terminal, penalty)
         return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (track, disturbance, time, noise)))

@@ -29,6 +29,7 @@ MISSED = 0.25  # of an entry's range: how far half of the nodes may miss the oth
 KNOWN = 1e-3  # of P, against the largest of its diagonal: error that is not warned of
 SAFE = 3.0  # on the difference, where few intervals have not the order of many
 ORDER = 4
+ROUNDING = 1e-9  # of an entry: what does not vary
 FIELDS = ("t", "A", "B", "E", "C", "D", "F", "c", "x", "u", "w", "y")
 
 
@@ -40,7 +41,7 @@ def doubtful(model: LTVModel) -> bool | None:
     """Whether the error is to be measured: nodes that are few, or do not tell of each other; None: it does not vary."""
     parts = [M.reshape(len(model.t), -1) for M in (model.A, model.B)]  # c moves no gain; its spline may be rounding
     values = np.concatenate(parts, axis=1)
-    values = values[:, np.ptp(values, axis=0) > 0]
+    values = values[:, np.ptp(values, axis=0) > ROUNDING * np.abs(values).max(axis=0)]
     if not values.shape[1]:
         return None
     if len(model.t) - 1 <= FEW:
@@ -81,7 +82,7 @@ def joined(step: SampledLTV) -> SampledLTV:
 
 
 def measured(model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Array], every: int) -> float | None:
-    """The error of the cost to go z'S S'z at the nodes, S = roots (nt, n, n), against the largest of its diagonal.
+    """The error of P, [[P, p], [p', r]] = S S' at the nodes, S = roots (nt, n, n), against the largest of its diagonal.
 
     coarse(): S of half the nodes, at each `every`-th and the last. Zero where the model is constant, infinity where
     nothing tells, None where it was not measured. Warns where it is more than KNOWN.
@@ -110,7 +111,7 @@ def measured(model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Arr
 
 
 def _apart(roots: Array, others: Array) -> float:
-    whole, other = (S @ S.transpose(0, 2, 1) for S in (roots, others))
+    whole, other = ((S @ S.transpose(0, 2, 1))[:, :-1, :-1] for S in (roots, others))
     size = np.sqrt(np.maximum(np.diagonal(whole, axis1=1, axis2=2), 0.0)).max(axis=0)  # at the end it may be nothing
     unit = size[:, None] * size
     return float((np.abs(whole - other) / np.where(unit > 0, unit, np.inf)).max(initial=0.0))
