@@ -30,7 +30,8 @@ UNKNOWN = 1e-12  # variance that every state gains in a step besides, of what th
 
 
 class Sizes(NamedTuple):
-    """Standard deviations, each in its signal's unit."""
+    """Standard deviations, each in its signal's unit: what MPC's `noise` says by name, else 1 of an input, 0.01 of a
+    reading. By name a reading's own disturbance drifts by 100 of its deviations."""
 
     inputs: np.ndarray  # (nu,) of the noise on the inputs at each step, and of a drift of theirs over `time`
     readings: np.ndarray  # (ny,) of the noise on the readings

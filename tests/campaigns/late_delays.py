@@ -105,7 +105,7 @@ def late_map(model, law, dt: float, at: str, i: int, delay: float) -> Array:
 
 def sampled_delay(rng, model, law, dt: float, at: str, i: int, claim: float, known: bool) -> str:
     """known: whether the model is continuous."""
-    last = claim if np.isfinite(claim) else dt * 10 ** rng.uniform(-1, 1)
+    last = min(claim if np.isfinite(claim) else dt * 10 ** rng.uniform(-1, 1), MOST_PERIODS * dt)
     if known:
         for share in [*np.linspace(0, INSIDE, 24), *rng.uniform(0, INSIDE, 6)]:
             expect(True, growth(late_map(model, law, dt, at, i, share * last), dt), f"late by {share:.6g} of the claim")
