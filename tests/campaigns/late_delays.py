@@ -114,7 +114,7 @@ def sampled_delay(rng, model, law, dt: float, at: str, i: int, claim: float, kno
         expect(False, growth(late_map(model, law, dt, at, i, claim * OUTSIDE + 1e-9 * dt), dt), "late past the claim")
         return "sampled delay"
     periods = round(last / dt)
-    if np.isfinite(claim) and abs(periods * dt - claim) > 1e-9 * dt:
+    if np.isfinite(claim) and abs(round(claim / dt) * dt - claim) > 1e-9 * claim:
         raise Wrong("a delay that is no whole number of periods")
     for m in range(min(periods, 30) + 1):
         expect(True, growth(late_map(model, law, dt, at, i, m * dt), dt), f"late by {m} of {periods} periods")
