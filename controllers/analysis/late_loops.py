@@ -19,6 +19,7 @@ from pliant.plants.linear.lti import LinearModel
 from .linear_laws import Array, LinearLaw, closed_matrix, readings_under_way
 
 MOST_PERIODS = 64  # of delay, for which poles are computed; all that are looked at where the response tells no end
+COMPUTED = 300  # of delay, up to which the one that is told is made sure of by its poles; past it by response alone
 ACROSS = 0.15  # turn of the fastest mode between two delays that are looked at [rad], and
 PARTS = 8  # at least so many in a period
 EVEN = 4000  # frequencies up to Nyquist's, beside those that crowd at the poles
@@ -163,9 +164,16 @@ def shortest(late: LateLoop | None, channel: int, dt: float, lag: float, grid: A
 
     most = MOST_PERIODS if np.isinf(whole) else round(whole / dt) + 1
     delays = (np.arange(most + 1)[:, None] * dt + rests).ravel()
+
+    def settled(k: int) -> float:
+        """The last of the delays up to number k whose poles are within; number k where they are too many to compute."""
+        while k > 0 and delays[k] <= COMPUTED * dt and leaves(delays[k]):
+            k -= 1
+        return float(delays[max(k, 0)])
+
     for k in np.flatnonzero(_outside(T, omega, most + 1).T.ravel() > 0).tolist():  # in order of the delay
         if delays[k] > MOST_PERIODS * dt:
-            return float(delays[max(k - 1, 0)])
+            return settled(k - 1)
         if not leaves(delays[k]):
             continue
         while k > 0 and leaves(delays[k - 1]):
@@ -175,7 +183,7 @@ def shortest(late: LateLoop | None, channel: int, dt: float, lag: float, grid: A
             middle = (before + at) / 2
             before, at = (before, middle) if leaves(middle) else (middle, at)
         return before
-    return float(whole)
+    return float(whole) if np.isinf(whole) else settled(round(whole / dt) * len(rests))
 
 
 def _outside(T: Array, omega: Array, periods: int) -> Array:

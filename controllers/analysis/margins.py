@@ -26,6 +26,7 @@ from pliant.plants.core.errors import PliantError
 from .late_loops import shortest
 from .loops import Loop
 
+EDGE = 1e-12  # of the unit circle: poles that rounding does not tell from it
 NOTHING = 1e-14  # sensitivity that rounding leaves where the loop integrates
 POINTS = 1500  # of the grid, from FAR below the slowest to FAR above the fastest pole
 FAR = 1e3
@@ -41,7 +42,7 @@ class Channel:
     name: str
     gain: tuple[float, float]  # smallest and largest factor, apart from 1, at which the loop is at its limit
     phase_deg: float
-    delay: float  # [s] of a sampled loop exact where its model is continuous, else whole periods; see `late_loops`
+    delay: float  # [s] of a sampled loop exact up to 64 periods where its model is continuous, else whole periods
     disk: float
     crossover_hz: float  # highest at which |L_i| = 1; 0 where there is none
 
@@ -99,9 +100,12 @@ def margins(loop: Loop) -> Margins:
     """All readings of a loop (see `loops.loop`). PliantError, with the pole, where it is not stable."""
     closed = loop.closed()
     poles = np.linalg.eigvals(closed).astype(complex)
-    grows = poles.real >= 0 if loop.dt is None else np.abs(poles) >= 1
+    grows = poles.real >= 0 if loop.dt is None else np.abs(poles) >= 1 - EDGE
     if grows.any():
-        raise PliantError(f"the closed loop is not stable, a pole is {poles[grows][0]:.4g}: it has no margins")
+        worst = poles[grows][np.argmax(np.abs(poles[grows]))]
+        rests = loop.dt is not None and bool((np.abs(poles[grows] - 1) <= EDGE).all())
+        why = ", as of what inputs change, a filter reads and the law leaves as it is" if rests else ""
+        raise PliantError(f"the closed loop is not stable, a pole is {worst:.4g}{why}: it has no margins")
     n = len(loop.channels)
     direct = np.linalg.inv(np.eye(n) + loop.D)
     B, C = loop.B @ direct, -direct @ loop.C  # S = direct + C (s - closed)^-1 B

@@ -12,7 +12,7 @@ from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.plants import LinearModel
 
 Array = Any
-ROUNDING = 1e-9  # of the fastest pole: growth that eigenvalues of a loop inside a claim may show
+ROUNDING = 2e-8  # of the fastest pole: what rounding moves a double one by, the root of 2^-52, and some
 
 
 class Wrong(Exception):
