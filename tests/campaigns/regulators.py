@@ -41,7 +41,7 @@ KINDS = ("lqr", "kalman", "tvlqr", "mpc", "funnel")
 SAME = 1e-6  # of the largest of a gain, of the standard deviations of a covariance: what doubling itself keeps
 LANES, SAMPLES = 300, 40
 CHANCE = 1e-3 / 10_000  # that one test of a variance fails though it is right: of 10 000 tests, one run in a thousand
-LEAST = 1e-6  # of a limit: how far past it rounding may carry an input inside the funnel
+LEAST = 1e-6  # of a limit: how far past it a plan, or an input inside the funnel, may be (KEPT of least_distance_qp.py)
 
 
 def away(found: Array, right: Array, scale: Array | None = None) -> float:
@@ -219,7 +219,7 @@ def mpc(rng) -> str:
         if law.record.limited:
             said, planned = "mpc, at its limits", law.plan.inputs().ravel()
             costs = [float(np.square(M @ U + F[:, :n] @ x).sum()) for U in (planned, own)]
-            if costs[0] > costs[1] * (1 + 1e-8) or (np.abs(planned) > np.tile(high, N) * (1 + 1e-9)).any():
+            if costs[0] > costs[1] * (1 + 1e-8) or (np.abs(planned) > np.tile(high, N) * (1 + LEAST)).any():
                 raise Wrong(f"a plan of cost {costs[0]:.10g}, {costs[1]:.10g} is the least")
             near(u, planned[:nu], "the first move of its plan", high)
             if costs[1] > costs[0] * (1 + 1e-9):  # of plants that grow far over the horizon
