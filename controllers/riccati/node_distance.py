@@ -67,7 +67,7 @@ def refined(model: LTVModel) -> LTVModel:
 
     coarse, t = halved(model), np.insert(model.t, np.arange(1, len(model.t)), (model.t[1:] + model.t[:-1]) / 2)
     values = {name: getattr(coarse, name) for name in FIELDS[1:]}
-    told = {
+    told: dict[str, Any] = {
         name: CubicSpline(coarse.t, v)(t) if v.size else np.zeros((len(t), *v.shape[1:])) for name, v in values.items()
     }
     return replace(model, t=t, **told)
