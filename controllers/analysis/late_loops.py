@@ -19,10 +19,13 @@ from pliant.plants.linear.lti import LinearModel
 from .linear_laws import Array, LinearLaw, closed_matrix, readings_under_way
 
 MOST_PERIODS = 64  # of delay, for which poles are computed; all that are looked at where the response tells no end
+COMPUTED = 300  # of delay, up to which the one that is told is made sure of by its poles; past it by response alone
 ACROSS = 0.15  # turn of the fastest mode between two delays that are looked at [rad], and
 PARTS = 8  # at least so many in a period
 EVEN = 4000  # frequencies up to Nyquist's, beside those that crowd at the poles
 TOGETHER = 1000  # frequencies that are worked on at once
+BEFORE = 1 - 1e-9  # of a period: the delay with which an input acts just after the next sample, not before it
+OFF = 1e-9  # how far out of the unit circle poles are counted: those of undamped modes, upon it, are within
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,30 +150,40 @@ def shortest(late: LateLoop | None, channel: int, dt: float, lag: float, grid: A
         return float(whole)
     fastest = np.abs(np.linalg.eigvals(late.model.A)).max(initial=0.0)
     parts = int(np.ceil(max(PARTS, fastest * dt / ACROSS)))
+    rests = np.arange(parts) * dt / parts
+    if rows_by_name(late.model, late.law.reads)[2].any():
+        rests = np.append(rests, dt * BEFORE)  # a reading of the input jumps as that passes the sample
     omega = np.unique(np.concatenate([grid * dt, np.pi * np.linspace(1 / EVEN, 1.0, EVEN)]))
     omega = omega[omega <= np.pi]
-    T = late.response(channel, np.arange(parts) * dt / parts, np.exp(1j * omega))
+    T = late.response(channel, rests, (1 + OFF) * np.exp(1j * omega))
     if (np.abs(T) < 1).all():
         return np.inf  # no pole reaches the circle, whatever the delay
 
     def leaves(delay: float) -> bool:
         return bool(np.abs(np.linalg.eigvals(late.closed(channel, delay))).max() >= 1.0)
 
-    step: float = dt / parts
     most = MOST_PERIODS if np.isinf(whole) else round(whole / dt) + 1
+    delays = (np.arange(most + 1)[:, None] * dt + rests).ravel()
+
+    def settled(k: int) -> float:
+        """The last of the delays up to number k whose poles are within; number k where they are too many to compute."""
+        while k > 0 and delays[k] <= COMPUTED * dt and leaves(delays[k]):
+            k -= 1
+        return float(delays[max(k, 0)])
+
     for k in np.flatnonzero(_outside(T, omega, most + 1).T.ravel() > 0).tolist():  # in order of the delay
-        before, at = max(k - 1, 0) * step, k * step
-        if at > MOST_PERIODS * dt:
-            return float(before)
-        if not leaves(at):
+        if delays[k] > MOST_PERIODS * dt:
+            return settled(k - 1)
+        if not leaves(delays[k]):
             continue
-        while before > 0 and leaves(before):
-            before, at = max(before - step, 0.0), before
+        while k > 0 and leaves(delays[k - 1]):
+            k -= 1
+        before, at = float(delays[max(k - 1, 0)]), float(delays[k])
         while at - before > 1e-9 * at:
             middle = (before + at) / 2
             before, at = (before, middle) if leaves(middle) else (middle, at)
-        return float(before)
-    return float(whole)
+        return before
+    return float(whole) if np.isinf(whole) else settled(round(whole / dt) * len(rests))
 
 
 def _outside(T: Array, omega: Array, periods: int) -> Array:

@@ -26,11 +26,13 @@ from pliant.plants.core.errors import PliantError
 from .late_loops import shortest
 from .loops import Loop
 
+EDGE = 1e-12  # of the unit circle: poles that rounding does not tell from it
 NOTHING = 1e-14  # sensitivity that rounding leaves where the loop integrates
 POINTS = 1500  # of the grid, from FAR below the slowest to FAR above the fastest pole
 FAR = 1e3
 CROWD = np.concatenate([-np.geomspace(30, 1e-2, 24), [0.0], np.geomspace(1e-2, 30, 24)])  # in half-widths of a pole
 MOST_CHANNELS = 8  # whose scaling is looked for
+ROUNDS, WORST = 6, 40  # of that search, and how many frequencies each adds to those that it looks at
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Channel:
     name: str
     gain: tuple[float, float]  # smallest and largest factor, apart from 1, at which the loop is at its limit
     phase_deg: float
-    delay: float  # [s] of a sampled loop exact where its model is continuous, else whole periods; see `late_loops`
+    delay: float  # [s] of a sampled loop exact up to 64 periods where its model is continuous, else whole periods
     disk: float
     crossover_hz: float  # highest at which |L_i| = 1; 0 where there is none
 
@@ -98,9 +100,12 @@ def margins(loop: Loop) -> Margins:
     """All readings of a loop (see `loops.loop`). PliantError, with the pole, where it is not stable."""
     closed = loop.closed()
     poles = np.linalg.eigvals(closed).astype(complex)
-    grows = poles.real >= 0 if loop.dt is None else np.abs(poles) >= 1
+    grows = poles.real >= 0 if loop.dt is None else np.abs(poles) >= 1 - EDGE
     if grows.any():
-        raise PliantError(f"the closed loop is not stable, a pole is {poles[grows][0]:.4g}: it has no margins")
+        worst = poles[grows][np.argmax(np.abs(poles[grows]))]
+        rests = loop.dt is not None and bool((np.abs(poles[grows] - 1) <= EDGE).all())
+        why = ", as of what inputs change, a filter reads and the law leaves as it is" if rests else ""
+        raise PliantError(f"the closed loop is not stable, a pole is {worst:.4g}{why}: it has no margins")
     n = len(loop.channels)
     direct = np.linalg.inv(np.eye(n) + loop.D)
     B, C = loop.B @ direct, -direct @ loop.C  # S = direct + C (s - closed)^-1 B
@@ -128,13 +133,20 @@ def scaled_peak(system: Loop, grid: Array) -> float:
     n = len(system.channels)
     G = system.at(grid)
 
-    def largest(log_w: Array) -> float:
-        w = np.exp(np.append(log_w, 0.0))
-        return float(np.linalg.svd(w[:, None] * G / w, compute_uv=False)[:, 0].max())
+    def sizes(w: Array, among: Array) -> Array:
+        return np.asarray(np.linalg.svd(w[:, None] * among / w, compute_uv=False)[:, 0])
 
-    w = np.ones(n)
-    if n <= MOST_CHANNELS:
-        found = minimize(largest, np.zeros(n - 1), method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-9})
+    def largest(log_w: Array) -> float:
+        return float(sizes(np.exp(np.append(log_w, 0.0)), G[kept]).max())
+
+    w, kept = np.ones(n), np.zeros(len(G), dtype=bool)
+    for _ in range(ROUNDS if n <= MOST_CHANNELS else 0):  # over frequencies that were the largest under some scaling
+        size = sizes(w, G)
+        if kept.any() and size.max() <= largest(np.log(w[:-1] / w[-1])) * (1 + 1e-6):
+            break
+        kept[np.argsort(size)[-WORST:]] = True
+        start = np.log(w[:-1] / w[-1])
+        found = minimize(largest, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-9})
         w = np.exp(np.append(found.x, 0.0))
     return peak(system.A, system.B / w, w[:, None] * system.C, w[:, None] * system.D / w, system.dt).value
 
@@ -151,7 +163,8 @@ def _grid(loop: Loop, poles: Array) -> Array:
     omega = np.concatenate([omega, near.ravel()])
     omega = omega[omega > 0]
     if loop.dt is not None:
-        omega = omega[omega < np.pi / loop.dt]
+        top = np.pi / loop.dt * (1 - 1e-9)
+        omega = np.append(omega[omega < top], top)
     return np.unique(omega)
 
 
@@ -177,13 +190,14 @@ def _channel(sensitivity: Loop, disk: float, grid: Array) -> Channel:
         if values[k].real < 0 or values[k + 1].real < 0:
             found.append(L(_root(lambda w: float(L(w)[0].imag), grid[k], grid[k + 1]))[0])
     found.append(L(0.0)[0])
-    found.append(L(np.pi / sensitivity.dt)[0] if sensitivity.dt is not None else 1 / sensitivity.D[0, 0] - 1)
+    found.append(end := L(np.pi / sensitivity.dt)[0] if sensitivity.dt is not None else 1 / sensitivity.D[0, 0] - 1)
     real = [z.real for z in found if np.isfinite(z) and z.real < 0 and abs(z.imag) <= 1e-6 * abs(z.real)]
     factors = [-1 / z for z in real]
     gain = max([k for k in factors if k < 1], default=0.0), min([k for k in factors if k > 1], default=np.inf)
-    at_infinity = np.inf if sensitivity.D[0, 0] == 0 else abs(1 / sensitivity.D[0, 0] - 1)
-    if sensitivity.dt is None and at_infinity >= 1:
-        lags.append(0.0)  # a delayed feedthrough has a pole for every turn of its phase, all of them growing
+    if not abs(end) < 1:
+        # Delayed, a feedthrough has a pole for every turn of its phase, all of them growing; and with L(-1) z^-1 for
+        # L(-1) at z = -1 the characteristic function changes its sign there: a real pole is past it after one period
+        lags.append(0.0)
     phase, lag = float(np.rad2deg(min(phases))), float(min(lags))
     return Channel(sensitivity.channels[0], gain, phase, lag, disk, crossover / (2 * np.pi))
 

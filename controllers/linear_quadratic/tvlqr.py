@@ -28,6 +28,7 @@ from pliant.controllers.base.objective import Objective
 from pliant.controllers.optimal_control.nominal_motions import NOMINALS, nodes, nominal_for, rests
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.controllers.optimal_control.stage_derivatives import StageTerms
+from pliant.controllers.riccati.node_distance import joined, measured, refined
 from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
 from pliant.plants.core.parameters import require_choice, require_finite
 
@@ -127,15 +128,15 @@ class TVLQR:
     ) -> TVLQR:
         """On an LTVModel with nodes dt apart: the cost is the integral of dx'Q dx + du'R du + 2 dx'N du.
 
-        The nominal input is held at its mean between nodes. Options as in `along`.
+        The nominal input is held at its mean between nodes. Options as in `along`. NodeWarning, and `regulator.error`,
+        where the nodes are too far apart for the cost to go to be known to a thousandth (riccati/node_distance.py).
         """
         steps = np.diff(ltv.t)
         dt = float(steps.mean())
         if np.ptp(steps) > 1e-6 * dt:
             raise ValueError(f"TVLQR.design: nodes {steps.min():.6g} to {steps.max():.6g} s apart must be equally far")
         found = riccati.sampled_along(ltv, Q, R, N)
-        terms = {"q": found.q, "s": found.s, "r": found.r}
-        regulator = riccati.dtvlqr(found.A, found.B, found.Q, found.R, found.N, found.c, end=end, **terms)
+        regulator = _of_nodes(ltv, found, (Q, R, N), end)
         u = (ltv.u[:-1] + ltv.u[1:]) / 2
         bounds = saturation("TVLQR", limits, ltv.input_names)
         names = ltv.state_names
@@ -246,6 +247,23 @@ class TVLQR:
             y = y - self.drift * (t - self.start - last * self.dt)
         u = self._offsets[k] - self._gains[k].dot(y)
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+
+
+def _of_steps(found: riccati.SampledLTV, end: Any) -> TimeVaryingRegulator:
+    terms = {"q": found.q, "s": found.s, "r": found.r}
+    return riccati.dtvlqr(found.A, found.B, found.Q, found.R, found.N, found.c, end=end, **terms)
+
+
+def _of_nodes(
+    ltv: LTVModel, found: riccati.SampledLTV, weights: tuple[Any, Any, Any], end: Any
+) -> TimeVaryingRegulator:
+    """With what the distance of the nodes leaves unknown."""
+    regulator = _of_steps(found, end)
+
+    def other() -> np.ndarray:
+        return _of_steps(joined(riccati.sampled_along(refined(ltv), *weights)), end).root
+
+    return regulator._replace(error=measured(ltv, "TVLQR.design", regulator.root, other, 1))
 
 
 def _held_by_plant(made: TVLQR, steps: HeldSteps, hold: tuple[Any, Any, Any], weights: tuple[Any, Any, Any]) -> Hold:

@@ -17,7 +17,7 @@ from pliant.plants.linear.quadratic_cost import signal_rows
 from .condensed_prediction import laws, predict
 from .constraints import Limits, Step, Window, build, soft_names
 from .exact_penalty import sufficient_penalty
-from .offset_free import KINDS, Estimator
+from .offset_free import KINDS, Estimator, Sizes
 from .steady_target import Target
 
 if TYPE_CHECKING:
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 Limited = tuple[Any, Any, Mapping[str, tuple[float, float]] | None, int, float | None]
 # limits, rates, bounds, terminal, penalty of MPC.design
-LARGEST_RATE = 1e-6  # of the state at an equilibrium, per step, relative to its size
+NOISE = 1e-2  # standard deviation of a reading, where that of an input is one
+LARGEST_RATE = 1e-6  # of a state at an equilibrium, per step, against its value and what inputs do to it
 
 
 def regulator(
@@ -36,7 +37,7 @@ def regulator(
     limited: Limited,
     blocks: Sequence[int] | None,
     reads: Sequence[str] | None,
-    free_of_offset: tuple[Sequence[str], str | None, float, float],
+    free_of_offset: tuple[Sequence[str], str | None, float, Any],
 ) -> dict[str, Any]:
     """What `MPC.design` says, as the arguments of MPC: weights (Q, R, N, P), (track, disturbance, time, noise)."""
     Q, R, N, P = weights
@@ -54,6 +55,7 @@ def regulator(
     found = laws(As, Bs, cs, Qs, Rs, Ns, P)
     motion = predict(As, Bs, cs, found, horizon, blocks)
     bounded = limits_of(model, limits, rates, bounds, dt)
+    _require_rest(model, A, B, dt, bounded)
     C, D, z0 = signal_rows(model, bounds or {}, "MPC.bounds: state or output")
     reads = tuple(reads) if reads is not None else model.state_names
     extra: dict[str, Any] = {}
@@ -118,12 +120,6 @@ def _sampled(
     """A, B, Q, R, N of a step, and its length."""
     Q, R, cross = weight_matrices("MPC", model, Q, R)
     N = cross if N is None else cross + require_finite("MPC.N", N, cross.shape)
-    off = float(np.abs(model.f0).max(initial=0.0)) * (model.dt or dt or 1.0)
-    if off > LARGEST_RATE * (1 + float(np.abs(model.x0).max(initial=0.0))):
-        raise ValueError(
-            f"MPC.design: the model's point is no equilibrium, the state moves by {off:.3g} in a step; linearise at "
-            "one, or use MPC.along"
-        )
     if model.dt is not None:
         if dt is not None and abs(dt - model.dt) > 1e-9 * dt:
             raise ValueError(f"MPC.dt = {dt} must be {model.dt}, the model's, or be left out")
@@ -131,6 +127,27 @@ def _sampled(
     if dt is None:
         raise ValueError("MPC.dt = None must be the sampling time in seconds, since the model is continuous")
     return *riccati.sampled(model.A, model.B, Q, R, N, dt=dt), dt
+
+
+def _require_rest(model: LinearModel, A: np.ndarray, B: np.ndarray, dt: float, limits: Limits) -> None:
+    """ValueError where a state moves in a step, against its value and what inputs do to it in as many steps as it has
+    states: by half their range, by their value or one unit where that is infinite."""
+    half = (limits.high - limits.low) / 2
+    push = np.where(np.isfinite(half) & (half > 0), half, np.maximum(np.abs(model.u0), 1.0))
+    step = np.abs(B) @ push
+    size = np.abs(model.x0) + step
+    for _ in range(len(A)):
+        step = np.abs(A) @ step
+        size = size + step
+    off = np.abs(model.f0) * (dt if model.dt is None else 1.0)
+    moves = off > LARGEST_RATE * size
+    if moves.any():
+        worst = int(np.argmax(np.where(moves, off / np.where(size > 0, size, 1e-300), 0.0)))
+        name = model.state_names[worst]
+        raise ValueError(
+            f"MPC.design: the model's point is no equilibrium, {name} moves by {off[worst]:.3g} in a step; linearise "
+            "at one, or use MPC.along"
+        )
 
 
 def limits_of(model: LinearModel, limits: Any, rates: Any, bounds: Mapping[str, Any] | None, dt: float) -> Limits:
@@ -170,15 +187,14 @@ def _offset_free(
     track: tuple[str, ...],
     disturbance: str | None,
     time: float,
-    noise: float,
+    noise: float | Mapping[str, float],
 ) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
     """The disturbance in the bounded signals (nb, nd), the readings at the model's point, and what MPC takes more."""
     A, B, dt = sampled
     kind = "states" if disturbance is None else disturbance
     require_choice("MPC", "disturbance", kind, KINDS)
-    for name, value in (("time", time), ("noise", noise)):
-        if not 0 < value < np.inf:
-            raise ValueError(f"MPC.{name} = {value!r} must be > 0")
+    if not 0 < time < np.inf:
+        raise ValueError(f"MPC.time = {time!r} must be > 0")
     if kind == "states":
         if len(reads) != len(A):
             raise ValueError(f"MPC.reads = {reads} must be {len(A)} names, one for each state of the model")
@@ -188,7 +204,7 @@ def _offset_free(
         if D.any():
             direct = [name for name, row in zip(reads, D) if row.any()]
             raise ValueError(f"MPC.reads {direct} depend on the input at once: read signals that do not")
-    estimator = Estimator(kind, A, B, C, dt, time, noise)
+    estimator = Estimator(kind, A, B, C, dt, time, _sizes(noise, model.input_names, reads))
     H, D, z0 = signal_rows(model, track, "MPC.track: state or output")
 
     def seen(names: Sequence[str]) -> np.ndarray:
@@ -202,3 +218,15 @@ def _offset_free(
         in_bounds = seen(limits.bounded)
     more = {"estimator": estimator, "target": target, "tracked": dict(zip(track, z0.tolist()))}
     return in_bounds, y0, more
+
+
+def _sizes(noise: float | Mapping[str, float], inputs: tuple[str, ...], reads: tuple[str, ...]) -> Sizes:
+    """The standard deviations that MPC's `noise` says: of all readings, or by name of reading and input."""
+    named = dict(noise) if isinstance(noise, Mapping) else dict.fromkeys(reads, noise)
+    for name, value in named.items():
+        require_choice("MPC", "noise", name, (*reads, *inputs))
+        if not 0 < value < np.inf:
+            raise ValueError(f"MPC.noise = {noise!r} must be > 0")
+    readings = np.array([float(named.get(name, NOISE)) for name in reads])
+    drift = readings / NOISE if isinstance(noise, Mapping) else np.ones(len(reads))
+    return Sizes(np.array([float(named.get(name, 1.0)) for name in inputs]), readings, drift)

@@ -103,7 +103,7 @@ class MPC:
         track: Sequence[str] = (),
         disturbance: str | None = None,
         time: float = 0.2,
-        noise: float = 1e-2,
+        noise: float | Mapping[str, float] = 1e-2,
     ) -> Self:
         """On a linear model about an equilibrium.
 
@@ -111,16 +111,16 @@ class MPC:
         or sampled, then Q, R, N are weights of a step. Q, R: arrays or by name as there, N (nx, nu); P (nx, nx):
         terminal weight, None: cost to go of the unlimited problem. limits: of the inputs, as in LQR.design. rates:
         largest |du/dt|, a number, (nu,) or by name. bounds: (lowest, highest) of states or outputs by name, soft.
-        blocks: lengths of the pieces on which the inputs are constant, which add up to the horizon. terminal: steps
-        past the horizon on which the limits are looked at, softly, under the unlimited law: enough of them are its
-        output admissible set ("Linear Systems with State and Control Constraints", Gilbert and Tan 1991). penalty:
-        cost of exceeding a bound by half its range (by itself where it has one side) at one step; None: bounds are
-        exceeded only where no plan over the horizon keeps all of them (exact_penalty.py).
+        blocks: lengths of the pieces on which inputs are constant, which add up to the horizon. terminal: steps past
+        the horizon on which the limits are looked at, softly, under the unlimited law: enough are its output admissible
+        set ("Linear Systems with State and Control Constraints", Gilbert and Tan 1991). penalty: cost of exceeding a
+        bound by half its range (by itself where it has one side) at one step; None: bounds are exceeded only where no
+        plan over the horizon keeps all of them (exact_penalty.py).
 
         track: states or outputs brought without steady error to their values at the model's point, or to what `aim`
         says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (offset_free.py);
-        `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: standard
-        deviation of the readings where that of the inputs, and of the disturbance's drift over `time`, is one unit.
+        `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: deviation of
+        readings where that of inputs, and of drifts over `time`, is one unit; or by name (see `offset_free.Sizes`).
         """
         weights, limited = (Q, R, N, P), (limits, rates, bounds, terminal, penalty)
         return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (track, disturbance, time, noise)))

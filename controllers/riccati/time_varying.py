@@ -21,6 +21,7 @@ from pliant.plants.core.parameters import require_finite
 
 from .checks import indefinite, weight_matrix
 from .ltv_discretisation import LARGEST_DEFECT, hamiltonian_flow
+from .node_distance import halved, measured
 from .scaled_equation import input_units
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ class TimeVaryingRegulator(NamedTuple):
     p: Array  # (T or T+1, nx)
     r: Array  # (T or T+1,)
     root: Array  # (T or T+1, nx + 1, nx + 1) S, lower triangular: [[P, p], [p', r]] = S S'
+    error: float | None = 0.0  # of P, by the distance of an LTVModel's nodes; None: not measured (node_distance.py)
 
     def cost_to_go(self, i: int, x: Any) -> float:
         """What is left to pay from x (nx,) at the time with index i."""
@@ -101,8 +103,15 @@ def tvlqr(model: LTVModel, Q: Any, R: Any, N: Any = None, *, end: Any = None) ->
     """Continuous-time regulator at the nodes of an LTVModel, its affine term included.
 
     Q (nx, nx) >= 0, R (nu, nu) > 0, N (nx, nu) weigh the deviations from the nominal; `end` (nx, nx) those at the last
-    node, zero where None. Of fourth order in the distance of the nodes. PliantError where they are too far apart.
+    node, zero where None. Of fourth order in the distance of the nodes. PliantError where they are too far apart;
+    NodeWarning, and `error`, where they leave the cost to go unknown by more than a thousandth.
     """
+    made = _along_nodes(model, Q, R, N, end)
+    half = lambda: _along_nodes(halved(model), Q, R, N, end).root  # noqa: E731
+    return made._replace(error=measured(model, "tvlqr", made.root, half, 2))
+
+
+def _along_nodes(model: LTVModel, Q: Any, R: Any, N: Any, end: Any) -> TimeVaryingRegulator:
     nx, nu = len(model.states), len(model.inputs)
     Q, R = weight_matrix("Q", Q, nx, definite=False), weight_matrix("R", R, nu, definite=True)
     N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))

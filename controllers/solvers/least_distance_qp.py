@@ -12,6 +12,7 @@ import numpy as np
 
 from .daqp_model import ACTIVE, AT_LOWER, INFINITE, SOFT, DaqpModel
 
+KEPT = 1e-6  # in a hard row's unit: past it a solution is none
 TOLERANCE = 1e-9  # largest violation of a row that passes for none, in the row's unit
 
 
@@ -27,6 +28,8 @@ class LeastDistance:
 
     def _build(self) -> None:
         m, nz = self.M.shape
+        self._hard, self._some_soft = ~self.soft, bool(self.soft.any())
+        self._any_hard = bool(self._hard.any())
         sense = np.where(self.soft, SOFT, 0).astype(np.intc)
         self._warm = sense.copy()
         limit = 20 * (m + nz) + 100
@@ -52,10 +55,32 @@ class LeastDistance:
             taken = model.update(bupper=upper, blower=lower, sense=self._warm)
         if taken or model.update(bupper=upper, blower=lower, sense=model.sense):
             z = model.solve()
-            if z is not None:
+            if z is not None and (z := self._kept(z, lower, upper)) is not None:
                 return z
         model.forget()
         return None
+
+    def _kept(self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
+        """z where it keeps the hard rows; else the least z on the rows that are active, where that does.
+
+        DAQP squares the condition of those rows, which is large where a plant grows far over a horizon.
+        """
+        if self._beyond(z, lower, upper) <= KEPT:
+            return z
+        if self.violated:
+            return None
+        sign = self.multipliers
+        active = sign != 0
+        z = np.linalg.lstsq(self.M[active], np.where(sign > 0, upper, lower)[active], rcond=None)[0]
+        return z if self._beyond(z, lower, upper) <= KEPT else None
+
+    def _beyond(self, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> float:
+        """How far z is past the worst hard row."""
+        if not self._any_hard:
+            return 0.0
+        rows = self.M.dot(z)
+        worst = np.maximum(rows - upper, lower - rows)
+        return float(worst[self._hard].max() if self._some_soft else worst.max())
 
     @property
     def flag(self) -> int:

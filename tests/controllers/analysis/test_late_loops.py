@@ -148,3 +148,43 @@ def test_the_response_of_the_cut_loop_is_one_at_its_poles(seed, at):
             poles = poles[np.abs(poles) > 0.05]
             found = poles**-periods * late.response(channel, np.array([rest]), poles)[0]
             np.testing.assert_allclose(found, 1.0, atol=1e-6)
+
+
+def test_a_regulator_of_an_undamped_mode_has_margins():
+    """Cut, its loop has poles upon the unit circle, at frequencies that are looked at."""
+    w = np.pi / 4 / DT
+    model = LinearModel.from_matrices([[0.0, w], [-w, 0.0]], [[0.0], [1.0]])
+    law = LQR.design(model, np.eye(2), [[1.0]], dt=DT)
+    for whole in (loop(model, law), loop(model, law, at="output")):
+        for i, c in enumerate(margins(whole).channels):
+            if c.delay < np.inf:
+                radii = [np.abs(np.linalg.eigvals(whole.late.closed(i, c.delay * f))).max() for f in (0.999, 1.001)]
+                assert radii[0] < 1 < radii[1]
+
+
+@pytest.mark.parametrize(
+    ("B", "C", "D", "K"), [((1.0, -0.6), (1.8, -1.3), -0.7, 0.5), ((0.4, 0.4), (-1.2, 0.2), -0.3, -1.0)]
+)
+def test_an_input_that_passes_just_before_the_next_sample_is_read_at_once(B, C, D, K):
+    """Just below one period of delay a reading still holds the input that was given a period ago, at a period the one
+    before that. Here the loop grows in between alone; the exact model of a late held input says so.
+    """
+    dt = 0.5
+    model = LinearModel.from_matrices([[0.0, 1.0], [-0.59, 0.0307]], np.transpose([B]), [C], [[D]], outputs=["a"])
+    whole = loop(model, Feedback([[K]], ("a",), dt=dt))
+
+    def bears(periods):
+        return np.abs(np.linalg.eigvals(whole.late.closed(0, periods * dt))).max() < 1
+
+    assert all(bears(p) for p in (*np.arange(0, 1, 1 / 8), 1.0)) and not bears(1 - 1e-7)
+    [c] = margins(whole).channels
+    assert 7 / 8 < c.delay / dt < 1 and bears(c.delay / dt - 1e-6) and not bears(c.delay / dt + 1e-6)
+
+
+def test_a_sampled_response_of_one_and_more_at_the_nyquist_frequency_bears_no_period():
+    """x+ = -0.9 x + u, u = -k x: z + 0.9 + k, and late by a period z^2 + 0.9 z + k."""
+    model = LinearModel.from_matrices([[-0.9]], [[1.0]], dt=DT)
+    for k, borne in ((-1.5, 0.0), (0.05, np.inf)):  # L(-1) = -10 k
+        [c] = margins(loop(model, Feedback([[k]], ("x1",), dt=DT))).channels
+        assert c.delay == borne
+        assert (np.abs(np.roots([1.0, 0.9, k])).max() < 1) == (borne > 0)

@@ -574,3 +574,16 @@ def test_an_input_price_that_is_no_price_is_refused_at_the_end_of_the_way_too():
     ltv = swinging()
     with pytest.raises(ValueError, match=r"MPC\.R"):
         MPC.along(ltv, np.eye(4), np.zeros((2, 2)), horizon=10, P=np.eye(4))
+
+
+@pytest.mark.parametrize(("B", "price", "grows"), [((1.0, -0.4), 1.0, 7.0), ((1.0, -0.9), 0.1, 7.0)])
+def test_a_plant_that_grows_a_million_times_over_the_horizon_is_pushed_back_with_all_there_is(B, price, grows):
+    """From a state that no input holds, every input of the least cost is at the limit that pushes back. The rows of
+    nine steps are nearly parallel: DAQP alone passed the limits by percents and gave another first move.
+    """
+    model = LinearModel.from_matrices([[grows]], [list(B)], dt=1.0)
+    law = MPC.design(model, [[1.0]], price * np.eye(2), horizon=9, limits=(-1.0, 1.0))
+    move = law.act(0.0, np.array([3.0]))
+    np.testing.assert_allclose(move, -np.sign(B), atol=1e-6)
+    np.testing.assert_allclose(law.plan.inputs(), np.tile(-np.sign(B), (9, 1)), atol=1e-5)
+    assert law.record.failures == 0
