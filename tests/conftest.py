@@ -9,6 +9,7 @@ it is even. No test may feel it (tests/campaigns/nudge.py).
 """
 
 import dataclasses
+import gc
 import json
 import os
 import shutil
@@ -229,6 +230,13 @@ def installed(wheel_file, tmp_path_factory):
     with zipfile.ZipFile(wheel_file) as archive:  # a wheel of Python files alone: unpacked is installed
         archive.extractall(folder)
     return folder
+
+
+def pytest_collection_finish():
+    """What is there by now stays: the collector of garbage need not go through it again and again."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 @pytest.hookimpl(tryfirst=True)

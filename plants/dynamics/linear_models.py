@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,7 @@ LOOKED_AT = 128  # intervals of the first look; all where one of them hides some
 HIDDEN, CHORD = 0.25, 0.1  # of the range of the four nodes about: beyond them, and off the chord
 NOTHING = 1e-2  # of all that is seen of an entry
 FELT = 1e-2  # of the largest in an entry's row or column: what varies by less is not looked for
+FAINT = 1e-6  # what varies by less times the span of the model changes no multiplier by as much: rounding, mostly
 MOST_NODES = 8  # times the nodes that were asked for
 
 
@@ -67,7 +69,7 @@ def check_signals(plant: Plant, nominal: Trajectory) -> None:
 def along(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
     """The model along a nominal, c its residual f(x, u) - dx/dt."""
     check_signals(plant, nominal)
-    return with_finer(lambda motion, values: _at_nodes(plant, motion, values), nominal, p)
+    return replace(_at_nodes(plant, nominal, p), between=partial(finer, partial(_at_nodes, plant), nominal, p))
 
 
 def _at_nodes(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
@@ -88,26 +90,25 @@ def _at_nodes(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
     )
 
 
-def with_finer(made: Callable[[Trajectory, Any], LTVModel], nominal: Trajectory, p: Any) -> LTVModel:
-    """made(nominal, p), and where its nodes hide what A does the same with nodes between them as `finer`.
+def finer(made: Callable[[Trajectory, Any], LTVModel], nominal: Trajectory, p: Any, model: LTVModel) -> LTVModel | None:
+    """That which made(motion, p) is with nodes between those of the model, where these hide what A does; else None.
 
-    Without where the plant has no model between them (MassMatrixError): such nodes are no motion of it there.
+    None as well where the plant has no model between them (MassMatrixError): such nodes are no motion of it there.
     """
-    model = made(nominal, p)
     try:
         t = _finer_times(made, model, nominal, p) if len(model.t) > 2 else model.t
-        return replace(model, finer=made(*_at(nominal, p, t))) if len(t) > len(model.t) else model
+        return made(*_at(nominal, p, t)) if len(t) > len(model.t) else None
     except MassMatrixError:
-        return model
+        return None
 
 
 def _finer_times(made: Callable[[Trajectory, Any], LTVModel], model: LTVModel, nominal: Trajectory, p: Any) -> Array:
     """The nodes of the model, and those between them at which the chords of A show what is seen."""
-    t, A = model.t, model.A
+    t, A, span = model.t, model.A, float(model.t[-1] - model.t[0])
     for every in sorted({max(1, (len(t) - 1) // LOOKED_AT), 1}, reverse=True):
         k = np.arange(len(t) - 1)[::every]
         seen = made(*_at(nominal, p, _between(t)[k])).A
-        hidden = _hidden(A, seen, k, beyond=True)
+        hidden = _hidden(A, seen, k, span, beyond=True)
         if not hidden.any():
             return t
     while hidden.any() and len(t) < MOST_NODES * len(model.t):
@@ -116,7 +117,7 @@ def _finer_times(made: Callable[[Trajectory, Any], LTVModel], model: LTVModel, n
         fresh = new + np.arange(len(new))  # nodes; the intervals beside them, and those beside these, are looked at
         k = np.unique(np.clip(fresh[:, None] + np.arange(-2, 2), 0, len(t) - 2))  # two at least
         seen = made(*_at(nominal, p, _between(t)[k])).A
-        hidden = _hidden(A, seen, k, beyond=False)
+        hidden = _hidden(A, seen, k, span, beyond=False)
     return t
 
 
@@ -138,7 +139,7 @@ def _at(nominal: Trajectory, p: Any, times: Array) -> tuple[Trajectory, Any]:
     return found, p
 
 
-def _hidden(A: Array, seen: Array, k: Array, *, beyond: bool) -> Array:
+def _hidden(A: Array, seen: Array, k: Array, span: float, *, beyond: bool) -> Array:
     """Of which intervals k (m,) between nodes the values A (nt, n, n) there do not show what is seen (m, n, n).
 
     `beyond`: it is beyond what the four nodes about it hold; else off the chord between two nodes.
@@ -152,8 +153,8 @@ def _hidden(A: Array, seen: Array, k: Array, *, beyond: bool) -> Array:
     size = np.maximum(np.abs(largest), np.abs(least))
     _, (scale, _) = linalg.matrix_balance(size, permute=False, separate=True)  # units do not count
     beside = size * scale / scale[:, None]
-    felt = np.minimum(beside.max(axis=0), beside.max(axis=1)[:, None]) * scale[:, None] / scale
-    varies = largest - least > FELT * felt
+    felt = np.maximum(FELT * np.minimum(beside.max(axis=0), beside.max(axis=1)[:, None]), FAINT / span)
+    varies = largest - least > felt * scale[:, None] / scale
     return ((miss > (HIDDEN if beyond else CHORD) * (high - low) + NOTHING * (largest - least)) & varies).any(
         axis=(1, 2)
     )

@@ -13,6 +13,7 @@ not follow and the order falls to one: put nodes closer there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -61,8 +62,7 @@ class LTVModel(ModelSignals):
     disturbances: tuple[Signal, ...]
     outputs: tuple[Signal, ...]
     w: np.ndarray | None = field(default=None, repr=False)  # (nt, nw), zero where None
-    # The same model with nodes between these, where these cannot show what A does: stability is judged on it.
-    finer: LTVModel | None = field(default=None, repr=False)
+    between: Callable[[LTVModel], LTVModel | None] | None = field(default=None, repr=False)  # finds `finer`
 
     def __post_init__(self) -> None:
         n, m, k, p = (len(s) for s in (self.states, self.inputs, self.disturbances, self.outputs))
@@ -73,10 +73,20 @@ class LTVModel(ModelSignals):
             given = np.zeros((len(self.t), k)) if name == "w" and self.w is None else getattr(self, name)
             object.__setattr__(self, name, read_only(f"LTVModel.{name}", given, (len(self.t), *shape)))
         self._check_signals()
-        if self.finer is not None:
-            at = np.isin(self.finer.t, self.t)
-            if at.sum() != len(self.t) or np.abs(self.finer.A[at] - self.A).max() > 1e-9 * np.abs(self.A).max():
-                object.__setattr__(self, "finer", None)  # A is no longer what it was made from
+
+    @cached_property
+    def finer(self) -> LTVModel | None:
+        """The same model with nodes between these, where these cannot show what A does; None where they can, or where
+        nothing is known between them. Found when it is first asked for: stability is judged on it.
+        """
+        found = self.between(self) if self.between is not None else None
+        if found is None:
+            return None
+        at = np.isin(found.t, self.t)
+        same = found.A.shape[1:] == self.A.shape[1:] and at.sum() == len(self.t)
+        if not same or np.abs(found.A[at] - self.A).max() > 1e-9 * np.abs(self.A).max():
+            return None  # A is no longer what it was made from
+        return found
 
     def at(self, k: int) -> LinearModel:
         """The model frozen at node k; its f0 is c[k], the rate of a deviation from the moving nominal."""

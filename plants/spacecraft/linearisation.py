@@ -9,6 +9,7 @@ Deviations   y = [p, q, hinge angles, eta] and dy/dt, then wheel momenta: p is t
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from pliant.plants.core import parameters
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.core.trajectory import Trajectory
-from pliant.plants.dynamics.linear_models import check_signals, with_finer
+from pliant.plants.dynamics.linear_models import check_signals, finer
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -210,11 +211,13 @@ def linearize_along(craft: SpacecraftDeclaration, nominal: Trajectory, p: Any) -
     """
     check_signals(craft, nominal)
     check_nominal(craft, nominal)
+    return dataclasses.replace(
+        _at_nodes(craft, nominal, p), between=partial(finer, partial(_between_nodes, craft), nominal, p)
+    )
 
-    def made(motion: Trajectory, values: Any) -> LTVModel:
-        return _at_nodes(craft, motion if motion is nominal else _of_unit_length(craft, motion), values)
 
-    return with_finer(made, nominal, p)
+def _between_nodes(craft: SpacecraftDeclaration, motion: Trajectory, p: Any) -> LTVModel:
+    return _at_nodes(craft, _of_unit_length(craft, motion), p)
 
 
 def _of_unit_length(craft: SpacecraftDeclaration, motion: Trajectory) -> Trajectory:

@@ -4,6 +4,7 @@ From the nodes alone A is constant, and the verdict that of a pendulum whose piv
 looks between the nodes and keeps what it finds (`finer`), on which stability is judged.
 """
 
+import pickle
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -65,9 +66,10 @@ def test_nodes_a_period_apart():
     t = np.pi * np.arange(13)
     model = plant.linearize_along(at_rest(plant, t))
     assert np.ptp(model.A, axis=0).max() < 1e-12 and (model.t == t).all()  # what was asked for
-    assert assess(replace(model, finer=None)).verdict == "stable"  # the naive way: wrong
+    assert assess(replace(model, between=None)).verdict == "stable"  # the naive way: wrong
     assert model.finer is not None and np.isin(t, model.finer.t).all()
     np.testing.assert_allclose(model.finer.A[:, 1, 0], -plant.stiffness(model.finer.t, np), atol=1e-12)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(model)).finer.A, model.finer.A)
     found = assess(model, period=np.pi)
     assert found.verdict in ("unstable", "undecided")
     if found.verdict == "undecided":
@@ -85,7 +87,7 @@ def test_a_pulse_between_two_nodes():
     t = np.linspace(0.0, 12.0, 7)
     model = plant.linearize_along(at_rest(plant, t))
     true = np.linalg.norm(transition(plant, 12.0), 2)
-    naive, found = growth(replace(model, finer=None), scale=(1.0, 1.0)), growth(model, scale=(1.0, 1.0))
+    naive, found = growth(replace(model, between=None), scale=(1.0, 1.0)), growth(model, scale=(1.0, 1.0))
     assert naive.total < 1.2 < 10 < true
     assert abs(found.total / true - 1) < 0.5
     dense = plant.linearize_along(at_rest(plant, np.linspace(0.0, 12.0, 241)))

@@ -214,6 +214,7 @@ def test_time_that_setting_up_takes_leaves_a_policy_all_the_same(stable_baseline
     assert found.steps > 0 and len(found.curve) > 0 and found.policy.scene == SCENE.name
 
 
+@pytest.mark.campaign
 def test_sac_trains_and_goes_on(stable_baselines, tmp_path):
     found = rl.train(SCENE, "sac", steps=200, folder=tmp_path, settings=SMALL_SAC, threads=1)
     assert found.policy.squash and found.policy.activation == "relu"

@@ -44,13 +44,8 @@ def test_gymnasium_checker(env_id: str, randomise: bool) -> None:
         check_env(env.unwrapped)
 
 
-@pytest.mark.parametrize(
-    ("env_id", "dtype"),
-    [
-        *((i, "float32") for i in IDS),
-        *(pytest.param(i, "float64", marks=pytest.mark.campaign) for i in SAMPLE),
-    ],
-)
+@pytest.mark.parametrize("env_id", SAMPLED)
+@pytest.mark.parametrize("dtype", ["float32", pytest.param("float64", marks=pytest.mark.campaign)])
 def test_stable_baselines_checker(env_id: str, dtype: str) -> None:
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
     with warnings.catch_warnings():

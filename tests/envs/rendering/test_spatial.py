@@ -6,7 +6,7 @@ import pytest
 from env_cases import SAMPLED, play
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 @pytest.mark.parametrize("env_id", SAMPLED)
 def test_pictures(env_id: str) -> None:
     env = gymnasium.make(env_id, render_mode="rgb_array")

@@ -91,6 +91,7 @@ def test_vectors_need_only_earlier_ones() -> None:
     assert seen == {i for i in graph.kept if not graph.nodes[i].given}
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_matrix_code_equals_the_virtual_machine(dtype: str) -> None:
     agrees(gram(), dtype)

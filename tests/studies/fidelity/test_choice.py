@@ -46,7 +46,7 @@ def tip(scene, plant):
     return np.stack([motion[name] for name in scene.compare])
 
 
-SAMPLE = ("spin-up",)  # of scenes, in `make test`; the others in `make campaign`
+SAMPLE = ("single-link-slew",)  # of scenes, in `make test`; the others in `make campaign`
 
 
 @pytest.fixture(

@@ -28,6 +28,7 @@ def test_figures_draw_and_the_motion_ends_on_the_steady_cycle():
         figures.response(dataclasses.replace(plant, crank_speed=None))
 
 
+@pytest.mark.campaign
 def test_theory_stands_in_the_picture_of_the_tongue():
     plant = figures.resonant()
     low, high = figures.first_tongue(plant)
