@@ -152,6 +152,7 @@ def test_a_wrong_truth_is_an_error(bench):
         bench("harness.tip_error").checked(np.zeros((601, 2)), "M0_inextensible")
 
 
+@pytest.mark.campaign
 def test_the_cantilever_is_timed_within_its_error(bench):
     """Against 6 coordinates, themselves 2.5e-4 m off: the timed run keeps 3e-3 m, 2 coordinates do not."""
     cantilever, error = bench("peers.cantilever"), bench("harness.tip_error")

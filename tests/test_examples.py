@@ -82,7 +82,7 @@ def alone(parent, tmp_path):
 
 
 # Run by `make test`; the others, longer by half a minute, are run with the pages, by `make docs`.
-SAMPLE = ("environment.py", "monte_carlo.py", "paper_terms.py", "slider_crank.py")
+SAMPLE = ("environment.py", "paper_terms.py")
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ def late(played, periods):
     return dataclasses.replace(nominal(played), delay=periods)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("periods", [1, 2])
 def test_the_naive_regulator_fails(periods):
     played, law = play(REACH), LQR.for_scene(REACH)

@@ -73,6 +73,7 @@ def test_what_holds_instead(sensors, W, disk):
     assert peak_after(SOFT, law) < 1e-4
 
 
+@pytest.mark.campaign
 def test_or_less_bandwidth_by_as_much_as_spillover_says():
     report = spillover(designed(), [MODEL, SOFT_MODEL], redesign=designed)
     assert not report.holds and report.factor > 10

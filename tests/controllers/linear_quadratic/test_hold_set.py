@@ -33,6 +33,7 @@ def worst_input(law, step, K, seed):
     return worst
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_no_input_passes_a_limit_from_inside_whatever_the_weight_of_the_end(seed):
     rng = np.random.default_rng(seed)

@@ -49,6 +49,7 @@ def closed_loop(scene, controller):
     return np.array(x), np.array(u), Objective.of(scene).cost(x, u)
 
 
+@pytest.mark.campaign
 def test_undamped_links_whose_plan_is_rough_are_steered_by_damped_steps():
     arm = TwoLinkArm.textbook()  # motors without inertia, modes up to 117 Hz that nothing damps
     x, u = arm.equilibrium(theta1=-0.9, theta2=0.6)

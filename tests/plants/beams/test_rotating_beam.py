@@ -102,6 +102,7 @@ def test_timoshenko_flap_keeps_the_spin_of_tilted_sections():
     assert (spun**2 - still**2) / small**2 == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize(
     ("basis", "modes", "rtol"), [("payload", 8, 6e-5), ("polynomial", 12, 3e-5), ("clamped-free", 10, 5e-2)]
 )

@@ -108,7 +108,7 @@ def test_work_done_equals_energy_gained(undamped):
     assert motion.stats["energy_balance"] < 1e-9
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(6)
 @pytest.mark.parametrize("method", list(METHOD_ORDER))
 @pytest.mark.parametrize("arm", [HUBBED, LINK], ids=["two", "one"])
 def test_drift_of_each_fixed_step_method_falls_at_its_order(arm, method):
@@ -387,6 +387,7 @@ def test_a_slew_of_the_rigid_arm_is_a_nominal_as_it_is(name):
     assert missed[0] < 0.01 * np.abs(away[:, :n]).max() and missed[1] > fewer * missed[0]
 
 
+@pytest.mark.every(3)
 def test_along_a_motion_of_the_plant_both_linearisations_are_one(plant, random_state):
     own_states = {"attitude": "quaternion"} if hasattr(plant, "appendages") else {}
     x = np.array([random_state(plant, seed) for seed in range(4)])

@@ -60,6 +60,7 @@ def test_default_of_a_chain_resolves_its_modes(modes):
     np.testing.assert_allclose(chain.natural_frequencies(), finer, rtol=1e-6)
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize(
     "load", [Payload(), Payload(mass=50.0, inertia=3.0), Payload(mass=5.0, offset=(0.5, 0.0, 0.0))]
 )

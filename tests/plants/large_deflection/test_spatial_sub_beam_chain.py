@@ -16,6 +16,7 @@ SPACE = [
 ]
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize(("root", "given"), SPACE)
 def test_spatial_chain_in_the_plane_is_the_planar_one(root, given):
     flat = chain(**given, root=root)

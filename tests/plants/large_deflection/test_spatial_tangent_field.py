@@ -67,6 +67,7 @@ def section_frames(plant, q, xi):
     )
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("name", ["space", "space loaded", "space rigid in torsion"])
 def test_strains_and_spins_of_the_spatial_beam_against_its_frames(name):
     """Strain and kinetic energy from finite differences of the sections' frames, made by another library."""

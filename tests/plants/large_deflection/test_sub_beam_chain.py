@@ -79,6 +79,7 @@ def errors(plant, rows):
     return [max(abs(motion[f"tip_{name}"][k] - row[name]) for name in "uv") for k, row in enumerate(rows, start=1)]
 
 
+@pytest.mark.campaign
 def test_two_sub_beams_at_all_reference_times(reference):
     """Within 0.25 % of L up to 1.54 s; at 2 s 0.65 %, whatever the number of modes: sigma^4 is gone."""
     rows = reference("large_beam")["release"]["M0_inextensible"]

@@ -77,6 +77,7 @@ def test_release_at_all_reference_times(reference, modes, within):
     assert np.abs(energy - energy[0]).max() < 1e-8 * plant.kinetic(motion.x).max()
 
 
+@pytest.mark.campaign
 def test_error_falls_with_the_number_of_coordinates(reference):
     row = reference("large_beam")["release"]["M0_inextensible"][2]
     errors = []

@@ -33,7 +33,7 @@ def bent_state(plant, seed, deflection=1e-4):
     return x
 
 
-@pytest.mark.every(2)
+@pytest.mark.every(4)
 @pytest.mark.parametrize(
     ("changes", "within"),
     [

@@ -15,6 +15,7 @@ from pliant.plants.spacecraft_parts.hub import Wheel
 CRAFT = dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="linear")
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("kinematics", ["linear", "stiffened"])
 def test_momentum_norm_and_energy(hinged, kinematics):
     craft = hinged(dataclasses.replace(CRAFT, kinematics=kinematics), damping=2.0)

@@ -69,6 +69,7 @@ def test_spillover_is_named_with_its_mode():
     assert np.abs(dear.motion["tip1_deflection_rate"][300:]).max() > 1.0
 
 
+@pytest.mark.campaign
 def test_mode_that_the_design_has_at_another_frequency_is_named_so():
     """Two polynomials a link put mode 5 at 41 Hz where it is at 31 Hz; sampled at 50 Hz they fold apart."""
     scene = scenes.get("two-link-reach", dt=0.02, duration=0.5)

@@ -21,7 +21,7 @@ def json_of(*arguments):
 
 def test_chart(tmp_path):
     picture, table = tmp_path / "chart.png", tmp_path / "chart.json"
-    found = json_of("chart", "single-link-slew", "--budget", "0.5", "--plot", picture, "--out", table)
+    found = json_of("chart", "single-link-slew", "--budget", "0.2", "--plot", picture, "--out", table)
     assert found == json.loads(table.read_text())
     assert picture.read_bytes().startswith(PNG)
     assert "Pareto" in run("chart", "single-link-slew", "--budget", "0.2").stdout

@@ -88,6 +88,7 @@ def test_a_plant_without_the_choice_is_refused():
         stiffening_needed(Other())
 
 
+@pytest.mark.campaign
 def test_figures():
     """First frequency: flat in I_xx until torsion takes over, then the same for every I_zz."""
     assert first_root(0.005, 0.05) == pytest.approx(1.184573429833, abs=1e-11)

@@ -27,6 +27,7 @@ def untimed(board):
     return [{k: v for k, v in row.to_json().items() if k not in TIMES} for row in board.rows]
 
 
+@pytest.mark.campaign
 def test_rows_do_not_depend_on_the_number_of_processes(board):
     other = scoreboard(["single-link-slew"], NAMES[:1], seeds=2, bounds=1, jobs=2)  # two runs and bounds a process
     mine = [row for row in untimed(board) if row["scene"] == "single-link-slew" and row["controller"] == NAMES[0]]

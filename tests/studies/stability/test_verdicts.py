@@ -1,5 +1,7 @@
 """Verdicts of scenes: what has no part in them, and in which coordinates they are told."""
 
+import pytest
+
 from pliant.envs import scenes
 from pliant.plants.stability import assess
 from pliant.studies.stability.verdicts import left_out, verdict_of
@@ -16,6 +18,7 @@ def test_what_is_left_out_of_a_spacecrafts_verdict():
     assert left_out(arm.plant, arm.goal_model) == ()
 
 
+@pytest.mark.campaign
 def test_turns_from_a_turning_attitude_would_show_a_growth_of_their_own():
     """Why a free spacecraft is judged in body rates: in turns the slew's frozen roots and growth are far larger."""
     scene = scenes.get("spacecraft-slew")
