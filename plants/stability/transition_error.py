@@ -12,7 +12,7 @@ What a multiplier may be off hangs on V^-1 dM V, V the eigenvectors of M:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,7 +25,7 @@ from .state_matrix_path import MOST_STEPS, Path
 ACROSS = 2.0  # |eigenvalue| times step to begin with
 KEPT = 1 << 22  # numbers in the stacks of partial products
 HELD = 1 << 21  # numbers in a stack of steps
-STRETCHES = 192  # between which higher orders are summed
+STRETCHES, LITTLE = (12, 192), 0.02  # of higher orders: so few if they add little of the first order, else so many
 SEEN = 0.7  # |eigenvalue| times distance of two partial products between which they hide little
 HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it
 EPS = float(np.finfo(float).eps)
@@ -136,13 +136,9 @@ def transition(
         M,
         D + HALVED * change,
         steps << halvings,
-        *_rates(paths),
-        S + np.diag(np.diagonal(HALVED * change)),
-        np.concatenate(times),
-        np.concatenate(Phi),
-        V,
-        M_V,
-        D_V,
+        *(*_rates(paths), S + np.diag(np.diagonal(HALVED * change))),
+        *(np.concatenate(times), np.concatenate(Phi)),
+        *(V, M_V, D_V),
     )
 
 
@@ -211,16 +207,21 @@ def _first_order(
         before.append(jumps[k] @ magnus.product(P) @ before[-1])
     after = left
     D, trace = np.zeros((n, n)), np.zeros((n, n))
-    stretches: list[tuple[np.ndarray, ...]] = []  # last path first
+    cuts: list[Callable[[int], tuple[np.ndarray, ...]]] = []  # of each path into stretches
     for k in range(len(paths) - 1, -1, -1):
-        first, S, own = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
+        first, S, cut = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
         D, trace = D + first, trace + S
         after = after @ magnus.product(Phi[k])
         if k:
             after = after @ jumps[k - 1]
-            own[0][0] = own[0][0] @ jumps[k - 1]
-        stretches.append(own)
-    rest = _higher(*(np.concatenate(x) for x in zip(*stretches[::-1])))
+        cuts.insert(0, cut)
+    for most in STRETCHES:
+        stretches = [cut(most if n <= 12 else min(most, STRETCHES[1] // 4)) for cut in cuts]
+        for jump, (P, *_) in zip(jumps, stretches[1:]):
+            P[0] = P[0] @ jump
+        rest = _higher(*(np.concatenate(x) for x in zip(*stretches)))
+        if np.linalg.norm(rest) <= LITTLE * np.linalg.norm(D):
+            break
     D, trace = D + rest, trace + np.diag(np.diagonal(rest))
     if not (np.isfinite(D).all() and np.isfinite(after).all()):
         return np.full((n, n), np.inf), np.full((n, n), np.inf)
@@ -254,8 +255,8 @@ def _over_one(
     Phi: np.ndarray,
     before: np.ndarray,
     after: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
-    """The first order of one path in the whole, of the trace, and its stretches for the higher ones."""
+) -> tuple[np.ndarray, np.ndarray, Callable[[int], tuple[np.ndarray, ...]]]:
+    """The first order of one path in the whole, of the trace, and what cuts it into stretches for the higher ones."""
     m, n = len(Phi), path.n
     F, B = np.empty((m + 1, n, n), before.dtype), np.empty((m + 1, n, n), after.dtype)
     F[0], B[m] = before, after
@@ -281,10 +282,13 @@ def _over_one(
         D += (B[part] @ (E[part] @ F[part] + 4 * EPS * steps[part, None, None] * F[part])).sum(axis=0)
     S = (around * E).sum(axis=0)
     S[np.diag_indices(n)] += 4 * EPS * steps.sum() * np.abs(np.diagonal(before @ after)).max()
-    most = STRETCHES if n <= 12 else STRETCHES // 4
-    few = np.unique(np.linspace(0, len(E), min(len(E), most) + 1).astype(int))
-    P = magnus.grouped(Phi, own[few]).copy()
-    return D, S, (P, np.add.reduceat(E, few[:-1], axis=0), *(np.maximum.reduceat(x, few[:-1], axis=0) for x in (F, B)))
+
+    def cut(most: int) -> tuple[np.ndarray, ...]:
+        few = np.unique(np.linspace(0, len(E), min(len(E), most) + 1).astype(int))
+        widest = (np.maximum.reduceat(x, few[:-1], axis=0) for x in (F, B))
+        return magnus.grouped(Phi, own[few]).copy(), np.add.reduceat(E, few[:-1], axis=0), *widest
+
+    return D, S, cut
 
 
 def _widest(X: np.ndarray) -> np.ndarray:
