@@ -2,6 +2,8 @@
 
 import importlib
 import json
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -243,3 +245,17 @@ def test_the_peak_is_that_of_fused_multiply_adds(bench):
 def test_imports_are_timed_in_a_fresh_process(bench):
     cold = bench("cases.cold_start")
     assert 0.0 < cold.imported("import json") < cold.imported(cold.PLANTS)
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="read from Linux's /proc")
+def test_work_of_living_children_is_ones_own(bench):
+    """A pool's processes are not waited for before it closes: os.times() knows nothing of them."""
+    family = bench("harness.sampling").family
+    before, own = family(), sum(os.times()[:4])
+    code = "import time\nwhile time.process_time() < 0.4: pass\nprint('done', flush=True)\ninput()"
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as child:
+        assert child.stdout.readline() == "done\n"
+        assert sum(os.times()[:4]) - own < 0.2 and family() - before > 0.35
+        child.stdin.write("\n")

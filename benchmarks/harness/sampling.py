@@ -9,6 +9,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -92,16 +93,29 @@ def time_of(work: Callable[[], object]) -> Sampler:
     return sample
 
 
+def family(process: str = "self") -> float:
+    """Seconds that a process and all that live below it have worked, those included that it has waited for."""
+    ticks = 0
+    try:
+        with open(f"/proc/{process}/stat") as file:
+            ticks += sum(int(word) for word in file.read().rpartition(")")[2].split()[11:15])
+        below = [path.read_text().split() for path in Path(f"/proc/{process}/task").glob("*/children")]
+    except OSError:  # it has ended meanwhile, and is counted with its parent's
+        return 0.0
+    return ticks / os.sysconf("SC_CLK_TCK") + sum(family(child) for children in below for child in children)
+
+
 def busy() -> tuple[float, float] | None:
-    """Seconds that all processors worked since the start of the machine, and those of this process; Linux only."""
+    """Seconds that all processors worked since the start of the machine, and those of this process and its children;
+    Linux only.
+    """
     try:
         with open("/proc/stat") as file:
             ticks = [int(word) for word in file.readline().split()[1:9]]
     except OSError:
         return None
     user, nice, system, _, _, irq, softirq, steal = ticks
-    own = os.times()
-    return (user + nice + system + irq + softirq + steal) / os.sysconf("SC_CLK_TCK"), sum(own[:4])
+    return (user + nice + system + irq + softirq + steal) / os.sysconf("SC_CLK_TCK"), family()
 
 
 def undisturbed(sampler: Sampler, seconds: float) -> tuple[Any, float | None]:
