@@ -7,6 +7,7 @@ from math import factorial
 import casadi as ca
 import numpy as np
 import pytest
+from convergence import slope
 
 from pliant.plants import IntegrationError, Plant, Signal, SingleLinkArm, StabilityLimitError, TwoLinkArm, step_limit
 from pliant.plants.integration import step_maps
@@ -62,10 +63,6 @@ class Scalar(Plant):
 
     def ladder(self):
         return (self,)
-
-
-def slope(x, y):
-    return np.polyfit(np.log(x), np.log(y), 1)[0]
 
 
 @pytest.mark.parametrize("method", list(METHODS))
