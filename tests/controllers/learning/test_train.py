@@ -66,12 +66,6 @@ def test_evaluation_charges_what_the_scene_charges():
 
 
 @pytest.fixture(scope="module")
-def stable_baselines():
-    pytest.importorskip("torch")
-    return pytest.importorskip("stable_baselines3")
-
-
-@pytest.fixture(scope="module")
 def trained(stable_baselines, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     told = []
@@ -221,100 +215,6 @@ def test_sac_trains_and_goes_on(stable_baselines, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == NAMES
     more = rl.train(SCENE, "sac", steps=400, folder=tmp_path, resume=True, settings=SMALL_SAC, threads=1)
     assert more.steps == 400 and len(more.curve) > len(found.curve)
-
-
-@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
-def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
-    """A zip with normalised observations and as a Policy: 1e-6 of the limits."""
-    import torch
-    from stable_baselines3.common.vec_env import VecNormalize
-
-    from pliant.controllers.learning.sb3_export import ALGORITHMS
-
-    env = VecNormalize(SCENE.sb3_env(16, randomise=True), clip_obs=2.0)
-    env.reset()
-    for _ in range(5):
-        env.step(np.full((16, 1), 0.5, dtype=np.float32))
-    model = ALGORITHMS[algorithm]("MlpPolicy", env, seed=1, device="cpu")
-    model.save(tmp_path / "model.zip")
-    env.save(str(tmp_path / "statistics.pkl"))
-    p = Policy.from_sb3_zip(
-        tmp_path / "model.zip", SCENE, algorithm=algorithm, statistics=tmp_path / "statistics.pkl", trust=True
-    )
-    rng, points = np.random.default_rng(2), []
-    for _ in range(50):
-        obs = rng.normal(size=4)
-        alone, _ = model.predict(env.normalize_obs(obs.astype(np.float32)[None]), deterministic=True)
-        points.append((obs, alone[0], p.act(0.0, obs + p.goal)))
-    model.policy.double()
-    for obs, alone, u in points:
-        z = torch.from_numpy(np.clip((obs - env.obs_rms.mean) / np.sqrt(env.obs_rms.var + env.epsilon), -2, 2))
-        with torch.no_grad():
-            if algorithm == "ppo":
-                action = model.policy.action_net(model.policy.mlp_extractor.policy_net(z)).clamp(-1, 1)
-            else:
-                action = torch.tanh(model.policy.actor.mu(model.policy.actor.latent_pi(z)))
-        assert np.abs(u / 40 - action.numpy()).max() < 1e-9
-        assert np.abs(u / 40 - alone).max() < 1e-6  # through its own single precision
-    assert len({float(u[0]) for *_, u in points}) > 20
-
-
-def test_zip_of_another_scene_is_refused(stable_baselines, tmp_path):
-    from stable_baselines3 import PPO
-
-    PPO("MlpPolicy", SCENE.sb3_env(1), device="cpu").save(tmp_path / "model.zip")
-    with pytest.raises(ValueError, match="network from 4 to 1 numbers must be from 8 to 2"):
-        Policy.from_sb3_zip(tmp_path / "model.zip", scenes.get("two-link-reach"), trust=True)
-
-
-def test_lanes_charge_as_their_docstring_says(stable_baselines):
-    from pliant.controllers.learning import training_env as module
-
-    lanes = module.TrainingLanes(SCENE, 4, spread=0.0, bounded=False, seed=0, threads=1)
-    lanes.venv.reset()
-    rate = 10.0  # the slew's: weight 10 on an error of 1 rad
-    assert lanes.unit == pytest.approx(0.5 * rate)
-    raw = np.array([-0.01, -0.2, -3.0, -500.0])
-    infos = [{}, {}, {}, {"TimeLimit.truncated": False}]
-    lanes.venv.step_wait = lambda: (None, raw, np.array([False, False, False, True]), infos)
-    lanes.venv.step_async = lambda actions: None
-    lanes.step_async(np.array([[0.0], [2.0], [0.0], [0.0]]))
-    _, rewards, _, _ = lanes.step_wait()
-    knee = module.KNEE * SCENE.dt * rate / lanes.unit
-    wanted = [-0.002, -0.04 - module.EXCESS, -knee * (1 + np.log(0.6 / knee)), -module.EARLY_END]
-    assert rewards == pytest.approx(wanted, rel=1e-5)
-
-
-def test_lanes_start_out_of_step(stable_baselines):
-    from pliant.controllers.learning.training_env import TrainingLanes
-
-    lanes = TrainingLanes(SCENE, 64, spread=1.5, bounded=False, seed=0, threads=1)
-    obs = lanes.reset()
-    assert len(np.unique(lanes.venv.vector._done)) > 20
-    assert obs[:, 0].min() < -1.5 and obs[:, 0].max() > 0.2  # on both sides of the goal
-    assert np.isfinite(obs).all() and lanes.seen.shape == (64 * SCENE.steps, 4)
-    again = lanes.reset()
-    assert np.array_equal(obs, again)
-    lanes.close()
-
-
-def test_busy_machine_gets_one_thread(stable_baselines, monkeypatch):
-    import torch
-
-    from pliant.controllers.learning import torch_threads
-
-    before = torch.get_num_threads()
-    monkeypatch.setattr(torch_threads, "available", lambda: 2)
-    monkeypatch.setattr(torch_threads.os, "getloadavg", lambda: (1.5, 0.0, 0.0), raising=False)
-    assert torch_threads.choose() == (1, "the machine is busy, load 1.5")
-    monkeypatch.setattr(torch_threads.os, "getloadavg", lambda: (0.5, 0.0, 0.0), raising=False)
-    for seconds, wanted in (({1: 1.0, 2: 0.6}, 2), ({1: 1.0, 2: 0.95}, 1), ({1: 1.0, 2: 30.0}, 1)):
-        monkeypatch.setattr(torch_threads, "_seconds", seconds.get)
-        threads, why = torch_threads.choose()
-        assert threads == wanted and "2 threads take" in why
-    monkeypatch.setattr(torch_threads, "available", lambda: 1)
-    assert torch_threads.choose() == (1, "one processor")
-    torch.set_num_threads(before)
 
 
 def test_scenes_that_cannot_be_learned_are_refused():

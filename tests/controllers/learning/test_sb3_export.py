@@ -1,0 +1,53 @@
+"""A network of Stable-Baselines3 as NumPy runs it."""
+
+import numpy as np
+import pytest
+
+from pliant.controllers import Policy
+from pliant.envs import scenes
+
+SCENE = scenes.get("single-link-slew")
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
+    """A zip with normalised observations and as a Policy: 1e-6 of the limits."""
+    import torch
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    from pliant.controllers.learning.sb3_export import ALGORITHMS
+
+    env = VecNormalize(SCENE.sb3_env(16, randomise=True), clip_obs=2.0)
+    env.reset()
+    for _ in range(5):
+        env.step(np.full((16, 1), 0.5, dtype=np.float32))
+    model = ALGORITHMS[algorithm]("MlpPolicy", env, seed=1, device="cpu")
+    model.save(tmp_path / "model.zip")
+    env.save(str(tmp_path / "statistics.pkl"))
+    p = Policy.from_sb3_zip(
+        tmp_path / "model.zip", SCENE, algorithm=algorithm, statistics=tmp_path / "statistics.pkl", trust=True
+    )
+    rng, points = np.random.default_rng(2), []
+    for _ in range(50):
+        obs = rng.normal(size=4)
+        alone, _ = model.predict(env.normalize_obs(obs.astype(np.float32)[None]), deterministic=True)
+        points.append((obs, alone[0], p.act(0.0, obs + p.goal)))
+    model.policy.double()
+    for obs, alone, u in points:
+        z = torch.from_numpy(np.clip((obs - env.obs_rms.mean) / np.sqrt(env.obs_rms.var + env.epsilon), -2, 2))
+        with torch.no_grad():
+            if algorithm == "ppo":
+                action = model.policy.action_net(model.policy.mlp_extractor.policy_net(z)).clamp(-1, 1)
+            else:
+                action = torch.tanh(model.policy.actor.mu(model.policy.actor.latent_pi(z)))
+        assert np.abs(u / 40 - action.numpy()).max() < 1e-9
+        assert np.abs(u / 40 - alone).max() < 1e-6  # through its own single precision
+    assert len({float(u[0]) for *_, u in points}) > 20
+
+
+def test_zip_of_another_scene_is_refused(stable_baselines, tmp_path):
+    from stable_baselines3 import PPO
+
+    PPO("MlpPolicy", SCENE.sb3_env(1), device="cpu").save(tmp_path / "model.zip")
+    with pytest.raises(ValueError, match="network from 4 to 1 numbers must be from 8 to 2"):
+        Policy.from_sb3_zip(tmp_path / "model.zip", scenes.get("two-link-reach"), trust=True)
