@@ -1,11 +1,11 @@
 """Inputs by inverse dynamics: what they do to the plant they were made for, one time and many at once."""
 
-from types import SimpleNamespace
+import dataclasses
 
 import numpy as np
 import pytest
 
-from pliant.plants import TwoLinkArm
+from pliant.plants import LargeDeflectionBeam, TwoLinkArm
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
 
@@ -47,7 +47,7 @@ def test_a_simulation_asks_for_all_stages_together():
     assert law.asked > 1
 
 
-def test_inputs_that_do_not_match_are_refused():
-    pushed = SimpleNamespace(states=RIGID.states, rates=RIGID.rates, joints=RIGID.joints, nu=3, label="one motor")
-    with pytest.raises(ValueError, match=r"the 3 of SimpleNamespace \(one motor\) drive .* as functions of time"):
-        InverseDynamics(pushed, BEGIN, END, 1.0)
+def test_inputs_that_reach_no_coordinate_are_refused():
+    beam = LargeDeflectionBeam.textbook()
+    with pytest.raises(ValueError, match=r"one coordinate each: the 2 of LargeDeflectionBeam .* drive none"):
+        dataclasses.replace(beam, modes=3).rest_to_rest(np.zeros(6), np.zeros(6), 1.0)

@@ -1,0 +1,100 @@
+"""What the library asks of plants that answer nothing themselves: a crane and two turntables of a user."""
+
+import numpy as np
+import pytest
+from users_plants import LIFT, ROPE, TROLLEY, TURN, Crane, Tables
+
+from pliant.controllers import PD, sensors_of
+from pliant.controllers.base.joint_reference import Joints, joints
+from pliant.envs import PlantEnv
+from pliant.envs.rendering.planar import renderer
+from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.core.signals import Joint
+from pliant.plants.native.batch_kernels import random_points
+from pliant.studies.closed_loop.closed_loop import driven_to_goal
+from pliant.studies.closed_loop.evaluation_scene import play
+from pliant.studies.closed_loop.rollout import rollout
+from pliant.studies.closed_loop.scores import deflections, score
+from pliant.studies.common import operating_point
+from pliant.studies.figures import arm_outline
+from pliant.studies.stability.verdicts import left_out
+
+
+def test_rates_are_read_from_the_equations():
+    assert Crane().rates == {"lean": "sway", "place": "going"}
+    assert Tables().rates == {"alpha": "omega", "beta": "zeta"}
+    assert Tables().velocities == ("omega", "zeta") and Tables().repeated == ("alpha",)
+    assert operating_point.coordinates(Tables()) == ("alpha", "beta")
+
+
+def test_joints_of_a_users_plants():
+    assert Crane().joints == (Joint("pull", "place", "going"),)
+    assert joints(Tables()) == Joints(("beta", "alpha"), ("zeta", "omega"))
+
+
+def test_sensors_of_a_users_plants():
+    (encoder,) = sensors_of(Crane())
+    assert (encoder.kind, encoder.output, encoder.unit) == ("encoder", "place", "m")
+    assert encoder.quantum == pytest.approx(2 * np.pi / 2**17 * 0.05)  # [m], a pinion of 50 mm
+    assert [(s.output, s.unit) for s in sensors_of(Tables())] == [("beta", "rad"), ("alpha", "rad")]
+
+
+def test_nominal_input_of_a_crane():
+    """At lean = 0 the rope pulls straight down: the trolley alone is accelerated, pull = M x''."""
+    for t in (0.1, 0.4, 0.9):
+        assert LIFT.nominal_input(t) == pytest.approx([TROLLEY * minimum_jerk(t)[2]], rel=1e-9)
+
+
+def test_nominal_input_takes_the_tables_to_their_goal():
+    """Stiffness held by the inputs at the end: k (beta, alpha), in the order of the inputs."""
+    assert TURN.nominal_input(1.5) == pytest.approx([-1.0, 0.5], abs=1e-12)
+    motion = TURN.plant.simulate(TURN.initial[0], TURN.nominal_input, np.linspace(0.0, 1.0, 201))
+    assert motion.x[-1] == pytest.approx([0.0, 0.5, -1.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("scene", [LIFT, TURN], ids=lambda s: s.name)
+def test_environment_controller_and_score(scene):
+    env = PlantEnv(scene)
+    obs, _ = env.reset(seed=1)
+    assert obs.shape == env.observation_space.shape
+    obs, _, terminated, _, _ = env.step(env.action_space.sample())
+    assert np.isfinite(obs).all() and not terminated
+    assert driven_to_goal(scene) == tuple(name for name, _ in scene.goal)
+    law = PD.for_scene(scene)
+    assert law.reads[: len(scene.goal)] == tuple(j.position for j in scene.plant.joints)
+    found = score(scene, rollout(scene, law))
+    assert not found.failure and np.isfinite(found.cost)
+    assert left_out(scene.plant, scene.goal_model) == ()
+
+
+def test_evaluation_scene_varies_what_is_uncertain():
+    played = play(LIFT)
+    assert played.randomise == (("load", 0.7, 1.3),)
+    assert deflections(played) == ("hook",)
+    assert play(TURN).randomise == ()
+
+
+def test_pictures():
+    assert arm_outline.has_shape(Crane()) and not arm_outline.has_shape(Tables())
+    assert arm_outline.lines(Crane(), np.array([0.0, 3.0, 0.0, 0.0]), 2)[0] == pytest.approx(
+        np.array([[3.0, 0.0], [3.0, -ROPE]])
+    )
+    picture = renderer(LIFT).draw(LIFT.initial[0], np.zeros(1), 0.0, 0.0)
+    assert picture.shape == (600, 600, 3) and np.ptp(picture) > 100
+    with pytest.raises(ValueError, match="'tables': its plant Tables has no outline to draw"):
+        renderer(TURN)
+
+
+def test_random_points_keep_lengths_small():
+    _, x, *_ = random_points(Crane(), np.random.default_rng(0), 50)
+    largest = np.abs(x).max(axis=1)
+    assert (largest[[1, 3]] <= 0.02).all() and (largest[[0, 2]] > 0.5).all()
+
+
+def test_words_about_a_point():
+    spinning = Tables().linearize(np.array([2.0, 0.0, 0.0, 0.0]))
+    assert operating_point.words(spinning, Tables()).startswith(
+        "at a point that is no equilibrium (d(beta)/dt = 2 rad/s"
+    )
+    still = Tables().linearize(np.zeros(4))
+    assert operating_point.words(still, Tables()).startswith("at rest with second = 0 N m")
