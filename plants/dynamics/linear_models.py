@@ -4,7 +4,8 @@ Along a motion the nodes may not show what A(t) does: they stand a period apart,
 therefore looked at between them too, at a share of 0.38 or 0.62 of each interval in turn (at its middle the sine whose
 period is an interval would be missed), from the motion as `Trajectory.resample` has it there. Where it lies beyond the
 four nodes about it by more than HIDDEN of their range, nodes are put there and about, until the chords between them
-show what is seen: `LTVModel.finer`.
+show what is seen: `LTVModel.finer`. What `resample` itself misses is not taken for A: where nodes are shown as well as
+that by every third of them, and it is HARMLESS, nothing is hidden.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ HIDDEN, CHORD = 0.25, 0.1  # of the range of the four nodes about: beyond them, 
 NOTHING = 1e-2  # of all that is seen of an entry
 FELT = 1e-2  # of the largest in an entry's row or column: what varies by less is not looked for
 FAINT = 1e-6  # what varies by less times the span of the model changes no multiplier by as much: rounding, mostly
+HARMLESS = 1e-2  # times the span: of a multiplier
 MOST_NODES = 8  # times the nodes that were asked for
 
 
@@ -93,10 +95,14 @@ def _at_nodes(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
 def finer(made: Callable[[Trajectory, Any], LTVModel], nominal: Trajectory, p: Any, model: LTVModel) -> LTVModel | None:
     """That which made(motion, p) is with nodes between those of the model, where these hide what A does; else None.
 
-    None as well where the plant has no model between them (MassMatrixError): such nodes are no motion of it there.
+    None as well where the plant has no model between them (MassMatrixError): such nodes are no motion of it there; and
+    where the model is not of this motion, but at times beyond it or of other states.
     """
+    if len(model.t) < 3 or model.t[0] < nominal.t[0] or model.t[-1] > nominal.t[-1]:
+        return None
+    nominal = _whole_turns(nominal)
     try:
-        t = _finer_times(made, model, nominal, p) if len(model.t) > 2 else model.t
+        t = _finer_times(made, model, nominal, p)
         return made(*_at(nominal, p, t)) if len(t) > len(model.t) else None
     except MassMatrixError:
         return None
@@ -108,7 +114,11 @@ def _finer_times(made: Callable[[Trajectory, Any], LTVModel], model: LTVModel, n
     for every in sorted({max(1, (len(t) - 1) // LOOKED_AT), 1}, reverse=True):
         k = np.arange(len(t) - 1)[::every]
         seen = made(*_at(nominal, p, _between(t)[k])).A
+        if seen.shape[1:] != A.shape[1:]:
+            return t
         hidden = _hidden(A, seen, k, span, beyond=True)
+        if hidden.any() and len(t) > 6:
+            hidden = _hidden(A, seen, k, span, beyond=True, missed=_missed(made, model, nominal, p))
         if not hidden.any():
             return t
     while hidden.any() and len(t) < MOST_NODES * len(model.t):
@@ -139,10 +149,36 @@ def _at(nominal: Trajectory, p: Any, times: Array) -> tuple[Trajectory, Any]:
     return found, p
 
 
-def _hidden(A: Array, seen: Array, k: Array, span: float, *, beyond: bool) -> Array:
+def _whole_turns(nominal: Trajectory) -> Trajectory:
+    """The motion with angles that go on where they were set back by whole turns, as their rates tell."""
+    if nominal.dx is None:
+        return nominal
+    x, turn = nominal.x.copy(), 2 * np.pi
+    steps, told = np.diff(x, axis=0), np.diff(nominal.t)[:, None] * (nominal.dx[1:] + nominal.dx[:-1]) / 2
+    turns = np.round((steps - told) / turn)
+    angle = np.array([s.unit == "rad" for s in nominal.states])
+    back = np.where(angle & (np.abs(steps) > np.pi) & (np.abs(steps - told - turn * turns) < 1), turns, 0.0)
+    x[1:] -= turn * np.cumsum(back, axis=0)
+    return replace(nominal, x=x) if back.any() else nominal
+
+
+def _missed(made: Callable[[Trajectory, Any], LTVModel], model: LTVModel, nominal: Trajectory, p: Any) -> Array:
+    """What A (nt, n, n) differs by at nodes between every third of them from what `resample` makes of these."""
+    motion, q = _at(nominal, p, model.t)
+    kept = np.union1d(np.arange(0, len(model.t), 3), len(model.t) - 1)
+    left = np.setdiff1d(np.arange(len(model.t)), kept)
+    rows = {name: v[kept] for name in ("t", "x", "u", "y", "dx", "w") if (v := getattr(motion, name)) is not None}
+    few = q[kept] if q is not None and np.ndim(q) == 2 else q
+    off = np.zeros_like(model.A)
+    off[left] = np.abs(made(*_at(replace(motion, **rows), few, model.t[left])).A - model.A[left])
+    return off
+
+
+def _hidden(A: Array, seen: Array, k: Array, span: float, *, beyond: bool, missed: Array | None = None) -> Array:
     """Of which intervals k (m,) between nodes the values A (nt, n, n) there do not show what is seen (m, n, n).
 
-    `beyond`: it is beyond what the four nodes about it hold; else off the chord between two nodes.
+    `beyond`: it is beyond what the four nodes about it hold; else off the chord between two nodes. `missed` (nt, n, n):
+    what may be seen of it for want of a better motion between the nodes.
     """
     about = A[np.clip(k[:, None] + np.arange(-1, 3), 0, len(A) - 1)]  # (m, 4, n, n)
     low, high = about.min(axis=1), about.max(axis=1)
@@ -155,6 +191,9 @@ def _hidden(A: Array, seen: Array, k: Array, span: float, *, beyond: bool) -> Ar
     beside = size * scale / scale[:, None]
     felt = np.maximum(FELT * np.minimum(beside.max(axis=0), beside.max(axis=1)[:, None]), FAINT / span)
     varies = largest - least > felt * scale[:, None] / scale
+    if missed is not None:
+        off = missed[np.clip(k[:, None] + np.arange(-1, 3), 0, len(A) - 1)].max(axis=1)  # one at least is told
+        varies = varies & ((miss > off) | (off * span > HARMLESS * scale[:, None] / scale))
     return ((miss > (HIDDEN if beyond else CHORD) * (high - low) + NOTHING * (largest - least)) & varies).any(
         axis=(1, 2)
     )

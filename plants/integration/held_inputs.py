@@ -45,7 +45,8 @@ class HeldInput:
         self.samples = np.zeros((len(t), plant.nu))
         self.controller: Any = u if hasattr(u, "act") else None
         self.law: Any = u if callable(u) and self.controller is None else None
-        self.together: Any = getattr(self.law, "at_times", None)
+        together = getattr(self.law, "at_times", None)
+        self.together: Any = together if callable(together) else None
         self.smooth = self.law is not None
         if self.controller is not None:
             self._choose_reads()
@@ -77,9 +78,9 @@ class HeldInput:
     def at(self, times: np.ndarray) -> np.ndarray:
         """The law's values at `times`, (len(times) * nu,): by its own `at_times` at once, else one by one."""
         if self.together is not None:
-            values = list(np.asarray(self.together(times), dtype=float))
-        else:
-            values = [np.asarray(self.law(time), dtype=float).reshape(-1) for time in times]
+            shape = (len(times), self.plant.nu)
+            return require_finite(f"u.at_times of {len(times)} times", self.together(times), shape).ravel()
+        values = [np.asarray(self.law(time), dtype=float).reshape(-1) for time in times]
         together = np.concatenate(values)
         if any(len(value) != self.plant.nu for value in values) or not np.isfinite(together).all():
             return np.concatenate([self(time) for time in times])  # says which

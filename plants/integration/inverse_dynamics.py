@@ -53,7 +53,7 @@ class InverseDynamics:
 
     def at_times(self, times: Array) -> Array:
         """The inputs (n, nu) at times (n,)."""
-        if times[0] >= self.time:
+        if np.min(times, initial=np.inf) >= self.time:
             return np.tile(self(self.time), (len(times), 1))
         return self._inputs(times)
 

@@ -33,7 +33,8 @@ class LargeBeamDeclaration(LagrangianPlant):
 
     `basis`, of n = `modes` rotation shapes: "tip-force", curvatures that vanish at an end free to turn; "modes",
     natural modes with the payload; "polynomial", any curvatures; "auto". In the plane "auto" serves the beam's own
-    input, a tip force F, best: "tip-force"; in space it is "modes", whose bend1 and flap1 are the first natural modes.
+    input, a tip force F, best: "tip-force" (up to 20 shapes, beyond them "modes"); in space it is "modes", whose bend1
+    and flap1 are the first natural modes.
     Relative error of the tip's displacement, clamped, without payload, F L^2/(E I) = 1 across: at rest against the
     elastica's elliptic integrals; while F grows within half the first period, and where it is there at once, undamped
     and with stiffness-proportional damping (0.35 % in the first mode), for 3 sqrt(rho A L^4/(E I)), against nine
@@ -84,7 +85,8 @@ class LargeBeamDeclaration(LagrangianPlant):
             require_choice(owner, name, getattr(self, name), choices)
         if not isinstance(self.gravity, tuple) or len(self.gravity) != 3:
             raise ValueError(f"{owner}.gravity = {self.gravity!r} must be a tuple of 3 numbers [m/s^2]")
-        require_count(owner, "modes", self.modes, 1, BASES[self.rotation_basis] if self.kinematics == "strain" else 12)
+        most = BASES["modes" if self.basis == "auto" else self.basis]
+        require_count(owner, "modes", self.modes, 1, most if self.kinematics == "strain" else 12)
         require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
         require_count(owner, "twists", self.twists, 0, MOST_TWISTS)
         if self.points is not None:
@@ -94,8 +96,12 @@ class LargeBeamDeclaration(LagrangianPlant):
 
     @property
     def rotation_basis(self) -> str:
-        """The basis that is taken: that which `basis` names, or where it is "auto" that for the plane or for space."""
-        return self.basis if self.basis != "auto" else "tip-force" if self.planar else "modes"
+        """The basis that is taken: that which `basis` names, or where it is "auto" that for the plane or for space;
+        "modes" too where more shapes are asked for than there are for a tip force.
+        """
+        if self.basis != "auto":
+            return self.basis
+        return "tip-force" if self.planar and self.modes <= BASES["tip-force"] else "modes"
 
     @property
     def coordinates(self) -> tuple[Signal, ...]:

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, read_only, read_only_times, sample
 
@@ -83,10 +84,13 @@ class LTVModel(ModelSignals):
         if found is None:
             return None
         at = np.isin(found.t, self.t)
-        same = found.A.shape[1:] == self.A.shape[1:] and at.sum() == len(self.t)
-        if not same or np.abs(found.A[at] - self.A).max() > 1e-9 * np.abs(self.A).max():
-            return None  # A is no longer what it was made from
-        return found
+        if found.A.shape[1:] != self.A.shape[1:] or at.sum() != len(self.t):
+            return None
+        size = np.abs(self.A).max(axis=0)
+        balanced, (scale, _) = linalg.matrix_balance(size, permute=False, separate=True)
+        rounding = 1e-12 * balanced.max() * scale[:, None] / scale
+        changed = np.abs(found.A[at] - self.A).max(axis=0) > 1e-9 * size + rounding
+        return None if changed.any() else found  # A is no longer what it was made from
 
     def at(self, k: int) -> LinearModel:
         """The model frozen at node k; its f0 is c[k], the rate of a deviation from the moving nominal."""

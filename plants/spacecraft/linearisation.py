@@ -211,9 +211,21 @@ def linearize_along(craft: SpacecraftDeclaration, nominal: Trajectory, p: Any) -
     """
     check_signals(craft, nominal)
     check_nominal(craft, nominal)
-    return dataclasses.replace(
-        _at_nodes(craft, nominal, p), between=partial(finer, partial(_between_nodes, craft), nominal, p)
+    between = partial(finer, partial(_between_nodes, craft), _of_one_sign(craft, nominal), p)
+    return dataclasses.replace(_at_nodes(craft, nominal, p), between=between)
+
+
+def _of_one_sign(craft: SpacecraftDeclaration, nominal: Trajectory) -> Trajectory:
+    """The same attitudes with quaternions that go on as their rates tell, where they changed their sign."""
+    if nominal.dx is None:
+        return nominal
+    x, dx, q, half = nominal.x.copy(), nominal.dx.copy(), craft.layout.quaternion, np.diff(nominal.t)[:, None] / 2
+    on, back = (
+        np.linalg.norm(s * (x[1:, q] - half * dx[1:, q]) - (x[:-1, q] + half * dx[:-1, q]), axis=1) for s in (1, -1)
     )
+    sign = np.cumprod(np.where(back < on, -1.0, 1.0))[:, None]
+    x[1:, q], dx[1:, q] = sign * x[1:, q], sign * dx[1:, q]
+    return dataclasses.replace(nominal, x=x, dx=dx)
 
 
 def _between_nodes(craft: SpacecraftDeclaration, motion: Trajectory, p: Any) -> LTVModel:

@@ -148,6 +148,8 @@ def _two(M: np.ndarray, D: np.ndarray, volume: tuple[float, ...] | None, known_t
         for a in ([2 * np.sqrt(b), -2 * np.sqrt(b)] if b > 0 else []) + [0.0]:
             if traces[0] < a < traces[1]:
                 corners.append(_roots(a, b))
+    nearest = np.copysign(max(abs(trace) - slack, 0.0), trace)  # of traces to zero: the larger of its roots is ..
+    corners.append(_roots(nearest, min(max(low, nearest**2 / 4), high)))  # .. smallest where they meet
     error = max(_apart(lam, other) for other in corners) + 8 * EPS * float(np.abs(lam).max())
     sizes = [float(np.abs(r).max()) for r in corners]
     groups = (np.array([0]), np.array([1])) if abs(lam[0] - lam[1]) > 2 * error else (np.arange(2),)

@@ -111,3 +111,47 @@ def test_a_craft_that_turns_between_its_nodes():
     between = nominal.resample(t[:-1] + 0.4)
     assert np.abs(np.linalg.norm(between.x[:, q], axis=1) - 1).max() > 1e-4  # the naive way
     np.testing.assert_allclose(np.linalg.norm(_of_unit_length(craft, between).x[:, q], axis=1), 1.0, atol=1e-15)
+
+
+def test_a_model_that_is_no_more_of_its_motion_keeps_its_nodes():
+    """Moved in time, of fewer states, or with an entry that was changed by little beside the largest."""
+    model = Shaken().linearize_along(at_rest(Shaken(), np.pi * np.arange(13)))
+    assert model.finer is not None
+    assert replace(model, t=model.t + 1.0).finer is None
+    one = {name: getattr(model, name)[:, :1] for name in ("B", "E", "c", "x")}
+    assert replace(model, A=model.A[:, :1, :1], C=model.C[:, :, :1], states=model.states[:1], **one).finer is None
+    A = model.A.copy()
+    A[:, 0, 0] += 1e-9
+    assert replace(model, A=A).finer is None
+
+
+def test_an_angle_that_is_set_back_by_whole_turns():
+    """It goes through no other angles between the two nodes; naively from pi to -pi through zero."""
+    plant, t, rate = Shaken(depth=0.0), np.linspace(0.0, 4.0, 41), np.pi
+    angle = (rate * t + np.pi + 1e-6) % (2 * np.pi) - np.pi
+    x = np.column_stack([angle, np.full(41, rate)])
+    nominal = Trajectory.from_arrays(t, x, np.zeros((41, 0)), plant=plant, dx=x[:, 1:] * [1.0, 0.0])
+    assert np.abs(np.diff(angle)).max() > 5
+    model = plant.linearize_along(nominal)
+    assert np.abs(-np.cos(nominal.resample(t[:-1] + 0.05).x[:, 0]) + np.cos(rate * (t[:-1] + 0.05))).max() > 1  # naive
+    assert model.finer is None
+
+
+@pytest.mark.parametrize("signs", [False, True])
+def test_what_the_motion_between_nodes_misses_is_not_taken_for_a(signs):
+    """A craft that spins steadily, 12 degrees from node to node: between these a cubic misses its turning by 5e-6,
+    whatever sign its quaternions are given with. It is marginal in all that moves.
+    """
+    craft = replace(FlexibleSpacecraft.textbook(), kinematics="rigid")
+    t, at = np.linspace(0.0, 12.0, 62), craft.layout
+    x = np.zeros((62, craft.nx))
+    x[:, at.quaternion.start], x[:, at.quaternion.start + 3] = np.cos(np.pi / 6 * t), np.sin(np.pi / 6 * t)
+    x[:, at.omega][:, 2] = np.pi / 3
+    dx = craft.dynamics(x)
+    dx[:, at.omega] = 0.0
+    if signs:
+        x[20:45, at.quaternion] *= -1
+        dx[20:45, at.quaternion] *= -1
+    model = craft.linearize_along(Trajectory.from_arrays(t, x, plant=craft, dx=dx))
+    assert np.ptp(model.A, axis=0).max() < 1e-12 and model.finer is None
+    assert assess(model, thorough=False).verdict == "marginal"

@@ -27,7 +27,9 @@ def test_many_times_at_once_are_each_by_itself():
     one_by_one = np.array([law(float(t)) for t in times])
     scale = np.abs(one_by_one).max()
     np.testing.assert_allclose(law.at_times(times), one_by_one, rtol=0, atol=1e-13 * scale)
+    np.testing.assert_allclose(law.at_times(times[::-1]), one_by_one[::-1], rtol=0, atol=1e-13 * scale)  # any order
     np.testing.assert_array_equal(law.at_times(np.array([0.8, 2.0])), np.array([law(0.8), law(5.0)]))
+    assert law.at_times(times[:0]).shape == (0, 2)
 
 
 def test_a_simulation_asks_for_all_stages_together():

@@ -191,6 +191,7 @@ def test_keyword_constructor():
     assert plant.gravity == (0.0, -9.8, 0.0) and plant.segments == 1 and plant.modes == 3
     assert plant.rotation_basis == "tip-force" and BEAM.rotation_basis == "modes"
     assert dataclasses.replace(plant, planar=False).rotation_basis == "modes"
+    assert dataclasses.replace(plant, modes=30).label == "strain, modes 30"  # more than there are for a tip force
 
 
 @pytest.mark.parametrize("basis", ["modes", "polynomial", "tip-force"])

@@ -83,6 +83,19 @@ def test_liouville_decides_what_a_pair_hangs_on():
     assert not bounds(M, D, volume=known).inside
 
 
+def test_two_states_of_which_little_is_known():
+    """The largest eigenvalue is smallest where two meet, within the box of traces and determinants: by members."""
+    rng = np.random.default_rng(7)
+    for _ in range(40):
+        M, D = 2 * rng.standard_normal((2, 2)), np.abs(rng.standard_normal((2, 2)))
+        b = bounds(M, D)
+        sizes = [np.abs(np.linalg.eigvals(member)).max() for member in members(M, D, rng)]
+        assert b.least <= min(sizes) and max(sizes) <= b.most * (1 + 1e-12)
+    M, D = np.diag([3.0, 0.0]), np.array([[2.9, 1.0], [1.0, 0.1]])  # 3 may be 0.1, all else nothing
+    b = bounds(M, D)
+    assert b.least <= 0.1 and not b.outside
+
+
 def test_parts_stand_alone_and_ratios_of_1e15_keep_their_digits():
     A = np.zeros((4, 4))
     A[0, 1] = A[1, 0] = A[2, 0] = A[3, 3] = 1.0
