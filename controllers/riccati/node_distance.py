@@ -5,9 +5,10 @@ node both errors are some 16 times as large, so that what P changes by is an est
 as far as the nodes show how the model varies. What passes between two of them unseen, no estimate knows.
 
     tvlqr   P of all nodes against P of half of them
-    held    P with the input held, against that of half the nodes with two steps in each interval
+    held    P with the input held, against that of half the nodes with two steps in each interval: of the steps' error
+            it shows 15/16, no more
 
-Measured where there are few intervals, or where the values left out are not where the others put them.
+Measured of every model that varies: nodes that show well how A does may be too far apart for a step of it.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ from pliant.plants.linear.ltv import LTVModel
 from .ltv_discretisation import SampledLTV
 
 Array = np.ndarray
-FEW = 8  # intervals up to which it is measured, whatever the values
-MISSED = 0.25  # of an entry's range: how far half of the nodes may miss the others before it is measured, as by a jump
 KNOWN = 1e-3  # of P, against the largest of its diagonal: error that is not warned of
-SAFE = 3.0  # on the difference, where few intervals have not the order of many
+FEW = 8  # intervals, which have not the order of many
+SAFE = 3.0  # on the difference, where they are few, or where it is no more than the error
+LARGEST = 0.3  # error that is told: what changes by more has no order, and may be off by any multiple of it
 ORDER = 4
 ROUNDING = 1e-9  # of an entry: what does not vary
 FIELDS = ("t", "A", "B", "E", "C", "D", "F", "c", "x", "u", "w", "y")
@@ -38,22 +39,10 @@ class NodeWarning(UserWarning):
     """The nodes of a nominal are too far apart for the cost to go, and the gains, to be known well."""
 
 
-def doubtful(model: LTVModel) -> bool | None:
-    """Whether the error is to be measured: nodes that are few, or do not tell of each other; None: it does not vary."""
-    parts = [M.reshape(len(model.t), -1) for M in (model.A, model.B)]  # c moves no gain; its spline may be rounding
-    values = np.concatenate(parts, axis=1)
-    values = values[:, np.ptp(values, axis=0) > ROUNDING * np.abs(values).max(axis=0)]
-    if not values.shape[1]:
-        return None
-    if len(model.t) - 1 <= FEW:
-        return True
-    h = np.diff(model.t)
-    left, right, far = h[0:-1:2], h[1::2], values[2::2]
-    before, at = values[0:-2:2], values[1:-1:2]
-    n = min(len(far), len(before), len(at))
-    missed = at[:n] - before[:n] - (left / (left + right))[:n, None] * (far[:n] - before[:n])
-    bend = np.abs(np.diff(missed, axis=0)).max(axis=0, initial=0.0)  # what is left of the chord, but for its own change
-    return bool((bend > MISSED * np.ptp(values, axis=0)).any())
+def varies(model: LTVModel) -> bool:
+    """Whether A or B do, by more than rounding; c moves no gain."""
+    parts = [M.reshape(len(model.t), -1) for M in (model.A, model.B)]
+    return any((np.ptp(M, axis=0) > ROUNDING * np.abs(M).max(axis=0)).any() for M in parts if M.size)
 
 
 def halved(model: LTVModel) -> LTVModel:
@@ -82,24 +71,25 @@ def joined(step: SampledLTV) -> SampledLTV:
     return SampledLTV(*dynamics, M[:, x, x], M[:, u, u], M[:, x, u], M[:, x, -1], M[:, u, -1], M[:, -1, -1])
 
 
-def measured(model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Array], every: int) -> float | None:
+def measured(model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Array], every: int) -> float:
     """The error of P, [[P, p], [p', r]] = S S' at the nodes, S = roots (nt, n, n), against the largest of its diagonal.
 
-    coarse(): S of half the nodes, at each `every`-th and the last. Zero where the model is constant, infinity where
-    nothing tells, None where it was not measured. Warns where it is more than KNOWN.
+    coarse(): S of half the nodes, at each `every`-th and the last; where that is 1, its steps are as short. Zero where
+    the model is constant, infinity where nothing tells, or it would be more than LARGEST. Warns of more than KNOWN.
     """
-    asked = doubtful(model)
-    if not asked:
-        return 0.0 if asked is None else None
+    if not varies(model):
+        return 0.0
     found, nodes = float("inf"), len(model.t)
     if nodes > 2:
         kept = np.unique(np.append(np.arange(0, nodes, every), nodes - 1))
         try:
-            found = _apart(roots[kept], coarse()) * (SAFE if nodes - 1 <= FEW else 1.0)
+            found = _apart(roots[kept], coarse()) * (SAFE if every == 1 or nodes - 1 <= FEW else 1.0)
         except PliantError:  # half of the nodes are too far apart to be solved: how far all of them are is not told
             found = float("inf")
+        if found > LARGEST:
+            found = float("inf")
     if found > KNOWN:
-        share = f"known only to about {100 * found:.2g} %" if found < 1 else "not known"
+        share = f"known only to about {100 * found:.2g} %" if np.isfinite(found) else "not known"
         more = min(max(2.0, (found / KNOWN) ** (1 / ORDER)), 8.0)
         take = np.ceil((nodes - 1) * more)
         warnings.warn(

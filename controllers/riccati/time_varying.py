@@ -39,7 +39,7 @@ class TimeVaryingRegulator(NamedTuple):
     p: Array  # (T or T+1, nx)
     r: Array  # (T or T+1,)
     root: Array  # (T or T+1, nx + 1, nx + 1) S, lower triangular: [[P, p], [p', r]] = S S'
-    error: float | None = 0.0  # of P, by the distance of an LTVModel's nodes; None: not measured (node_distance.py)
+    error: float = 0.0  # of P, by the distance of an LTVModel's nodes; infinity: not known (node_distance.py)
 
     def cost_to_go(self, i: int, x: Any) -> float:
         """What is left to pay from x (nx,) at the time with index i."""
