@@ -8,7 +8,8 @@ as far as the nodes show how the model varies. What passes between two of them u
     held    P with the input held, against that of half the nodes with two steps in each interval: of the steps' error
             it shows 15/16, no more
 
-Measured of every model that varies: nodes that show well how A does may be too far apart for a step of it.
+Measured where there are few intervals, where the nodes left out are not where the others put them, and where a step
+turns the fastest pole far: nodes that show well how A varies may be too far apart for a step of it.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ from .ltv_discretisation import SampledLTV
 
 Array = np.ndarray
 KNOWN = 1e-3  # of P, against the largest of its diagonal: error that is not warned of
-FEW = 8  # intervals, which have not the order of many
+FEW = 8  # intervals, which have not the order of many: it is measured, whatever the values
+MISSED = 0.03  # of an entry's range: how far half of the nodes may miss the others before it is measured
+TURN = 0.35  # [rad] of the fastest pole within an interval, before it is measured
+POLES = 9  # nodes at which poles are looked at
 SAFE = 3.0  # on the difference, where they are few, or where it is no more than the error
 LARGEST = 0.3  # error that is told: what changes by more has no order, and may be off by any multiple of it
 ORDER = 4
@@ -39,10 +43,27 @@ class NodeWarning(UserWarning):
     """The nodes of a nominal are too far apart for the cost to go, and the gains, to be known well."""
 
 
-def varies(model: LTVModel) -> bool:
-    """Whether A or B do, by more than rounding; c moves no gain."""
-    parts = [M.reshape(len(model.t), -1) for M in (model.A, model.B)]
-    return any((np.ptp(M, axis=0) > ROUNDING * np.abs(M).max(axis=0)).any() for M in parts if M.size)
+def doubtful(model: LTVModel, rates: Array) -> bool | None:
+    """Whether the error is to be measured, where the motion and the cost to go follow rates (nt, n, n) [1/s].
+
+    None where A and B do not vary by more than rounding: no node is needed. c moves no gain.
+    """
+    values = np.concatenate([M.reshape(len(model.t), -1) for M in (model.A, model.B)], axis=1)
+    values = values[:, np.ptp(values, axis=0) > ROUNDING * np.abs(values).max(axis=0)]
+    if not values.shape[1]:
+        return None
+    if len(model.t) - 1 <= FEW:
+        return True
+    h = np.diff(model.t)
+    looked = np.unique(np.linspace(0, len(rates) - 1, POLES).astype(int))
+    if np.abs(np.linalg.eigvals(rates[looked])).max() * h.max() > TURN:
+        return True
+    left, right, far = h[0:-1:2], h[1::2], values[2::2]
+    before, at = values[0:-2:2], values[1:-1:2]
+    n = min(len(far), len(before), len(at))
+    missed = at[:n] - before[:n] - (left / (left + right))[:n, None] * (far[:n] - before[:n])
+    bend = np.abs(np.diff(missed, axis=0)).max(axis=0, initial=0.0)  # what is left of the chord, but for its own change
+    return bool((bend > MISSED * np.ptp(values, axis=0)).any())
 
 
 def halved(model: LTVModel) -> LTVModel:
@@ -71,14 +92,18 @@ def joined(step: SampledLTV) -> SampledLTV:
     return SampledLTV(*dynamics, M[:, x, x], M[:, u, u], M[:, x, u], M[:, x, -1], M[:, u, -1], M[:, -1, -1])
 
 
-def measured(model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Array], every: int) -> float:
+def measured(
+    model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Array], every: int, rates: Array
+) -> float | None:
     """The error of P, [[P, p], [p', r]] = S S' at the nodes, S = roots (nt, n, n), against the largest of its diagonal.
 
     coarse(): S of half the nodes, at each `every`-th and the last; where that is 1, its steps are as short. Zero where
-    the model is constant, infinity where nothing tells, or it would be more than LARGEST. Warns of more than KNOWN.
+    the model is constant, infinity where nothing tells, or it would be more than LARGEST, None where it was not
+    measured (`doubtful`, by `rates`). Warns of more than KNOWN.
     """
-    if not varies(model):
-        return 0.0
+    asked = doubtful(model, rates)
+    if not asked:
+        return 0.0 if asked is None else None
     found, nodes = float("inf"), len(model.t)
     if nodes > 2:
         kept = np.unique(np.append(np.arange(0, nodes, every), nodes - 1))

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pliant.controllers import TVLQR, riccati
-from pliant.controllers.riccati.node_distance import KNOWN, NodeWarning, joined, measured, refined
+from pliant.controllers.riccati.node_distance import KNOWN, NodeWarning, doubtful, joined, measured, refined
 from pliant.plants.linear.ltv import LTVModel
 
 HORIZON, Q, R = 2.0, np.diag([3.0, 0.5]), np.array([[0.1]])
@@ -93,10 +93,10 @@ def test_nodes_that_show_how_a_stiff_spring_varies_may_be_too_far_apart_for_its_
 
 def test_one_interval_tells_nothing_and_many_are_silent():
     with pytest.warns(NodeWarning, match="not known"):
-        assert measured(along(2), "tvlqr", np.zeros((2, 3, 3)), list, 2) == np.inf
+        assert measured(along(2), "tvlqr", np.zeros((2, 3, 3)), list, 2, along(2).A) == np.inf
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert riccati.tvlqr(along(41), Q, R).error < KNOWN and TVLQR.design(along(41), Q, R).regulator.error < KNOWN
+        assert riccati.tvlqr(along(41), Q, R).error is None and TVLQR.design(along(41), Q, R).regulator.error is None
         assert (
             riccati.tvlqr(along(3, swing=0.0), Q, R).error == 0.0
         )  # a model that does not vary is known from one node
@@ -108,6 +108,7 @@ def test_many_nodes_that_do_not_tell_of_each_other_are_measured_too():
     jump[20:, 1, 0] *= 3.0
     fields = {n: getattr(model, n) for n in ("t", "B", "E", "C", "D", "F", "c", "x", "u", "w", "y")}
     signals = {n: getattr(model, n) for n in ("states", "inputs", "disturbances", "outputs")}
+    assert doubtful(model, model.A) is False
     with pytest.warns(NodeWarning):
         assert riccati.tvlqr(LTVModel(A=jump, **fields, **signals), Q, R).error > KNOWN
 
