@@ -263,7 +263,7 @@ def _of_nodes(
     def other() -> np.ndarray:
         return _of_steps(joined(riccati.sampled_along(refined(ltv), *weights)), end).root
 
-    return regulator._replace(error=measured(ltv, "TVLQR.design", regulator.root, other, 1))
+    return regulator._replace(error=measured(ltv, "TVLQR.design", regulator.root, other, 1, ltv.A))
 
 
 def _held_by_plant(made: TVLQR, steps: HeldSteps, hold: tuple[Any, Any, Any], weights: tuple[Any, Any, Any]) -> Hold:

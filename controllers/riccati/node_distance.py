@@ -5,9 +5,11 @@ node both errors are some 16 times as large, so that what P changes by is an est
 as far as the nodes show how the model varies. What passes between two of them unseen, no estimate knows.
 
     tvlqr   P of all nodes against P of half of them
-    held    P with the input held, against that of half the nodes with two steps in each interval
+    held    P with the input held, against that of half the nodes with two steps in each interval: of the steps' error
+            it shows 15/16, no more
 
-Measured where there are few intervals, or where the values left out are not where the others put them.
+Measured where there are few intervals, where the nodes left out are not where the others put them, and where a step
+turns the fastest pole far: nodes that show well how A varies may be too far apart for a step of it.
 """
 
 from __future__ import annotations
@@ -25,10 +27,13 @@ from pliant.plants.linear.ltv import LTVModel
 from .ltv_discretisation import SampledLTV
 
 Array = np.ndarray
-FEW = 8  # intervals up to which it is measured, whatever the values
-MISSED = 0.25  # of an entry's range: how far half of the nodes may miss the others before it is measured, as by a jump
 KNOWN = 1e-3  # of P, against the largest of its diagonal: error that is not warned of
-SAFE = 3.0  # on the difference, where few intervals have not the order of many
+FEW = 8  # intervals, which have not the order of many: it is measured, whatever the values
+MISSED = 0.03  # of an entry's range: how far half of the nodes may miss the others before it is measured
+TURN = 0.35  # [rad] of the fastest pole within an interval, before it is measured
+POLES = 9  # nodes at which poles are looked at
+SAFE = 3.0  # on the difference, where they are few, or where it is no more than the error
+LARGEST = 0.3  # error that is told: what changes by more has no order, and may be off by any multiple of it
 ORDER = 4
 ROUNDING = 1e-9  # of an entry: what does not vary
 FIELDS = ("t", "A", "B", "E", "C", "D", "F", "c", "x", "u", "w", "y")
@@ -38,16 +43,21 @@ class NodeWarning(UserWarning):
     """The nodes of a nominal are too far apart for the cost to go, and the gains, to be known well."""
 
 
-def doubtful(model: LTVModel) -> bool | None:
-    """Whether the error is to be measured: nodes that are few, or do not tell of each other; None: it does not vary."""
-    parts = [M.reshape(len(model.t), -1) for M in (model.A, model.B)]  # c moves no gain; its spline may be rounding
-    values = np.concatenate(parts, axis=1)
+def doubtful(model: LTVModel, rates: Array) -> bool | None:
+    """Whether the error is to be measured, where the motion and the cost to go follow rates (nt, n, n) [1/s].
+
+    None where A and B do not vary by more than rounding: no node is needed. c moves no gain.
+    """
+    values = np.concatenate([M.reshape(len(model.t), -1) for M in (model.A, model.B)], axis=1)
     values = values[:, np.ptp(values, axis=0) > ROUNDING * np.abs(values).max(axis=0)]
     if not values.shape[1]:
         return None
     if len(model.t) - 1 <= FEW:
         return True
     h = np.diff(model.t)
+    looked = np.unique(np.linspace(0, len(rates) - 1, POLES).astype(int))
+    if np.abs(np.linalg.eigvals(rates[looked])).max() * h.max() > TURN:
+        return True
     left, right, far = h[0:-1:2], h[1::2], values[2::2]
     before, at = values[0:-2:2], values[1:-1:2]
     n = min(len(far), len(before), len(at))
@@ -82,24 +92,29 @@ def joined(step: SampledLTV) -> SampledLTV:
     return SampledLTV(*dynamics, M[:, x, x], M[:, u, u], M[:, x, u], M[:, x, -1], M[:, u, -1], M[:, -1, -1])
 
 
-def measured(model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Array], every: int) -> float | None:
+def measured(
+    model: LTVModel, solve: str, roots: Array, coarse: Callable[[], Array], every: int, rates: Array
+) -> float | None:
     """The error of P, [[P, p], [p', r]] = S S' at the nodes, S = roots (nt, n, n), against the largest of its diagonal.
 
-    coarse(): S of half the nodes, at each `every`-th and the last. Zero where the model is constant, infinity where
-    nothing tells, None where it was not measured. Warns where it is more than KNOWN.
+    coarse(): S of half the nodes, at each `every`-th and the last; where that is 1, its steps are as short. Zero where
+    the model is constant, infinity where nothing tells, or it would be more than LARGEST, None where it was not
+    measured (`doubtful`, by `rates`). Warns of more than KNOWN.
     """
-    asked = doubtful(model)
+    asked = doubtful(model, rates)
     if not asked:
         return 0.0 if asked is None else None
     found, nodes = float("inf"), len(model.t)
     if nodes > 2:
         kept = np.unique(np.append(np.arange(0, nodes, every), nodes - 1))
         try:
-            found = _apart(roots[kept], coarse()) * (SAFE if nodes - 1 <= FEW else 1.0)
+            found = _apart(roots[kept], coarse()) * (SAFE if every == 1 or nodes - 1 <= FEW else 1.0)
         except PliantError:  # half of the nodes are too far apart to be solved: how far all of them are is not told
             found = float("inf")
+        if found > LARGEST:
+            found = float("inf")
     if found > KNOWN:
-        share = f"known only to about {100 * found:.2g} %" if found < 1 else "not known"
+        share = f"known only to about {100 * found:.2g} %" if np.isfinite(found) else "not known"
         more = min(max(2.0, (found / KNOWN) ** (1 / ORDER)), 8.0)
         take = np.ceil((nodes - 1) * more)
         warnings.warn(

@@ -39,7 +39,7 @@ class TimeVaryingRegulator(NamedTuple):
     p: Array  # (T or T+1, nx)
     r: Array  # (T or T+1,)
     root: Array  # (T or T+1, nx + 1, nx + 1) S, lower triangular: [[P, p], [p', r]] = S S'
-    error: float | None = 0.0  # of P, by the distance of an LTVModel's nodes; None: not measured (node_distance.py)
+    error: float | None = 0.0  # of P, by the distance of an LTVModel's nodes; infinity: not known; None: not measured
 
     def cost_to_go(self, i: int, x: Any) -> float:
         """What is left to pay from x (nx,) at the time with index i."""
@@ -108,7 +108,7 @@ def tvlqr(model: LTVModel, Q: Any, R: Any, N: Any = None, *, end: Any = None) ->
     """
     made = _along_nodes(model, Q, R, N, end)
     half = lambda: _along_nodes(halved(model), Q, R, N, end).root  # noqa: E731
-    return made._replace(error=measured(model, "tvlqr", made.root, half, 2))
+    return made._replace(error=measured(model, "tvlqr", made.root, half, 2, model.A - model.B @ made.K))
 
 
 def _along_nodes(model: LTVModel, Q: Any, R: Any, N: Any, end: Any) -> TimeVaryingRegulator:

@@ -22,7 +22,7 @@ import by_seed
 import numpy as np
 import scipy.linalg as sla
 from late_delays import INSIDE, OUTSIDE, continuous_delay, sampled_delay
-from random_loops import Wrong, alone, case, closed, expect, growth, held, modes, series
+from random_loops import Wrong, alone, case, closed, expect, growth, held, modes, resting, series
 
 from pliant.controllers import LQR, Feedback, loop, margins, spillover
 from pliant.controllers.analysis.spillover import MOST, NEAR, RESERVE, TRIED
@@ -104,10 +104,11 @@ def windows(rng) -> list[str]:
     )
     report = spillover(law, [design, fine])
     loops = [series(model, law, dt, "input") for model in (design, fine)]
+    left = [resting(raised(L, np.ones(1))[0], dt) for L in loops]
 
     def worst(gains) -> Any:
-        """Of both plants, at gains (m,)."""
-        return np.max([growth(raised(L, np.asarray(gains)), dt) for L in loops], axis=0)
+        """Of both plants, at gains (m,), apart from what no input moves."""
+        return np.max([growth(raised(L, np.asarray(gains)), dt, n) for L, n in zip(loops, left)], axis=0)
 
     own = worst([1.0])[0]
     if abs(own) > 1e-8 and report.holds != (own < 0):

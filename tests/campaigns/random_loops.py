@@ -12,7 +12,8 @@ from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.plants import LinearModel
 
 Array = Any
-ROUNDING = 2e-8  # of the fastest pole: what rounding moves a double one by, the root of 2^-52, and some
+ROUNDING = 1e-9  # of the fastest pole: growth that eigenvalues of a loop inside a claim may show
+STAYS = 1e-5  # of the fastest pole: nearer to zero, a pole of the closed loop is one that no input moves
 
 
 class Wrong(Exception):
@@ -117,12 +118,22 @@ def alone(L, i: int) -> tuple[Array, Array, Array, float]:
     )
 
 
-def growth(A: Array, dt: float | None) -> Array:
-    """Of the fastest growing pole, against the fastest; of matrices (.., n, n)."""
+def growth(A: Array, dt: float | None, left: int = 0) -> Array:
+    """Of the fastest growing pole, against the fastest; of matrices (.., n, n). `left`: of those at rest, not seen:
+    a double one, of a rigid body that no input moves, rounding takes apart by the root of 2^-52, to either side."""
     poles = np.linalg.eigvals(A)
+    rest = np.argsort(np.abs(poles - (0 if dt is None else 1)), axis=-1)
+    moved = np.take_along_axis(poles, rest[..., left:], axis=-1)
     if dt is not None:
-        return np.abs(poles).max(axis=-1) - 1
-    return poles.real.max(axis=-1) / np.maximum(np.abs(poles).max(axis=-1), 1e-300)
+        return np.abs(moved).max(axis=-1) - 1
+    return moved.real.max(axis=-1) / np.maximum(np.abs(poles).max(axis=-1), 1e-300)
+
+
+def resting(A: Array, dt: float | None) -> int:
+    """How many poles of a closed loop (n, n) are at rest."""
+    poles = np.linalg.eigvals(A)
+    off = np.abs(poles - (0 if dt is None else 1))
+    return int((off < STAYS * (np.abs(poles).max() if dt is None else 1.0)).sum())
 
 
 def expect(holds: bool, worst: float, words: str) -> None:
