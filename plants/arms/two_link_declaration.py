@@ -26,8 +26,8 @@ class TwoLinkDeclaration(LagrangianPlant):
     link2: Beam
     joint_mass: float = quantity("kg", "nonnegative", 0.0)  # point mass at joint 2
     payload: Payload = field(default_factory=Payload)
-    hub_inertia: tuple[float, float] = quantity("kg m^2", "nonnegative", (0.0, 0.0))  # turns with the link's root
-    joint_friction: tuple[float, float] = quantity("N m s/rad", "nonnegative", (0.0, 0.0))
+    hub_inertia: tuple[float, float] = quantity("kg m^2", "nonnegative", (0.0, 0.0), shape=(2,))  # with the link's root
+    joint_friction: tuple[float, float] = quantity("N m s/rad", "nonnegative", (0.0, 0.0), shape=(2,))
     gravity: float = quantity("m/s^2", "finite", 9.81)  # along -y
     tip_slope: bool = True  # the slope of link 1's tip turns link 2 (the paper leaves it out)
     reduction: str = "full"

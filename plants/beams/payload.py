@@ -19,15 +19,11 @@ class Payload:
     """
 
     mass: Any = quantity("kg", "nonnegative", 0.0, uncertain=True)
-    inertia: Any = quantity("kg m^2", "finite", 0.0)
-    offset: Any = quantity("m", "finite", (0.0, 0.0, 0.0))
+    inertia: Any = quantity("kg m^2", "finite", 0.0, or_shape=(3, 3))
+    offset: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
 
     def __post_init__(self) -> None:
-        for name in ("inertia", "offset"):
-            object.__setattr__(self, name, _as_tuple(getattr(self, name)))
         validate(self)
-        if not isinstance(self.offset, tuple) or len(self.offset) != 3:
-            raise ValueError(f"Payload.offset = {self.offset!r} must be three numbers [m]")
         if isinstance(self.inertia, tuple):
             _check_inertia(self.inertia)
         elif not is_symbolic(self.inertia) and self.inertia < 0:
@@ -56,16 +52,8 @@ class Payload:
         }
 
 
-def _as_tuple(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    return tuple(_as_tuple(v) for v in value) if isinstance(value, (list, tuple)) else value
-
-
 def _check_inertia(inertia: tuple[Any, ...]) -> None:
     """Raise ValueError unless a numeric inertia is one that a rigid body can have."""
-    if len(inertia) != 3 or any(not isinstance(row, tuple) or len(row) != 3 for row in inertia):
-        raise ValueError(f"Payload.inertia = {inertia!r} must be a number or 3 x 3 [kg m^2]")
     if any(is_symbolic(item) for row in inertia for item in row):
         return
     tensor = np.array(inertia, dtype=float)

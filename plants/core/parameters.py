@@ -8,30 +8,44 @@ tuples ("hub_inertia.0"). A CasADi expression passes unchecked: that is how a pa
 from __future__ import annotations
 
 import dataclasses
-import math
-import numbers
-import sys
-from collections.abc import Collection
 from typing import Any, TypeVar
 
 import casadi as ca
-import numpy as np
+
+from .argument_gates import (  # noqa: F401 -- the gates stand here too, as they did
+    LONGEST,
+    RANGES,
+    SHORTEST,
+    nested,
+    require_choice,
+    require_count,
+    require_finite,
+    require_number,
+    require_parts,
+    require_seconds,
+    shown,
+)
 
 T = TypeVar("T")
 
-RANGES = {
-    "positive": ("> 0", lambda v: v > 0),
-    "nonnegative": (">= 0", lambda v: v >= 0),
-    "finite": ("a finite number", lambda v: True),
-}
 
+def quantity(
+    unit: str,
+    allowed: str = "finite",
+    default: Any = dataclasses.MISSING,
+    *,
+    uncertain: bool = False,
+    shape: tuple[int, ...] = (),
+    or_shape: tuple[int, ...] | None = None,
+) -> Any:
+    """A dataclass field for a number in `unit` and within RANGES[allowed], or for a tuple of `shape` of them.
 
-def quantity(unit: str, allowed: str = "finite", default: Any = dataclasses.MISSING, *, uncertain: bool = False) -> Any:
-    """A dataclass field for a float, or a tuple of floats, in `unit` and within RANGES[allowed].
-
-    `uncertain`: a robustness study may vary it, as payloads, stiffnesses and damping.
+    -1 in a shape is any length; `or_shape`: another that is taken too. `uncertain`: a robustness study may vary it, as
+    payloads, stiffnesses and damping.
     """
-    return dataclasses.field(default=default, metadata={"unit": unit, "allowed": allowed, "uncertain": uncertain})
+    shapes = (shape,) if or_shape is None else (shape, or_shape)
+    told = {"unit": unit, "allowed": allowed, "uncertain": uncertain, "shapes": shapes}
+    return dataclasses.field(default=default, metadata=told)
 
 
 def is_symbolic(value: object) -> bool:
@@ -39,73 +53,50 @@ def is_symbolic(value: object) -> bool:
     return isinstance(value, (ca.SX, ca.MX))
 
 
-def _check(name: str, value: Any, unit: str, allowed: str) -> None:
-    if is_symbolic(value):
-        return
-    if isinstance(value, (tuple, list)):
-        for i, item in enumerate(value):
-            _check(f"{name}[{i}]", item, unit, allowed)
-        return
-    text, holds = RANGES[allowed]
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise ValueError(f"{name} = {value!r} must be a number {text} [{unit}]")
-    if not (math.isfinite(value) and holds(value)):
-        raise ValueError(f"{name} = {value!r} must be {text} [{unit}]")
-
-
 def validate(obj: Any) -> None:
-    """Raise ValueError naming field, value and range for the first bad quantity() field of a dataclass."""
+    """Raise ValueError naming field, value and range for the first bad quantity() field of a dataclass.
+
+    Lists and arrays become tuples, NumPy's numbers Python's.
+    """
     for field in dataclasses.fields(obj):
         if "allowed" in field.metadata:
-            value = getattr(obj, field.name)
-            _check(f"{type(obj).__name__}.{field.name}", value, field.metadata["unit"], field.metadata["allowed"])
+            name, value = f"{type(obj).__name__}.{field.name}", getattr(obj, field.name)
+            if not is_symbolic(value):
+                object.__setattr__(obj, field.name, _checked(name, nested(value), field.metadata))
 
 
-def require_choice(owner: str, name: str, value: object, choices: Collection[Any]) -> None:
-    """Raise ValueError unless value is among choices."""
-    if value not in choices:
-        raise ValueError(f"{owner}.{name} = {value!r} must be one of {', '.join(map(repr, choices))}")
+def _checked(name: str, value: Any, told: Any) -> Any:
+    unit, allowed, shapes = told["unit"], told["allowed"], told["shapes"]
+    if not isinstance(value, tuple) and () in shapes:
+        _check_entries(name, value, allowed, unit)
+        return value
+    if not any(_has_shape(value, shape) for shape in shapes):
+        text = " or ".join(_in_words(shape) for shape in shapes)
+        each = "" if allowed == "finite" else f", each {RANGES[allowed][0]}"
+        raise ValueError(f"{name} = {shown(value)} must be {text}{each} [{unit}]")
+    _check_entries(name, value, allowed, unit)
+    return value
 
 
-def require_count(owner: str, name: str, value: object, lowest: int, highest: int) -> None:
-    """Raise ValueError unless value is an integer within [lowest, highest]."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= int(value) <= highest:
-        raise ValueError(f"{owner}.{name} = {value!r} must be an integer from {lowest} to {highest}")
+def _check_entries(name: str, value: Any, allowed: str, unit: str) -> None:
+    if isinstance(value, tuple):
+        for i, item in enumerate(value):
+            _check_entries(f"{name}[{i}]", item, allowed, unit)
+    elif not is_symbolic(value):
+        require_number(name, value, allowed, unit)
 
 
-SHORTEST, LONGEST = 1e-15, 1e9  # [s] between which a step of a machine lies
+def _has_shape(value: Any, shape: tuple[int, ...]) -> bool:
+    if not shape:
+        return not isinstance(value, tuple)
+    fits = isinstance(value, tuple) and shape[0] in (-1, len(value))
+    return fits and all(_has_shape(item, shape[1:]) for item in value)
 
 
-def require_seconds(name: str, value: Any, least: float = 0.0, most: float = math.inf) -> float:
-    """`value` as a float [s]; ValueError unless it is a finite number > 0 and within [least, most]."""
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value.item()
-    number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-    if not (number and 0 < value <= sys.float_info.max):
-        raise ValueError(f"{name} = {value!r} must be > 0 [s]")
-    if not least <= value <= most:
-        raise ValueError(f"{name} = {value!r} must be from {least:g} to {most:g} [s]")
-    return float(value)
-
-
-def require_parts(name: str, part: float, whole: float, most: int, what: str) -> None:
-    """ValueError where parts [s] of a time [s] are more than `most`; `what` they are, in words."""
-    count = whole / part if whole < part * sys.float_info.max else math.inf
-    if count > most:
-        raise ValueError(
-            f"{name} = {part:.6g} s makes {count:.3g} {what} of the {whole:.6g} s of t, at most {most:,} are taken"
-        )
-
-
-def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
-    """`value` as a float array; ValueError unless it has `shape` and is finite (a single -1 means any length)."""
-    array = np.asarray(value, dtype=float)
-    if array.ndim != len(shape) or any(want not in (-1, have) for want, have in zip(shape, array.shape)):
-        raise ValueError(f"{name} has shape {array.shape}, must be {shape}")
-    if not np.all(np.isfinite(array)):
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{name}{list(where)} = {array[where]} must be finite")
-    return array
+def _in_words(shape: tuple[int, ...]) -> str:
+    if len(shape) == 1:
+        return {-1: "a tuple of numbers", 2: "two numbers", 3: "three numbers"}.get(shape[0], f"{shape[0]} numbers")
+    return " x ".join(map(str, shape)) if shape else "a number"
 
 
 def _step(obj: Any, key: str, path: str) -> Any:

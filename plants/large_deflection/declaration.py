@@ -61,7 +61,7 @@ class LargeBeamDeclaration(LagrangianPlant):
 
     beam: Beam
     root: str = "clamped"
-    gravity: tuple[float, float, float] = quantity("m/s^2", "finite", (0.0, -9.8, 0.0))
+    gravity: tuple[float, float, float] = quantity("m/s^2", "finite", (0.0, -9.8, 0.0), shape=(3,))
     payload: Payload = field(default_factory=Payload)
     kinematics: str = "strain"
     segments: int = 1  # sub-beams ("substructured")

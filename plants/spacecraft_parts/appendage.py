@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.argument_gates import as_tuple, nested, real_array, require_instance, shown, unit_vector
 from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
 from pliant.plants.core.quaternions import about, cross, matrix_of
 from pliant.plants.modal_data.integrals import axial
@@ -43,22 +44,17 @@ class Hinge:
     """
 
     axes: tuple[tuple[float, float, float], ...] = ()
-    stiffness: Any = quantity("N m/rad", "nonnegative", ())  # one for each axis, or one number for all
-    damping: Any = quantity("N m s/rad", "nonnegative", ())
+    stiffness: Any = quantity("N m/rad", "nonnegative", (), shape=(-1,))  # one for each axis, or one number for all
+    damping: Any = quantity("N m s/rad", "nonnegative", (), shape=(-1,))
     drive: str = "free"
 
     def __post_init__(self) -> None:
-        axes = self.axes.tolist() if isinstance(self.axes, np.ndarray) else self.axes
-        if not isinstance(axes, (tuple, list)) or not all(isinstance(a, (tuple, list)) for a in axes):
-            raise ValueError(f"Hinge.axes = {self.axes!r} must be a tuple of unit vectors")
+        axes = as_tuple("Hinge.axes", nested(self.axes))
         require_count("Hinge", "number of axes", len(axes), 0, 3)
-        for j, axis in enumerate(axes):
-            if len(axis) != 3 or not abs(np.linalg.norm(axis) - 1) < 1e-9:
-                raise ValueError(f"Hinge.axes[{j}] = {axis!r} must be a unit vector of three numbers")
-        object.__setattr__(self, "axes", tuple(tuple(float(v) for v in axis) for axis in axes))
+        axes = tuple(unit_vector(f"Hinge.axes[{j}]", axis) for j, axis in enumerate(axes))
+        object.__setattr__(self, "axes", axes)
         for name in ("stiffness", "damping"):
-            value = getattr(self, name)
-            value = tuple(np.ravel(value).tolist()) if isinstance(value, (list, np.ndarray)) else value
+            value = nested(getattr(self, name))
             if not isinstance(value, tuple):
                 value = (value,) * len(self.axes)
             value = value or (0.0,) * len(self.axes)
@@ -84,7 +80,7 @@ class Appendage:
     `stiffness_factor` multiplies the modal stiffness, and can be varied where the modal data cannot.
     """
 
-    position: Any = quantity("m", "finite")
+    position: Any = quantity("m", "finite", shape=(3,))
     body: Beam | ModalData
     orientation: Any = IDENTITY
     modes: int | tuple[int, int] | None = None
@@ -94,16 +90,14 @@ class Appendage:
     surface: Surface | None = None  # what the sun shines on, spread over the body as its mass is
 
     def __post_init__(self) -> None:
-        if isinstance(self.position, (list, np.ndarray)):
-            object.__setattr__(self, "position", tuple(np.ravel(self.position).tolist()))
         validate(self)
-        if not isinstance(self.position, tuple) or len(self.position) != 3:
-            raise ValueError(f"Appendage.position = {self.position!r} must be three numbers [m]")
         if not isinstance(self.body, (Beam, ModalData)):
-            raise ValueError(f"Appendage.body = {self.body!r} must be a Beam or ModalData")
-        if not isinstance(self.hinge, Hinge):
-            raise ValueError(f"Appendage.hinge = {self.hinge!r} must be a Hinge")
-        turn = np.asarray(self.orientation, dtype=float)
+            raise ValueError(f"Appendage.body = {shown(self.body)} must be a Beam or ModalData")
+        require_instance("Appendage.hinge", self.hinge, Hinge)
+        if self.surface is not None:
+            require_instance("Appendage.surface", self.surface, Surface)
+        object.__setattr__(self, "modes", nested(self.modes))
+        turn = real_array("Appendage.orientation", self.orientation)
         if turn.shape == (4,) and np.linalg.norm(turn) > 0:
             turn = matrix_of(turn)
         if turn.shape != (3, 3) or not np.abs(turn @ turn.T - np.eye(3)).max() < 1e-9 or np.linalg.det(turn) < 0:
@@ -111,6 +105,8 @@ class Appendage:
         object.__setattr__(self, "orientation", tuple(tuple(float(v) for v in row) for row in turn))
         if isinstance(self.modes, tuple) and not isinstance(self.body, Beam):
             raise ValueError(f"Appendage.modes = {self.modes!r} must be a count: the body is ModalData")
+        if isinstance(self.modes, tuple) and len(self.modes) != 2:
+            raise ValueError(f"Appendage.modes = {self.modes!r} must be a count or two, in x-y and in x-z")
         most = self.body.n if isinstance(self.body, ModalData) else 100
         for count in self.modes if isinstance(self.modes, tuple) else () if self.modes is None else (self.modes,):
             require_count("Appendage", "modes", count, 0, most)

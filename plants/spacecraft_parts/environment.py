@@ -14,20 +14,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-import numpy as np
 
-from pliant.plants.core.parameters import quantity, validate
+from pliant.plants.core.argument_gates import require_flag, require_instance, unit_vector
+from pliant.plants.core.parameters import is_symbolic, quantity, validate
 from pliant.plants.core.quaternions import about
 
 EARTH_RADIUS = 6.778e6  # [m], about 400 km up
 SOLAR_PRESSURE = 4.56e-6  # [N/m^2] at 1 au: 1367 W/m^2 over the speed of light
-
-
-def _three(owner: str, name: str, value: Any, unit: bool = False) -> None:
-    if not isinstance(value, tuple) or len(value) != 3:
-        raise ValueError(f"{owner}.{name} = {value!r} must be three numbers")
-    if unit and not abs(np.linalg.norm(value) - 1) < 1e-9:
-        raise ValueError(f"{owner}.{name} = {value!r} must be a unit vector")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +36,7 @@ class Orbit:
 
     def __post_init__(self) -> None:
         validate(self)
+        require_flag("Orbit.gravity", self.gravity)
 
     @property
     def turning(self) -> ca.SX:
@@ -66,12 +60,12 @@ class Orbit:
 class Sun:
     """Sunlight from `direction`: a unit vector to the sun in reference axes at t = 0, fixed in space."""
 
-    direction: Any = quantity("1", "finite")
+    direction: Any = quantity("1", "finite", shape=(3,))
     pressure: Any = quantity("N/m^2", "nonnegative", SOLAR_PRESSURE)
 
     def __post_init__(self) -> None:
         validate(self)
-        _three("Sun", "direction", self.direction, unit=True)
+        unit_vector("Sun.direction", self.direction)
 
     def at(self, t: ca.SX, orbit: Orbit | None) -> ca.SX:
         """Direction (3,) at time t in reference axes, which turn where there is an orbit."""
@@ -86,17 +80,17 @@ class Surface:
     """
 
     area: Any = quantity("m^2", "nonnegative")
-    normal: Any = quantity("1", "finite")
+    normal: Any = quantity("1", "finite", shape=(3,))
     specular: Any = quantity("1", "nonnegative", 0.0)
     diffuse: Any = quantity("1", "nonnegative", 0.0)
-    centre: Any = quantity("m", "finite", (0.0, 0.0, 0.0))
+    centre: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
     both: bool = False
 
     def __post_init__(self) -> None:
         validate(self)
-        _three("Surface", "normal", self.normal, unit=True)
-        _three("Surface", "centre", self.centre)
-        if isinstance(self.specular + self.diffuse, (int, float)) and self.specular + self.diffuse > 1:
+        require_flag("Surface.both", self.both)
+        unit_vector("Surface.normal", self.normal)
+        if not is_symbolic(self.specular + self.diffuse) and self.specular + self.diffuse > 1:
             raise ValueError(f"Surface.specular + diffuse = {self.specular + self.diffuse} must be <= 1")
 
     def force(self, sun: ca.SX, pressure: Any) -> ca.SX:
@@ -115,14 +109,16 @@ class Environment:
 
     orbit: Orbit | None = None
     sun: Sun | None = None
-    dipole: Any = quantity("A m^2", "finite", (0.0, 0.0, 0.0))
-    magnetic_field: Any = quantity("T", "finite", (0.0, 0.0, 0.0))
-    torque: Any = quantity("N m", "finite", (0.0, 0.0, 0.0))
+    dipole: Any = quantity("A m^2", "finite", (0.0, 0.0, 0.0), shape=(3,))
+    magnetic_field: Any = quantity("T", "finite", (0.0, 0.0, 0.0), shape=(3,))
+    torque: Any = quantity("N m", "finite", (0.0, 0.0, 0.0), shape=(3,))
 
     def __post_init__(self) -> None:
         validate(self)
-        for name in ("dipole", "magnetic_field", "torque"):
-            _three("Environment", name, getattr(self, name))
+        if self.orbit is not None:
+            require_instance("Environment.orbit", self.orbit, Orbit)
+        if self.sun is not None:
+            require_instance("Environment.sun", self.sun, Sun)
 
     def residual_torque(self, R: ca.SX) -> ca.SX:
         """Torque on the hub (3,) [N m] in hub axes at the attitude R."""

@@ -8,15 +8,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import nested, require_all, unit_vector
 from pliant.plants.core.parameters import is_symbolic, quantity, validate
 from pliant.plants.core.quaternions import cross
 
 from .environment import Surface
-
-
-def _unit(owner: str, value: Any) -> None:
-    if len(value) != 3 or not abs(np.linalg.norm(value) - 1) < 1e-9:
-        raise ValueError(f"{owner} = {value!r} must be a unit vector of three numbers")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +29,7 @@ class Wheel:
 
     def __post_init__(self) -> None:
         validate(self)
-        _unit("Wheel.axis", self.axis)
+        object.__setattr__(self, "axis", unit_vector("Wheel.axis", self.axis))
 
     def speed(self, momentum: ca.SX, omega: ca.SX) -> ca.SX:
         """Speed relative to the hub [rad/s] from the axial momentum [N m s] and the hub's rate."""
@@ -44,12 +40,12 @@ class Wheel:
 class Thruster:
     """A thruster at `position` that pushes the hub along `direction` (hub axes); its input is the force [N]."""
 
-    position: Any = quantity("m", "finite")
+    position: Any = quantity("m", "finite", shape=(3,))
     direction: tuple[float, float, float]
 
     def __post_init__(self) -> None:
         validate(self)
-        _unit("Thruster.direction", self.direction)
+        object.__setattr__(self, "direction", unit_vector("Thruster.direction", self.direction))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,21 +56,19 @@ class Hub:
     """
 
     mass: Any = quantity("kg", "positive")
-    inertia: Any = quantity("kg m^2", "finite")
+    inertia: Any = quantity("kg m^2", "finite", shape=(3, 3))
     wheels: tuple[Wheel, ...] = ()
     thrusters: tuple[Thruster, ...] = ()
     surfaces: tuple[Surface, ...] = ()
 
     def __post_init__(self) -> None:
-        I = self.inertia.tolist() if isinstance(self.inertia, np.ndarray) else self.inertia
-        if not isinstance(I, (tuple, list)) or len(I) != 3:
-            raise ValueError(f"Hub.inertia = {I!r} must be three moments or 3 x 3 [kg m^2]")
-        if not isinstance(I[0], (tuple, list)):
+        for name, kind in (("wheels", Wheel), ("thrusters", Thruster), ("surfaces", Surface)):
+            object.__setattr__(self, name, require_all(f"Hub.{name}", getattr(self, name), kind))
+        I = nested(self.inertia)
+        if isinstance(I, tuple) and len(I) == 3 and not any(isinstance(row, tuple) for row in I):
             I = ((I[0], 0.0, 0.0), (0.0, I[1], 0.0), (0.0, 0.0, I[2]))
-        object.__setattr__(self, "inertia", tuple(tuple(row) for row in I))
+        object.__setattr__(self, "inertia", I)
         validate(self)
-        if any(len(row) != 3 for row in self.inertia):
-            raise ValueError(f"Hub.inertia = {self.inertia!r} must be 3 x 3 [kg m^2]")
         if any(is_symbolic(v) for row in self.inertia for v in row):
             return
         tensor = np.array(self.inertia, dtype=float)

@@ -49,7 +49,7 @@ def test_lists_and_arrays_become_tuples():
 
 BAD_APPENDAGE = {
     "hinge": (lambda: boom(hinge="free"), r"Appendage\.hinge = 'free' must be a Hinge"),
-    "flat axes": (lambda: Hinge(axes=(0.0, 1.0, 0.0)), r"Hinge\.axes = .* must be a tuple of unit vectors"),
+    "flat axes": (lambda: Hinge(axes=(0.0, 1.0, 0.0)), r"Hinge\.axes\[0\] has shape \(\), must be \(3,\)"),
     "negative modes": (lambda: boom(modes=-1), r"Appendage\.modes = -1 must be an integer from 0 to 100"),
     "too many modes": (
         lambda: boom(body=ModalData.boom(BOOM), modes=3),

@@ -1,0 +1,207 @@
+"""The gates that arguments pass: what is no real number, no count, no name or of another type is refused in words.
+
+    real_array       numbers of any layout and real type, as float64
+    require_finite   an array of a shape, finite
+    require_number   one number within a range
+    require_count    an integer within a range
+    require_choice   one of a few values
+    require_instance an object of a type
+    require_names    distinct names
+    require_all      a tuple of objects of a type
+    as_tuple         a tuple from what is meant as one
+    unit_vector      three numbers of length 1
+
+Each raises ValueError with the name of the argument, its value and what it must be.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+import sys
+from collections.abc import Collection, Iterable
+from typing import Any, TypeVar
+
+import numpy as np
+
+T = TypeVar("T")
+
+RANGES = {
+    "positive": ("> 0", lambda v: v > 0),
+    "nonnegative": (">= 0", lambda v: v >= 0),
+    "finite": ("a finite number", lambda v: True),
+}
+SHORTEST, LONGEST = 1e-15, 1e9  # [s] between which a step of a machine lies
+SHOWN = 120  # characters of a value in a message
+
+
+def shown(value: Any) -> str:
+    """A value as a message shows it, in one line of limited length."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= SHOWN else text[: SHOWN - 3] + "..."
+
+
+def real_array(name: str, value: Any) -> np.ndarray:
+    """`value` as float64; ValueError unless it is real numbers: no strings, objects, complex or masked ones."""
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.dtype.isnative:
+        return value
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, RuntimeError):
+        raise ValueError(f"{name} = {shown(value)} must be an array of real numbers, rows of one length") from None
+    if np.ma.is_masked(value):
+        raise ValueError(f"{name} has {np.ma.count_masked(value)} masked entries, must be real numbers")
+    if array.dtype.kind == "O" and array.size and all(_real(item) for item in array.flat):
+        try:
+            return array.astype(float)
+        except OverflowError:
+            raise ValueError(f"{name} = {shown(value)} is beyond what a float holds") from None
+    if array.dtype.kind not in "fiub":
+        raise ValueError(f"{name} = {shown(value)} must be an array of real numbers, has {_kind(array)}")
+    return np.asarray(array, dtype=np.float64)
+
+
+def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    """`value` as a float array; ValueError unless it has `shape` and is finite (a single -1 means any length)."""
+    array = real_array(name, value)
+    if array.ndim != len(shape) or any(want not in (-1, have) for want, have in zip(shape, array.shape)):
+        raise ValueError(f"{name} has shape {array.shape}, must be {shape}")
+    if not np.all(np.isfinite(array)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{name}{list(where)} = {array[where]} must be finite")
+    return array
+
+
+def as_number(value: Any) -> Any:
+    """A number as Python has it, of a NumPy scalar or an array without dimensions; what is none stays."""
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        return value.item()
+    return value
+
+
+def require_number(
+    name: str, value: Any, allowed: str = "finite", unit: str = "1", *, least: float = -math.inf, most: float = math.inf
+) -> float:
+    """`value` as a float; ValueError unless it is one number, finite, within RANGES[allowed] and [least, most]."""
+    value, (text, holds) = as_number(value), RANGES[allowed]
+    if not _real(value):
+        raise ValueError(f"{name} = {shown(value)} must be a number {text} [{unit}]")
+    if not (-sys.float_info.max <= value <= sys.float_info.max and holds(value)):
+        raise ValueError(f"{name} = {shown(value)} must be {text} [{unit}]")
+    if not least <= value <= most:
+        span = f"from {least:g} to {most:g}" if math.isfinite(most) else f"at least {least:g}"
+        raise ValueError(f"{name} = {shown(value)} must be {span} [{unit}]")
+    return float(value)
+
+
+def require_count(owner: str, name: str, value: Any, lowest: int, highest: int) -> int:
+    """`value` as an int; ValueError unless it is an integer within [lowest, highest]."""
+    value = as_number(value)
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= int(value) <= highest:
+        raise ValueError(f"{owner}.{name} = {shown(value)} must be an integer from {lowest} to {highest}")
+    return int(value)
+
+
+def require_seconds(name: str, value: Any, least: float = 0.0, most: float = math.inf) -> float:
+    """`value` as a float [s]; ValueError unless it is a finite number > 0 and within [least, most]."""
+    value = as_number(value)
+    if not (_real(value) and 0 < value <= sys.float_info.max):
+        raise ValueError(f"{name} = {shown(value)} must be > 0 [s]")
+    if not least <= value <= most:
+        raise ValueError(f"{name} = {shown(value)} must be from {least:g} to {most:g} [s]")
+    return float(value)
+
+
+def require_parts(name: str, part: float, whole: float, most: int, what: str) -> None:
+    """ValueError where parts [s] of a time [s] are more than `most`; `what` they are, in words."""
+    count = whole / part if whole < part * sys.float_info.max else math.inf
+    if count > most:
+        raise ValueError(
+            f"{name} = {part:.6g} s makes {count:.3g} {what} of the {whole:.6g} s of t, at most {most:,} are taken"
+        )
+
+
+def require_choice(owner: str, name: str, value: Any, choices: Collection[Any]) -> None:
+    """Raise ValueError unless value is among choices."""
+    if not any(type(value) is type(choice) and value == choice for choice in choices):
+        raise ValueError(f"{owner}.{name} = {shown(value)} must be one of {', '.join(map(repr, choices))}")
+
+
+def require_flag(name: str, value: Any) -> bool:
+    """`value` as a bool; ValueError unless it is True or False."""
+    value = as_number(value)
+    if not isinstance(value, bool):
+        raise ValueError(f"{name} = {shown(value)} must be True or False")
+    return value
+
+
+def require_instance(name: str, value: Any, kind: type[T], *, what: str = "") -> T:
+    """`value` itself; ValueError unless it is of `kind`; `what` tells it in words where the type's name does not."""
+    if not isinstance(value, kind):
+        raise ValueError(f"{name} = {shown(value)} must be a {what or kind.__name__}, not {_type(value)}")
+    return value
+
+
+def require_names(name: str, value: Any, known: Collection[str] | None = None, kind: str = "name") -> tuple[str, ...]:
+    """`value` as a tuple of distinct strings; ValueError for a bare string, another type, or one not `known`."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise ValueError(f"{name} = {shown(value)} must be a tuple of names")
+    found = tuple(value)
+    for i, item in enumerate(found):
+        if not isinstance(item, str):
+            raise ValueError(f"{name}[{i}] = {shown(item)} must be a string")
+        if known is not None and item not in known:
+            raise ValueError(f"{name}[{i}] = {item!r}: no such {kind}; choose from {', '.join(known)}")
+    if len(set(found)) != len(found):
+        raise ValueError(f"{name} = {shown(found)} must be distinct names")
+    return tuple(map(str, found))
+
+
+def as_tuple(name: str, value: Any) -> tuple[Any, ...]:
+    """A tuple of a tuple, list or array (one dimension); ValueError for anything else."""
+    if isinstance(value, np.ndarray) and value.ndim == 1:
+        return tuple(value.tolist())
+    if not isinstance(value, (tuple, list)):
+        raise ValueError(f"{name} = {shown(value)} must be a tuple, not {_type(value)}")
+    return tuple(value)
+
+
+def unit_vector(name: str, value: Any) -> tuple[float, ...]:
+    """Three numbers of length 1 as a tuple; ValueError for anything else."""
+    found = require_finite(name, value, (3,))
+    if not abs(np.linalg.norm(found) - 1) < 1e-9:
+        raise ValueError(f"{name} = {shown(value)} must be a unit vector of three numbers")
+    return tuple(found.tolist())
+
+
+def require_all(name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
+    """A tuple of objects of `kind`, from a tuple or a list of them."""
+    found = as_tuple(name, value)
+    for i, item in enumerate(found):
+        require_instance(f"{name}[{i}]", item, kind)
+    return found
+
+
+def nested(value: Any) -> Any:
+    """Lists, tuples and arrays as tuples of Python's numbers, however deep; anything else as it is."""
+    if isinstance(value, np.ndarray) and value.ndim:
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return tuple(nested(item) for item in value)
+    return as_number(value)
+
+
+def _real(value: Any) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def _type(value: Any) -> str:
+    return f"the class {value.__name__}" if isinstance(value, type) else type(value).__name__
+
+
+def _kind(array: np.ndarray) -> str:
+    words = {"U": "strings", "S": "bytes", "c": "complex numbers", "O": "objects", "M": "dates", "m": "durations"}
+    return words.get(array.dtype.kind, str(array.dtype))

@@ -1,0 +1,14 @@
+"""All calls of the campaign of bad input, room by room."""
+
+from argument_kinds import Call
+from calls_of_plants import plant_calls
+
+try:
+    from calls_of_laws import law_calls
+except ImportError:  # pragma: no cover
+    law_calls = list
+
+
+def calls() -> list[Call]:
+    """A valid call of every public callable."""
+    return [*plant_calls(), *law_calls()]
