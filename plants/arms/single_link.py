@@ -24,11 +24,13 @@ from pliant.plants import beams
 from pliant.plants.beams.elastic_link import payload_energy, payload_position, second_derivative
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.argument_gates import real_array, require_choice, require_finite
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
-from .link_frames import to_clamped
+from .link_frames import FRAMES, to_clamped
 from .single_link_declaration import SingleLinkDeclaration
 
 LARGE = 'LargeDeflectionBeam, kinematics="strain" (root="driven": its hub moves as prescribed)'
@@ -81,15 +83,17 @@ class SingleLinkArm(SingleLinkDeclaration):
 
     def frame_map(self, frame: str) -> np.ndarray:
         """T (1 + n, 1 + n), Eq (1): coordinates in `frame` from this arm's; rates likewise. [:, 0] = (1, 0, ..)."""
+        require_choice("SingleLinkArm.frame_map", "frame", frame, FRAMES)
         other = dataclasses.replace(self, frame=frame, drive="torque")
         return np.linalg.solve(other.clamped_map, self.clamped_map)
 
     def in_frame(self, frame: str, x: np.ndarray) -> tuple[Self, np.ndarray]:
         """This arm described in `frame`, and its states (..., nx) from this arm's states x (..., nx)."""
         T, n = self.frame_map(frame), self.coordinates_slice.stop
-        x = np.asarray(x, dtype=float)
+        x = real_array("SingleLinkArm.in_frame.x", x)
         if x.shape[-1:] != (self.nx,):
-            raise ValueError(f"SingleLinkArm.in_frame: x has shape {x.shape}, must be (..., {self.nx})")
+            raise ValueError(f"SingleLinkArm.in_frame.x has shape {x.shape}, must be (..., {self.nx})")
+        x = require_finite("SingleLinkArm.in_frame.x", x, x.shape)
         moved = np.concatenate([x[..., :n] @ T.T, x[..., n:] @ T.T], axis=-1)
         return dataclasses.replace(self, frame=frame), moved
 
@@ -167,6 +171,7 @@ class SingleLinkArm(SingleLinkDeclaration):
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """The bent link from hub to tip at a state x (nx,): inertial positions (1, points, 2) [m]."""
+        x, points = one_state(self, x), line_points(self, points)
         q = self.clamped_map @ x[self.coordinates_slice]
         line = self.elastic.centreline(q[1:], points) + np.array([self.hub_radius, 0.0])
         c, s = np.cos(q[0]), np.sin(q[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 from pliant.plants import beams
@@ -10,7 +10,7 @@ from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.rotating_beam import THEORIES
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
+from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
@@ -24,11 +24,11 @@ BASES = {"payload": 40, "clamped-free": 40, "polynomial": 20}  # basis: most mod
 class SingleLinkDeclaration(LagrangianPlant):
     """Hub, link and payload; `SingleLinkArm` adds their energies, loads and frames."""
 
-    link: Beam
+    link: Beam = part(Beam)
     hub_inertia: float = quantity("kg m^2", "nonnegative", 0.0)
     hub_radius: float = quantity("m", "nonnegative", 0.0)  # of the link's root from the axis
     hub_friction: float = quantity("N m s/rad", "nonnegative", 0.0)
-    payload: Payload = field(default_factory=Payload)
+    payload: Payload = part(Payload, default_factory=Payload)
     gravity: float = quantity("m/s^2", "finite", 0.0)  # along -y
     kinematics: str = "stiffened"
     theory: str = "euler-bernoulli"
@@ -47,7 +47,7 @@ class SingleLinkDeclaration(LagrangianPlant):
             ("drive", ("torque", "motion")),
         ):
             require_choice("SingleLinkArm", name, getattr(self, name), choices)
-        require_count("SingleLinkArm", "modes", self.modes, 0, BASES[self.basis])
+        object.__setattr__(self, "modes", require_count("SingleLinkArm", "modes", self.modes, 0, BASES[self.basis]))
         if self.drive == "motion" and self.frame != "clamped":
             raise ValueError(
                 f"SingleLinkArm.frame = {self.frame!r} must be 'clamped' where drive = 'motion' prescribes the hub"

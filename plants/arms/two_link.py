@@ -23,6 +23,7 @@ from pliant.plants.beams.elastic_link import payload_energy, payload_position, s
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.slender import NONE_HOLDS, Pull, pulled, small_slopes
 
@@ -198,6 +199,7 @@ class TwoLinkArm(TwoLinkDeclaration):
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""
+        x, points = one_state(self, x), line_points(self, points)
         n, n1 = self.coordinates_slice.stop, self.mode_counts[0]
         link1, link2 = self.links
         q1 = x[2 : 2 + n1]

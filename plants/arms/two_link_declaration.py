@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 from pliant.plants import beams
 from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
+from pliant.plants.core.argument_gates import as_tuple, shown
+from pliant.plants.core.parameters import flag, part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
@@ -22,14 +23,14 @@ BASES = {"clamped-free": 40, "payload": 40, "polynomial": 20}  # basis: most mod
 class TwoLinkDeclaration(LagrangianPlant):
     """Links, joints and payload; `TwoLinkArm` adds their energies and loads."""
 
-    link1: Beam
-    link2: Beam
+    link1: Beam = part(Beam)
+    link2: Beam = part(Beam)
     joint_mass: float = quantity("kg", "nonnegative", 0.0)  # point mass at joint 2
-    payload: Payload = field(default_factory=Payload)
+    payload: Payload = part(Payload, default_factory=Payload)
     hub_inertia: tuple[float, float] = quantity("kg m^2", "nonnegative", (0.0, 0.0), shape=(2,))  # with the link's root
     joint_friction: tuple[float, float] = quantity("N m s/rad", "nonnegative", (0.0, 0.0), shape=(2,))
     gravity: float = quantity("m/s^2", "finite", 9.81)  # along -y
-    tip_slope: bool = True  # the slope of link 1's tip turns link 2 (the paper leaves it out)
+    tip_slope: bool = flag(True)  # the slope of link 1's tip turns link 2 (the paper leaves it out)
     reduction: str = "full"
     kinematics: str = "linear"
     basis: str = "clamped-free"
@@ -38,17 +39,16 @@ class TwoLinkDeclaration(LagrangianPlant):
     def __post_init__(self) -> None:
         validate(self)
         for name, choices in (
-            ("tip_slope", (True, False)),
             ("reduction", REDUCTIONS),
             ("kinematics", KINEMATICS),
             ("basis", tuple(BASES)),
         ):
             require_choice("TwoLinkArm", name, getattr(self, name), choices)
-        for name in ("hub_inertia", "joint_friction", "modes"):
-            if not isinstance(getattr(self, name), tuple) or len(getattr(self, name)) != 2:
-                raise ValueError(f"TwoLinkArm.{name} = {getattr(self, name)!r} must be a tuple of 2 numbers")
-        for i, n in enumerate(self.modes):
-            require_count("TwoLinkArm", f"modes[{i}]", n, 0, BASES[self.basis])
+        modes = as_tuple("TwoLinkArm.modes", self.modes)
+        if len(modes) != 2:
+            raise ValueError(f"TwoLinkArm.modes = {shown(modes)} must be a tuple of 2 numbers")
+        counts = (require_count("TwoLinkArm", f"modes[{i}]", n, 0, BASES[self.basis]) for i, n in enumerate(modes))
+        object.__setattr__(self, "modes", tuple(counts))
 
     @property
     def mode_counts(self) -> tuple[int, int]:

@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_finite, require_instance
+
 from .two_link import TwoLinkArm
 
 Array = np.ndarray
@@ -44,13 +46,14 @@ def paper_terms(arm: TwoLinkArm, x: Any, u: Any = None) -> Terms:
 
     Raises ValueError for what the paper's form does not hold: shortening, payload offset, a reduction stage.
     """
+    require_instance("paper_terms.arm", arm, TwoLinkArm)
     for name, want in (("kinematics", "linear"), ("reduction", "full")):
         if getattr(arm, name) != want:
             raise ValueError(f"TwoLinkArm.{name} = {getattr(arm, name)!r} must be {want!r} for the paper's terms")
     if any(arm.payload.offset):
         raise ValueError(f"payload.offset = {arm.payload.offset} must be zero for the paper's terms")
-    u = np.zeros(2) if u is None else np.asarray(u, dtype=float)
-    x = np.asarray(x, dtype=float)
+    u = np.zeros(2) if u is None else require_finite("paper_terms.u", u, (2,))
+    x = require_finite("paper_terms.x", x, (arm.nx,))
     n, n1 = len(arm.coordinates), arm.mode_counts[0]
     acceleration = arm.dynamics(x, u)[n:]
     q, v, a = x[:n].copy(), x[n:].copy(), acceleration.copy()

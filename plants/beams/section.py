@@ -8,12 +8,12 @@ becomes an input.
 from __future__ import annotations
 
 import math
-import numbers
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import casadi as ca
 
+from pliant.plants.core.argument_gates import require_number, shown
 from pliant.plants.core.parameters import is_symbolic, quantity, validate
 
 
@@ -84,7 +84,8 @@ class Beam:
         and Goodier, "Theory of Elasticity", section 109). The sum with 1 for tanh is 31 zeta(5)/32; its
         difference from that converges to rounding in four terms.
         """
-        _positive("Beam.rectangular", width=width, depth=depth)
+        width, depth = _positive("Beam.rectangular", width=width, depth=depth)
+        _require_material("Beam.rectangular", material)
         symbolic = is_symbolic(width) or is_symbolic(depth)
         a = ca.fmax(width, depth) if symbolic else max(width, depth)
         b = ca.fmin(width, depth) if symbolic else min(width, depth)
@@ -99,14 +100,16 @@ class Beam:
     @classmethod
     def circular(cls, length: Any, diameter: Any, material: MaterialLike) -> Beam:
         """A solid circle of this diameter [m]."""
-        _positive("Beam.circular", diameter=diameter)
+        (diameter,) = _positive("Beam.circular", diameter=diameter)
+        _require_material("Beam.circular", material)
         I = math.pi * diameter**4 / 64
         return cls._of(material, length, math.pi * diameter**2 / 4, I, I, 2 * I, _round(material, 0.0))
 
     @classmethod
     def tube(cls, length: Any, outer: Any, inner: Any, material: MaterialLike) -> Beam:
         """A circular tube of outer and inner diameter [m]."""
-        _positive("Beam.tube", outer=outer, inner=inner)
+        outer, inner = _positive("Beam.tube", outer=outer, inner=inner)
+        _require_material("Beam.tube", material)
         if not (is_symbolic(outer) or is_symbolic(inner)) and inner >= outer:
             raise ValueError(f"Beam.tube inner = {inner!r} must be > 0 and < outer = {outer!r} [m]")
         area = math.pi * (outer - inner) * (outer + inner) / 4
@@ -165,8 +168,14 @@ def _round(material: MaterialLike, m: Any) -> Any:
     return 6 * (1 + nu) * (1 + m * m) ** 2 / ((7 + 6 * nu) * (1 + m * m) ** 2 + (20 + 12 * nu) * m * m)
 
 
-def _positive(owner: str, **lengths: Any) -> None:
-    """Raise ValueError unless every length [m] is positive or symbolic."""
-    for name, value in lengths.items():
-        if not is_symbolic(value) and not (isinstance(value, numbers.Real) and 0 < float(value) < math.inf):
-            raise ValueError(f"{owner} {name} = {value!r} must be > 0 [m]")
+def _positive(owner: str, **lengths: Any) -> list[Any]:
+    """Every length [m], positive or symbolic."""
+    return [
+        value if is_symbolic(value) else require_number(f"{owner} {name}", value, "positive", "m")
+        for name, value in lengths.items()
+    ]
+
+
+def _require_material(owner: str, material: Any) -> None:
+    if not all(hasattr(material, name) for name in ("density", "E", "G", "damping")):
+        raise ValueError(f"{owner} material = {shown(material)} must be a Material, or have density, E, G and damping")

@@ -8,6 +8,7 @@
     require_instance an object of a type
     require_names    distinct names
     require_all      a tuple of objects of a type
+    require_mapping  numbers by name
     as_tuple         a tuple from what is meant as one
     unit_vector      three numbers of length 1
 
@@ -19,7 +20,7 @@ from __future__ import annotations
 import math
 import numbers
 import sys
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -147,7 +148,7 @@ def require_instance(name: str, value: Any, kind: type[T], *, what: str = "") ->
 
 def require_names(name: str, value: Any, known: Collection[str] | None = None, kind: str = "name") -> tuple[str, ...]:
     """`value` as a tuple of distinct strings; ValueError for a bare string, another type, or one not `known`."""
-    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
         raise ValueError(f"{name} = {shown(value)} must be a tuple of names")
     found = tuple(value)
     for i, item in enumerate(found):
@@ -158,6 +159,15 @@ def require_names(name: str, value: Any, known: Collection[str] | None = None, k
     if len(set(found)) != len(found):
         raise ValueError(f"{name} = {shown(found)} must be distinct names")
     return tuple(map(str, found))
+
+
+def require_mapping(name: str, value: Any) -> dict[str, float]:
+    """Numbers by name, from a mapping; ValueError unless the names are strings and the numbers finite."""
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{name} = {shown(value)} must be a mapping of names to numbers")
+    for key in value:
+        require_instance(f"{name}: the name {shown(key)}", key, str, what="string")
+    return {key: require_number(f"{name}[{key!r}]", number) for key, number in value.items()}
 
 
 def as_tuple(name: str, value: Any) -> tuple[Any, ...]:

@@ -20,6 +20,8 @@ from .argument_gates import (  # noqa: F401 -- the gates stand here too, as they
     require_choice,
     require_count,
     require_finite,
+    require_flag,
+    require_instance,
     require_number,
     require_parts,
     require_seconds,
@@ -48,6 +50,16 @@ def quantity(
     return dataclasses.field(default=default, metadata=told)
 
 
+def part(kind: type, **default: Any) -> Any:
+    """A dataclass field for an object of `kind`, which `validate` checks; `default` or `default_factory` as `field`."""
+    return dataclasses.field(metadata={"gate": lambda name, value: require_instance(name, value, kind)}, **default)
+
+
+def flag(default: bool) -> Any:
+    """A dataclass field for True or False, which `validate` checks."""
+    return dataclasses.field(default=default, metadata={"gate": require_flag})
+
+
 def is_symbolic(value: object) -> bool:
     """Whether a value is a CasADi expression."""
     return isinstance(value, (ca.SX, ca.MX))
@@ -56,13 +68,18 @@ def is_symbolic(value: object) -> bool:
 def validate(obj: Any) -> None:
     """Raise ValueError naming field, value and range for the first bad quantity() field of a dataclass.
 
-    Lists and arrays become tuples, NumPy's numbers Python's.
+    Lists and arrays become tuples, NumPy's numbers Python's. A field with metadata "gate" becomes gate(name, value).
     """
     for field in dataclasses.fields(obj):
+        if "gate" in field.metadata:
+            name, gate = f"{type(obj).__name__}.{field.name}", field.metadata["gate"]
+            object.__setattr__(obj, field.name, gate(name, getattr(obj, field.name)))
         if "allowed" in field.metadata:
             name, value = f"{type(obj).__name__}.{field.name}", getattr(obj, field.name)
             if not is_symbolic(value):
                 object.__setattr__(obj, field.name, _checked(name, nested(value), field.metadata))
+    for path in getattr(obj, "varied", ()):
+        unit_of(obj, path)
 
 
 def _checked(name: str, value: Any, told: Any) -> Any:

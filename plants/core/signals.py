@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from .argument_gates import real_array, require_instance, shown
 from .parameters import require_finite
 
 GAUSS = 0.5 + np.sqrt(3.0) / 6.0 * np.array([-1.0, 1.0])  # two-point Gauss-Legendre nodes on [0, 1]
@@ -21,6 +22,11 @@ class Signal:
 
     name: str
     unit: str
+
+    def __post_init__(self) -> None:
+        for field, value in (("name", self.name), ("unit", self.unit)):
+            if type(value) is not str:
+                require_instance(f"Signal.{field}", value, str, what="string")
 
 
 @dataclass(frozen=True)
@@ -65,8 +71,8 @@ def names(signals: Sequence[Signal]) -> tuple[str, ...]:
 def index(signals: Sequence[Signal], name: str, kind: str) -> int:
     """Position of the signal called `name`; ValueError that lists the known names of this `kind`."""
     known = names(signals)
-    if name not in known:
-        raise ValueError(f"{kind} {name!r} must be one of {', '.join(known) or '(there are none)'}")
+    if not isinstance(name, str) or name not in known:
+        raise ValueError(f"{kind} {shown(name)} must be one of {', '.join(known) or '(there are none)'}")
     return known.index(name)
 
 
@@ -116,12 +122,22 @@ def as_signals(owner: str, given: Sequence[str | Signal] | None, n: int, prefix:
     """`n` distinct signals from names or signals; prefix1 .. prefixn where `given` is None."""
     if given is None:
         return tuple(Signal(f"{prefix}{i + 1}", "") for i in range(n))
-    signals = tuple(s if isinstance(s, Signal) else Signal(str(s), "") for s in given)
+    signals = tuple(s if isinstance(s, Signal) else Signal(s, "") for s in _given_names(owner, given))
     if len(signals) != n:
         raise ValueError(f"{owner} = {names(signals)} must be {n} names")
     if len(set(names(signals))) != n:
         raise ValueError(f"{owner} = {names(signals)} must be distinct names")
     return signals
+
+
+def _given_names(owner: str, given: Any) -> tuple[Any, ...]:
+    if isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Iterable):
+        raise ValueError(f"{owner} = {shown(given)} must be a tuple of names")
+    found = tuple(given)
+    for i, item in enumerate(found):
+        if not isinstance(item, (str, Signal)):
+            raise ValueError(f"{owner}[{i}] = {shown(item)} must be a name or a Signal")
+    return found
 
 
 def read_only(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -158,7 +174,7 @@ def sample(name: str, value: InputLike, t: np.ndarray, n: int) -> tuple[np.ndarr
         return nodes, np.array([at(s) for s in inner.ravel()]).reshape(len(t) - 1, 2, n)
     if value is None:
         value = np.zeros(n)
-    array = np.asarray(value, dtype=float)
+    array = real_array(name, value)
     if array.ndim == 1 and array.shape != (n,):
         raise ValueError(f"{name} has shape {array.shape}, must be ({n},), ({len(t)}, {n}) or a function")
     nodes = np.broadcast_to(require_finite(name, array, (n,) if array.ndim == 1 else (len(t), n)), (len(t), n))
@@ -167,6 +183,7 @@ def sample(name: str, value: InputLike, t: np.ndarray, n: int) -> tuple[np.ndarr
 
 def _called(name: str, function: Callable[[float], Any], n: int) -> Callable[[float], np.ndarray]:
     def at(s: float) -> np.ndarray:
-        return require_finite(f"{name}({s:.6g})", np.atleast_1d(np.asarray(function(float(s)), dtype=float)), (n,))
+        at = f"{name}({s:.6g})"
+        return require_finite(at, np.atleast_1d(real_array(at, function(float(s)))), (n,))
 
     return at

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .argument_gates import shown
 from .parameters import require_choice, require_finite
 from .signals import Signal, as_signals, names, read_only, read_only_times
 
@@ -115,8 +116,8 @@ class Trajectory:
     def __getitem__(self, name: str) -> np.ndarray:
         """The column (nt,) of a state, output, input or disturbance; ValueError that lists the names."""
         columns = self._columns()
-        if name not in columns:
-            raise ValueError(f"Trajectory[{name!r}] must be one of {', '.join(columns)}")
+        if not isinstance(name, str) or name not in columns:
+            raise ValueError(f"Trajectory[name = {shown(name)}] must be one of {', '.join(columns)}")
         return columns[name]
 
     def __len__(self) -> int:

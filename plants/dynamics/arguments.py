@@ -9,12 +9,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import real_array, require_count, require_finite
 from pliant.plants.core.errors import NotFiniteWarning
 from pliant.plants.core.plant_protocol import Arguments
 
 from .declaration import Declaration
 
 R = TypeVar("R", bound=Sequence[Any])
+FLOAT = np.dtype(float)
+MOST_POINTS = 100_000
 
 
 def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Arguments:
@@ -23,15 +26,16 @@ def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Argum
     u and w are zero and p the plant's own values where None. ValueError names the argument, its index and its signal.
     """
     plain = w is None and p is None and type(t) is float and type(x) is type(u) is np.ndarray
-    if plain and x.shape == (plant.nx,) and u.shape == (plant.nu,) and isfinite(x.sum() + u.sum()):
+    plain = plain and x.dtype == FLOAT and u.dtype == FLOAT and x.shape == (plant.nx,) and u.shape == (plant.nu,)
+    if plain and isfinite(t + x.sum() + u.sum()):
         return (t, x, u, *plant.quiet), None
     default = (None, None, np.zeros(plant.nu), np.zeros(plant.nw), plant.nominal_parameters)
-    values = [np.asarray(t, dtype=float).reshape(-1, 1) if np.ndim(t) else np.asarray([t], dtype=float)]
-    batch = len(values[0]) if np.ndim(t) else None
+    time = require_times(plant, t)
+    values, batch = [time.reshape(-1, 1) if time.ndim else time[None]], len(time) if time.ndim else None
     sizes = (plant.nx, plant.nu, plant.nw, len(plant.varied))
     signals = (plant.states, plant.inputs, plant.disturbances, plant.parameters)
     for i, (name, value, size, named) in enumerate(zip("xuwp", (x, u, w, p), sizes, signals), start=1):
-        array = np.asarray(default[i] if value is None else value, dtype=float)
+        array = real_array(f"{type(plant).__name__}.{name}", default[i] if value is None else value)
         if array.ndim not in (1, 2) or array.shape[-1] != size:
             owner = f"{type(plant).__name__}.{name}"
             raise ValueError(f"{owner} has shape {array.shape}, must be ({size},) or (B, {size})")
@@ -45,6 +49,24 @@ def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Argum
             batch = len(array)
         values.append(array)
     return tuple(values), batch
+
+
+def require_times(plant: Declaration, t: Any) -> np.ndarray:
+    """t [s], () or (B,), finite."""
+    time = real_array(f"{type(plant).__name__}.t", t)
+    if time.ndim > 1:
+        raise ValueError(f"{type(plant).__name__}.t has shape {time.shape}, must be a number or (B,) [s]")
+    return require_finite(f"{type(plant).__name__}.t", time, time.shape)
+
+
+def one_state(plant: Declaration, x: Any) -> np.ndarray:
+    """x (nx,) of one point."""
+    return require_finite(f"{type(plant).__name__}.x", x, (plant.nx,))
+
+
+def line_points(plant: Declaration, points: Any) -> int:
+    """How many points a body is drawn by."""
+    return require_count(f"{type(plant).__name__}.outline", "points", points, 2, MOST_POINTS)
 
 
 def told(plant: Declaration, name: str, results: R, x: Any) -> R:

@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core import parameters
+from pliant.plants.core.argument_gates import require_names
 from pliant.plants.core.casadi_functions import built_once
 from pliant.plants.core.signals import Signal
 
@@ -27,7 +28,7 @@ class Declaration(ABC):
     function.
     """
 
-    varied: tuple[str, ...] = ()
+    varied: tuple[str, ...] = dataclasses.field(default=(), metadata={"gate": require_names})
 
     @property
     @abstractmethod
@@ -112,6 +113,7 @@ class Declaration(ABC):
 
     def vary(self, *paths: str) -> Self:
         """A plant whose named parameters ("payload.mass") are inputs p of every function: no rebuild per value."""
+        paths = require_names(f"{type(self).__name__}.vary", paths)
         for path in paths:
             parameters.unit_of(self, path)
             if parameters.get(self, path) is None:

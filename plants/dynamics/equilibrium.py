@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_mapping
 from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
 from pliant.plants.core.signals import index
 
@@ -19,19 +20,19 @@ STEP = 1e-6  # of an unknown or of SMALL: a Newton step beyond it means that ver
 SMALL = 1e-3
 
 
-def find(plant: Plant, fixed: Mapping[str, float], guess: Mapping[str, float], p: Any) -> tuple[np.ndarray, np.ndarray]:
+def find(
+    plant: Plant, fixed: Mapping[str, float], named: Mapping[str, float], guess: Mapping[str, float], p: Any
+) -> tuple[np.ndarray, np.ndarray]:
     """Solve f(x, u) = 0 with the named signals held. Unknown: every other state, and the inputs when enough is held."""
     names = tuple(s.name for s in plant.states + plant.inputs)
     signals = plant.states + plant.inputs
     z = np.zeros(len(names))
     held = np.zeros(len(names), dtype=bool)
-    for source, hold in ((guess, False), (fixed, True)):
-        for name, value in source.items():
+    for kind, source in (("guess", guess), ("fixed", fixed), ("named", named)):
+        for name, value in require_mapping(f"equilibrium.{kind}", source).items():
             i = index(signals, name, "state or input")
-            if not np.isfinite(value):
-                raise ValueError(f"equilibrium {name} = {value} must be finite")
             z[i] = value
-            held[i] |= hold
+            held[i] |= kind != "guess"
     nx = plant.nx
     if held[:nx].sum() < plant.nu:
         held[nx:] = True  # too few states are given to determine the inputs: they stay as given, or zero

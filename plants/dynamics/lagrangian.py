@@ -14,6 +14,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_flag, require_names
 from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
@@ -212,7 +213,9 @@ class LagrangianPlant(MechanicalPlant):
         Frequencies below 1e-6 of the largest are rigid-body modes and are left out unless `rigid`.
         """
         n = len(self.coordinates)
-        x = np.zeros(self.nx) if x0 is None else np.asarray(x0, dtype=float)
+        x = np.zeros(self.nx) if x0 is None else arguments.one_state(self, x0)
+        require_flag("natural_frequencies.rigid", rigid)
+        locked = require_names("natural_frequencies.locked", locked)
         held = [index(self.coordinates, name, "coordinate") for name in locked] + list(self.driven)
         free = [i for i in range(n) if i not in held]
         values, _ = self._arguments(x, p=p)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_finite, require_instance, require_number
 from pliant.plants.core.errors import MassMatrixError
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import names
@@ -40,9 +41,11 @@ MOST_NODES = 8  # times the nodes that were asked for
 
 def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
     """The model at one point, f0 the rate there."""
-    (_, x, u, w, p), _ = plant._arguments(x0, u0, w, p, t)
-    if x.ndim != 1:
-        raise ValueError(f"{type(plant).__name__}.x has shape {x.shape}, must be ({plant.nx},) to linearise")
+    t = require_number("linearize.t", t, unit="s")
+    (_, x, u, w, p), batch = plant._arguments(x0, u0, w, p, t)
+    if batch is not None:
+        shapes = ", ".join(f"{name} {value.shape}" for name, value in zip("xuwp", (x, u, w, p)))
+        raise ValueError(f"{type(plant).__name__}: {shapes} must be one point to linearise, not a batch of {batch}")
     A, B, E, C, D, F = plant.jacobians(x, u, w=w, p=p, t=t)
     return LinearModel(
         *(A, B, E, C, D, F),
@@ -60,6 +63,7 @@ def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearMod
 
 def check_signals(plant: Plant, nominal: Trajectory) -> None:
     """ValueError where a nominal is not given in the plant's states and inputs."""
+    require_instance("nominal", nominal, Trajectory)
     for name, have, want in (
         ("states", nominal.states, plant.states),
         ("inputs", nominal.inputs, plant.inputs),
@@ -203,6 +207,8 @@ def over_impulse(plant: Plant, x: Array, after: Array, P: Array, p: Any, t: floa
     """(J (nx, nx), j (nx,)) of dx+ = J dx- + j, where a nominal goes from x (nx,) to `after` (nx,) in an impulse P
     (nu,) [input units times s].
     """
+    x, after = (require_finite(f"jump_map.{name}", value, (plant.nx,)) for name, value in (("x", x), ("after", after)))
+    P, t = require_finite("jump_map.P", P, (plant.nu,)), require_number("jump_map.t", t, unit="s")
     still = np.zeros(plant.nu)
     moved = plant.dynamics(x, P, p=p, t=t) - plant.dynamics(x, still, p=p, t=t)
     J = np.eye(plant.nx) + plant.jacobians(x, P, p=p, t=t)[0] - plant.jacobians(x, still, p=p, t=t)[0]

@@ -115,7 +115,7 @@ class Plant(PlantContract):
         inputs are solved for. `guess` starts the search. Raises EquilibriumError with the residual, and warns
         (UnstableRestWarning) where small deviations from the point grow.
         """
-        x0, u0 = equilibrium.find(self, {**(fixed or {}), **named}, guess or {}, p)
+        x0, u0 = equilibrium.find(self, {} if fixed is None else fixed, named, {} if guess is None else guess, p)
         equilibrium.tell_unstable(self, x0, u0, p)
         return x0, u0
 

@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import real_array, require_flag, require_number
 from pliant.plants.core.parameters import LONGEST, SHORTEST, require_choice, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
@@ -62,6 +63,11 @@ def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | Non
     )
 
 
+def _numbers(name: str, value: Any) -> Array:
+    """`value` itself where it is an array of floating-point numbers, of either kind."""
+    return value if type(value) is np.ndarray and value.dtype.kind == "f" else real_array(name, value)
+
+
 class Stepper:
     """Steps a batch of states by dt: `step(x, u, p) -> x`. See Plant.stepper."""
 
@@ -77,8 +83,11 @@ class Stepper:
         check: bool = True,
     ) -> None:
         dt = require_seconds("stepper.dt", dt, SHORTEST, LONGEST)
-        require_count("stepper", "batch", batch, 1, 10_000_000)
-        require_count("stepper", "substeps", substeps, 1, 1_000_000)
+        batch = require_count("stepper", "batch", batch, 1, 10_000_000)
+        substeps = require_count("stepper", "substeps", substeps, 1, 1_000_000)
+        threads = threads if threads is None else require_count("stepper", "threads", threads, 1, 4096)
+        check = require_flag("stepper.check", check)
+        require_choice("stepper", "method", method, tuple(METHODS))
         self.plant, self.dt, self.batch, self.substeps = plant, dt, batch, substeps
         self.threads = available() if threads is None else threads
         if threads is None and batch < FEW:
@@ -109,17 +118,16 @@ class Stepper:
         StabilityLimitError as `StepGuard` says. That x, u, p and w are finite is left to the caller: `sound` shows it.
         """
         work, plant = self.work, self.plant
+        x = _numbers("stepper.x", x)
         if x.shape != (self.batch, plant.nx):
             raise ValueError(f"stepper.x has shape {x.shape}, must be ({self.batch}, {plant.nx})")
         for k, name, value in ((2, "u", u), (4, "p", p), (3, "w", w)):
             if value is not None:
-                n = self.kernel.rows[0][k]
-                if np.shape(value) not in ((n,), (self.batch, n)):
-                    raise ValueError(
-                        f"stepper.{name} has shape {np.shape(value)}, must be ({n},) or ({self.batch}, {n})"
-                    )
+                n, value = self.kernel.rows[0][k], _numbers(f"stepper.{name}", value)
+                if value.shape not in ((n,), (self.batch, n)):
+                    raise ValueError(f"stepper.{name} has shape {value.shape}, must be ({n},) or ({self.batch}, {n})")
                 work.set(k, value)
-        work.inputs[0][:] = t
+        work.inputs[0][:] = t if type(t) is float else require_number("stepper.t", t, unit="s")
         self.guard.before(x, work.inputs[2].T, work.inputs[4].T[: self.batch], p is not None, t)
         out = np.empty((self.batch, plant.nx), dtype=self.kernel.dtype, order="F") if out is None else out
         scalars, count = (self.dt / self.substeps,), self.substeps

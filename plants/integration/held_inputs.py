@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import real_array
 from pliant.plants.core.parameters import require_finite, require_parts, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import index
@@ -53,7 +54,7 @@ class HeldInput:
         elif self.law is not None:
             self.samples[:] = self.at(t).reshape(len(t), -1)
         elif u is not None:
-            array = np.asarray(cast(Any, u), dtype=float)
+            array = real_array(f"{type(plant).__name__}.u", u)
             shape = (len(t), plant.nu) if array.ndim == 2 else (plant.nu,)
             self.samples[:] = require_finite(f"{type(plant).__name__}.u", array, shape)
             self.smooth = array.ndim == 1
@@ -70,7 +71,7 @@ class HeldInput:
             self.controller.reset()
 
     def __call__(self, time: float) -> np.ndarray:
-        value = np.asarray(self.law(time), dtype=float).reshape(-1)
+        value = real_array(f"u({time:.6g})", self.law(time)).reshape(-1)
         if value.shape != (self.plant.nu,) or not np.isfinite(value).all():
             raise ValueError(f"u({time:.6g}) = {value} must be {self.plant.nu} finite numbers")
         return value
@@ -80,7 +81,7 @@ class HeldInput:
         if self.together is not None:
             shape = (len(times), self.plant.nu)
             return require_finite(f"u.at_times of {len(times)} times", self.together(times), shape).ravel()
-        values = [np.asarray(self.law(time), dtype=float).reshape(-1) for time in times]
+        values = [real_array("u(t)", self.law(time)).reshape(-1) for time in times]
         together = np.concatenate(values)
         if any(len(value) != self.plant.nu for value in values) or not np.isfinite(together).all():
             return np.concatenate([self(time) for time in times])  # says which
@@ -94,7 +95,7 @@ class HeldInput:
         if self.period is None or now >= self.t[0] + self.period * (self.taken - SAME_TIME):
             previous = self.samples[max(k - 1, 0)]
             y = self.plant._output(now, x, previous, self.w, self.p)[0]
-            u = np.asarray(self.controller.act(float(now), np.append(x, y)[self.picks]), dtype=float).reshape(-1)
+            u = real_array("controller.act", self.controller.act(float(now), np.append(x, y)[self.picks])).reshape(-1)
             if u.shape != (self.plant.nu,) or not np.isfinite(u).all():
                 raise ValueError(f"controller at t = {now:.6g} s gave {u}, must be {self.plant.nu} finite numbers")
             self.samples[k] = u

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_finite, require_seconds
 from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.signals import names
 
@@ -36,11 +37,11 @@ class InverseDynamics:
                 f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) "
                 f"drive {', '.join(moved) or 'none'}; give the inputs as functions of time instead"
             )
-        self.plant, self.time = plant, time
+        self.plant, self.time = plant, require_seconds("rest_to_rest.time", time)
         self._q = [known.index(name) for name in moved]
         self._v = [known.index(plant.rates[name]) for name in moved]
-        self._start = np.array(begin, dtype=float)
-        self._way = np.asarray(end, dtype=float)[self._q] - self._start[self._q]
+        self._start = np.array(require_finite("rest_to_rest.begin", begin, (plant.nx,)))
+        self._way = require_finite("rest_to_rest.end", end, (plant.nx,))[self._q] - self._start[self._q]
         self._held: Array | None = None  # the input at the end, once it is known
 
     def __call__(self, t: float) -> Array:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_flag, require_number
 from pliant.plants.core.errors import IntegrationError, StabilityLimitError
 from pliant.plants.core.parameters import require_choice, require_parts, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
@@ -47,9 +48,8 @@ def simulate(
         step = require_seconds("step", step)
         require_parts("step", step, float(t[-1] - t[0]), MOST_STEPS, "steps")
     for name, value in (("rtol", rtol), ("atol", atol)):
-        if not 0 < value < 1:
-            raise ValueError(f"{name} = {value!r} must be > 0 and < 1")
-    if audit and not (hasattr(plant, "net_power") and method == "dop853"):
+        require_number(name, value, "positive", most=1.0)
+    if require_flag("simulate.audit", audit) and not (hasattr(plant, "net_power") and method == "dop853"):
         raise ValueError(f'audit = True needs a plant with energies and method "dop853", not {method!r}')
     (_, x, _, w, p), batch = plant._arguments(plant.rest_state if x0 is None else x0, None, w, p)
     if batch is not None:

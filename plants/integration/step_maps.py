@@ -18,6 +18,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_finite, shown
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.errors import StabilityLimitError
 from pliant.plants.core.parameters import require_choice
@@ -159,6 +160,9 @@ def step_limit(plant: PlantLike, x: Any, method: str = "rk4", *, u: Any = None, 
 
 def _slowest_limit(plant: PlantLike, x: Any, method: str, u: Any, p: Any) -> tuple[float, complex]:
     require_choice("integrate", "method", method, tuple(METHODS))
+    if isinstance(plant, type) or not hasattr(plant, "jacobians"):
+        raise ValueError(f"step_limit.plant = {shown(plant)} must be a Plant")
+    x = require_finite(f"{type(plant).__name__}.x", x, (plant.nx,))
     tableau, order = METHODS[method].tableau, METHODS[method].order
     if tableau is None:
         return np.inf, 0j

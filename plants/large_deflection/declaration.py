@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core import parameters
-from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
+from pliant.plants.core.parameters import flag, is_symbolic, part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
@@ -59,16 +59,16 @@ class LargeBeamDeclaration(LagrangianPlant):
     `textbook`, let go under gravity, takes them.
     """
 
-    beam: Beam
+    beam: Beam = part(Beam)
     root: str = "clamped"
     gravity: tuple[float, float, float] = quantity("m/s^2", "finite", (0.0, -9.8, 0.0), shape=(3,))
-    payload: Payload = field(default_factory=Payload)
+    payload: Payload = part(Payload, default_factory=Payload)
     kinematics: str = "strain"
     segments: int = 1  # sub-beams ("substructured")
     modes: int = 3  # shapes, of each sub-beam if "substructured"
     frame: str = "mean-axis"  # of each sub-beam ("substructured")
     basis: str = "auto"  # of the rotations ("strain")
-    planar: bool = True
+    planar: bool = flag(True)
     twists: int = 1  # torsion shapes (planar=False)
     points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
 
@@ -80,19 +80,21 @@ class LargeBeamDeclaration(LagrangianPlant):
             ("kinematics", KINEMATICS),
             ("frame", FRAMES),
             ("basis", ("auto", *BASES)),
-            ("planar", (True, False)),
         ):
             require_choice(owner, name, getattr(self, name), choices)
-        if not isinstance(self.gravity, tuple) or len(self.gravity) != 3:
-            raise ValueError(f"{owner}.gravity = {self.gravity!r} must be a tuple of 3 numbers [m/s^2]")
         most = BASES["modes" if self.basis == "auto" else self.basis]
-        require_count(owner, "modes", self.modes, 1, most if self.kinematics == "strain" else 12)
-        require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS if self.kinematics != "strain" else 1)
-        require_count(owner, "twists", self.twists, 0, MOST_TWISTS)
+        ranges = {
+            "modes": (1, most if self.kinematics == "strain" else 12),
+            "segments": (1, MOST_SEGMENTS if self.kinematics != "strain" else 1),
+            "twists": (0, MOST_TWISTS),
+        }
         if self.points is not None:
-            require_count(owner, "points", self.points, 2, FINEST)
-            if not any(is_symbolic(parameters.get(self, path)) for path in parameters.quantities(self)):
-                check_given(owner, self.points, *self._resolved)
+            ranges["points"] = (2, FINEST)
+        for name, (least, greatest) in ranges.items():
+            object.__setattr__(self, name, require_count(owner, name, getattr(self, name), least, greatest))
+        symbolic = any(is_symbolic(parameters.get(self, path)) for path in parameters.quantities(self))
+        if self.points is not None and not symbolic:
+            check_given(owner, self.points, *self._resolved)
 
     @property
     def rotation_basis(self) -> str:

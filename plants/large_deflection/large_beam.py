@@ -24,7 +24,9 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.argument_gates import real_array, require_finite, shown
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.validity.ranges import Range, largest
 from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
 from pliant.plants.validity.slender import STATIONS
@@ -176,14 +178,15 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
 
     def outline(self, x: Array, points: int = 60) -> Array:
         """The bent beam from root to tip at a state x (nx,): inertial positions (1, points, 2 or 3) [m]."""
-        return self.positions(x, np.linspace(0.0, 1.0, points))[None]
+        return self.positions(x, np.linspace(0.0, 1.0, line_points(self, points)))[None]
 
     def positions(self, x: Array, xi: Array) -> Array:
         """Positions (k, 2), or (k, 3) in space, [m] of the beam's axis at xi (k,) in [0, 1] at a state x (nx,)."""
-        values, batch = self._arguments(x)
-        if batch is not None:
-            raise ValueError(f"positions takes one state ({self.nx},), not a batch of {batch}")
-        t = self.fields.tangents.values(values[1][self.coordinates_slice])
+        x, name = one_state(self, x), f"{type(self).__name__}.positions.xi"
+        xi = require_finite(name, np.atleast_1d(real_array(name, xi)), (-1,))
+        if xi.size and not (xi.min() >= 0 and xi.max() <= 1):
+            raise ValueError(f"{name} = {shown(xi)} must be within [0, 1]")
+        t = self.fields.tangents.values(x[self.coordinates_slice])
         own: Any = self.nominal
         return own.beam.length * self.fields.tangents.points.cumulative(xi) @ t
 

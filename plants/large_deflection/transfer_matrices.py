@@ -18,6 +18,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_choice
 
@@ -39,6 +40,7 @@ class TransferMatrices:
     """The recursion for one plant with kinematics "substructured"."""
 
     def __init__(self, plant: LargeDeflectionBeam) -> None:
+        require_instance("TransferMatrices.plant", plant, LargeDeflectionBeam)
         require_choice("TransferMatrices", "plant.kinematics", plant.kinematics, ("substructured",))
         if plant.varied:
             raise ValueError(f"TransferMatrices: plant.varied = {plant.varied} must be empty")

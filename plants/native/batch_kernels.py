@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.plant_protocol import PlantLike
 
 from . import kernel_loader, kernel_templates
@@ -25,8 +25,12 @@ CHECKED = 64  # random points at which a new kernel is compared with the virtual
 
 def as_dtype(dtype: Any) -> np.dtype:
     """float64 or float32; ValueError otherwise."""
-    found = np.dtype(dtype)
-    require_choice("native", "dtype", found.name, ("float64", "float32"))
+    try:
+        found = np.dtype(dtype) if isinstance(dtype, (str, type, np.dtype)) else np.dtype(object)
+    except TypeError:
+        found = np.dtype(object)
+    if found not in (np.dtype("float64"), np.dtype("float32")):
+        raise ValueError(f"native.dtype = {shown(dtype)} must be 'float64' or 'float32'")
     return found
 
 

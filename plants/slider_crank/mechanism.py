@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -13,8 +12,10 @@ import numpy as np
 
 from pliant.plants.beams.pinned_rod import KINDS, MOST_ELEMENTS, PinnedRod, rod_shapes
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.parameters import is_symbolic, quantity, require_choice, require_count, validate
+from pliant.plants.core.argument_gates import require_number
+from pliant.plants.core.parameters import is_symbolic, part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Sensed, Signal
+from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
 from .rigid_kinematics import RigidSliderCrank, check_ratio
@@ -28,7 +29,7 @@ class SliderCrankMechanism(LagrangianPlant):
     """Crank, rod and slider; `SliderCrank` adds their energies, loads and reactions."""
 
     crank_radius: float = quantity("m", "positive")
-    rod: Beam
+    rod: Beam = part(Beam)
     slider_mass: float = quantity("kg", "nonnegative")
     force: float = quantity("N", "finite", 0.0)  # on the slider along -x, towards the crank
     crank_speed: float | None = None  # [rad/s]; None: the crank is free under the input torque
@@ -47,11 +48,12 @@ class SliderCrankMechanism(LagrangianPlant):
         require_choice("SliderCrank", "kinematics", self.kinematics, KINEMATICS)
         require_choice("SliderCrank", "basis", self.basis, KINDS)
         fewest, most = (0, MOST_MODES) if self.closed_form else (1, MOST_ELEMENTS)
-        require_count("SliderCrank", "modes", self.modes, fewest, most)
-        require_count("SliderCrank", "axial_modes", self.axial_modes, 0, MOST_MODES if self.closed_form else 0)
+        ranges = {"modes": (fewest, most), "axial_modes": (0, MOST_MODES if self.closed_form else 0)}
+        for name, (least, greatest) in ranges.items():
+            object.__setattr__(self, name, require_count("SliderCrank", name, getattr(self, name), least, greatest))
         speed, r, length = self.crank_speed, self.crank_radius, self.rod.length
-        if speed is not None and not (isinstance(speed, (int, float)) and math.isfinite(speed)):
-            raise ValueError(f"SliderCrank.crank_speed = {speed!r} must be None or a finite number [rad/s]")
+        if speed is not None:
+            object.__setattr__(self, "crank_speed", require_number("SliderCrank.crank_speed", speed, unit="rad/s"))
         if not (is_symbolic(r) or is_symbolic(length)):
             check_ratio("SliderCrank", "rod.length", r, length)
 
@@ -140,7 +142,9 @@ class SliderCrankMechanism(LagrangianPlant):
     def state(self, angle: float = 0.0, speed: float | None = None) -> np.ndarray:
         """x (nx,) with the rod straight, the crank at `angle` [rad] and `speed` [rad/s] (None: crank_speed, or 0)."""
         x = np.zeros(self.nx)
-        x[0], x[self.coordinates_slice.stop] = angle, (self.crank_speed or 0.0) if speed is None else speed
+        speed = self.crank_speed or 0.0 if speed is None else speed
+        x[0] = require_number("SliderCrank.state.angle", angle, unit="rad")
+        x[self.coordinates_slice.stop] = require_number("SliderCrank.state.speed", speed, unit="rad/s")
         return x
 
     @cached_property
@@ -186,6 +190,7 @@ class SliderCrankMechanism(LagrangianPlant):
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Crank and bent rod at a state x (nx,): inertial positions (2, points, 2) [m]."""
+        x, points = one_state(self, x), line_points(self, points)
         n, q = self.counts[0], x[self.coordinates_slice]
         pin, frame = (
             np.array(ca.evalf(e)).ravel() for e in (self.pin(ca.SX(q)), ca.vertcat(*self.direction(ca.SX(q))))

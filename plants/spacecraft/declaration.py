@@ -5,16 +5,18 @@ from __future__ import annotations
 import dataclasses
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
 
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.parameters import require_choice, validate
+from pliant.plants.core.argument_gates import require_all, require_mapping
+from pliant.plants.core.parameters import flag, part, require_choice, validate
 from pliant.plants.core.quaternions import matrix
 from pliant.plants.core.signals import Signal, index
+from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.dynamics.mechanical import MechanicalPlant
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.spacecraft_parts.appendage import Appendage, constant
@@ -32,23 +34,17 @@ AXES = "xyz"
 class SpacecraftDeclaration(MechanicalPlant):
     """A hub and the appendages hinged to it; `FlexibleSpacecraft` adds their equations of motion."""
 
-    hub: Hub
+    hub: Hub = part(Hub)
     appendages: tuple[Appendage, ...] = ()
     kinematics: str = "stiffened"
-    translation: bool = True  # False: position and velocity are no states; the hub still moves with the loads
-    environment: Environment = field(default_factory=Environment)
+    translation: bool = flag(True)  # False: position and velocity are no states; the hub still moves with the loads
+    environment: Environment = part(Environment, default_factory=Environment)
 
     def __post_init__(self) -> None:
         validate(self)
         require_choice("FlexibleSpacecraft", "kinematics", self.kinematics, KINEMATICS)
-        if not isinstance(self.hub, Hub):
-            raise ValueError(f"FlexibleSpacecraft.hub = {self.hub!r} must be a Hub")
-        if not isinstance(self.appendages, (tuple, list)) or not all(isinstance(a, Appendage) for a in self.appendages):
-            raise ValueError(f"FlexibleSpacecraft.appendages = {self.appendages!r} must be a tuple of Appendage")
-        if not isinstance(self.environment, Environment):
-            raise ValueError(f"FlexibleSpacecraft.environment = {self.environment!r} must be an Environment")
-        require_choice("FlexibleSpacecraft", "translation", self.translation, (True, False))
-        object.__setattr__(self, "appendages", tuple(self.appendages))
+        appendages = require_all("FlexibleSpacecraft.appendages", self.appendages, Appendage)
+        object.__setattr__(self, "appendages", appendages)
 
     @cached_property
     def mode_counts(self) -> tuple[int, ...]:
@@ -159,7 +155,9 @@ class SpacecraftDeclaration(MechanicalPlant):
         """x (nx,) with these states by name; the others at rest with body and reference axes aligned."""
         x = np.zeros(self.nx)
         x[self.layout.quaternion.start] = 1.0
-        for name, value in {**(values or {}), **named}.items():
+        values = {} if values is None else require_mapping("FlexibleSpacecraft.state.values", values)
+        given = values | require_mapping("FlexibleSpacecraft.state", named)
+        for name, value in given.items():
             x[index(self.states, name, "state")] = value
         return x
 
@@ -186,11 +184,12 @@ class SpacecraftDeclaration(MechanicalPlant):
 
     def turn(self, x: Any) -> np.ndarray:
         """R (3, 3), hub axes to reference axes, at a state x (nx,)."""
-        return np.array(ca.DM(matrix(ca.SX(ca.DM(np.asarray(x)[self.layout.quaternion])))))
+        return np.array(ca.DM(matrix(ca.SX(ca.DM(one_state(self, x)[self.layout.quaternion])))))
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """Lines (m, 3) [m] of the appendages in reference axes at a state x (nx,), for drawing."""
-        x, at, lines = np.asarray(x, dtype=float), self.layout, []
+        x, at, lines = one_state(self, x), self.layout, []
+        line_points(self, points)
         R = self.turn(x)
         origin = x[at.position] if self.translation else np.zeros(3)
         for i, body in enumerate(self.appendages):

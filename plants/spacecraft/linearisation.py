@@ -18,6 +18,7 @@ from pliant.plants.core import parameters
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.arguments import one_state
 from pliant.plants.dynamics.linear_models import check_signals, finer
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -266,7 +267,7 @@ def _at_nodes(craft: SpacecraftDeclaration, nominal: Trajectory, p: Any) -> LTVM
 
 def natural_frequencies(craft: SpacecraftDeclaration, x0: Any, p: Any) -> Array:
     """Undamped, from the stiffness and mass of the free spacecraft at rest at x0 (nx,)."""
-    x = np.array(x0, dtype=float)
+    x = np.array(one_state(craft, x0))
     x[craft.layout.velocity] = 0.0
     x[craft.layout.omega.start :] = 0.0
     values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)

@@ -165,7 +165,7 @@ class FlexibleSpacecraft(SpacecraftContract):
         """
         require_choice("linearize", "attitude", attitude, ATTITUDES)
         if attitude == "quaternion":
-            self.check_state(np.asarray(x0, dtype=float))
+            self.check_state(arguments.one_state(self, x0))
             return super().linearize(x0, u0, w=w, p=p, t=t)
         return linearisation.linearize(self, x0, u0, w, p, t)
 

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.core.errors import ValidityWarning
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import Signal, names
@@ -109,7 +110,7 @@ def _left(plant: PlantLike, t: Array, reached: Array) -> tuple[Left, ...]:
 
 def left(plant: PlantLike, motion: Trajectory, p: Any = None) -> tuple[Left, ...]:
     """The ranges that a motion leaves, the farthest (as a share of its limit) first."""
-    return _left(plant, motion.t, values(plant, motion, p))
+    return _left(plant, require_instance("left_ranges.motion", motion, Trajectory).t, values(plant, motion, p))
 
 
 def left_along(plant: PlantLike, t: Array, x: Array) -> tuple[Left, ...]:

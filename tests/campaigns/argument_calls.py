@@ -1,6 +1,7 @@
 """All calls of the campaign of bad input, room by room."""
 
 from argument_kinds import Call
+from calls_of_models import model_calls
 from calls_of_plants import plant_calls
 
 try:
@@ -11,4 +12,4 @@ except ImportError:  # pragma: no cover
 
 def calls() -> list[Call]:
     """A valid call of every public callable."""
-    return [*plant_calls(), *law_calls()]
+    return [*plant_calls(), *model_calls(), *law_calls()]

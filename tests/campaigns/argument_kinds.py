@@ -48,15 +48,17 @@ class Kind:
 
 @dataclass(frozen=True)
 class Array(Kind):
-    """Real numbers of one shape. `wrong`: other lengths are nonsense; `named`: function of time is valid too."""
+    """Real numbers of one shape. `wrong`: other lengths are nonsense."""
 
     wrong: bool = True
     infinite: bool = False
+    finite: bool = True  # False: left to the caller
     text: bool = False  # a name is valid too
+    calls: bool = False  # a function of time is valid too, as a class is
 
     def bad(self) -> Pairs:
         """Strings, objects, complex numbers, other shapes, not finite."""
-        yield from Kind.bad(self)
+        yield from ((what, value) for what, value in Kind.bad(self) if not (self.calls and callable(value)))
         a = np.asarray(self.value, dtype=float)
         if not self.text:
             yield "a string", "abc"
@@ -69,8 +71,9 @@ class Array(Kind):
         yield "dates", np.full(a.shape, np.datetime64("2026-01-01"))
         yield "masked", np.ma.masked_array(a, mask=np.ones(a.shape, bool))
         if a.size:
-            yield "NaN", _with(a, np.nan)
-            if not self.infinite:
+            if self.finite:
+                yield "NaN", _with(a, np.nan)
+            if self.finite and not self.infinite:
                 yield "infinity", _with(a, np.inf)
                 yield "minus infinity in a list", _with(a, -np.inf).tolist()
             yield "an integer beyond a float", _huge(a)
@@ -82,7 +85,7 @@ class Array(Kind):
             yield "ragged", [[1.0], [1.0, 2.0]]
             if a.ndim > 1:
                 yield "one more column", np.concatenate([a, a[..., -1:]], axis=-1)
-                yield "flat", a.ravel() if a.size != len(a) or a.ndim > 1 and a.shape[0] != 1 else a[None, None]
+                yield "flat", a.ravel() if a.size != len(a) or (a.ndim > 1 and a.shape[0] != 1) else a[None, None]
 
     def good(self) -> Pairs:
         """Any layout, integers where they are, read-only, big-endian, lists and tuples."""
@@ -108,7 +111,10 @@ class Array(Kind):
 
 @dataclass(frozen=True)
 class Number(Kind):
-    """One real number. `low`, `high`: what is outside is nonsense; `text`: a name is valid too; `array`: one a row is."""
+    """One real number. `low`, `high`: what is outside is nonsense; `text`: a name is valid too.
+
+    `array`: so is one a row.
+    """
 
     low: float | None = None
     high: float | None = None
@@ -178,6 +184,22 @@ class Count(Kind):
 
 
 @dataclass(frozen=True)
+class Counts(Kind):
+    """A tuple of integers."""
+
+    def bad(self) -> Pairs:
+        """Fractions, strings, another length."""
+        yield from Kind.bad(self)
+        yield from (("a number", 3.5), ("a string", "abc"), ("strings", ("1", "2")), ("fractions", (1.5, 2.5)))
+        yield from (("one more", (*self.value, 1)), ("NaN among them", (float("nan"),) * len(self.value)))
+
+    def good(self) -> Pairs:
+        """Lists and arrays."""
+        yield from (("a list", list(self.value)), ("integers", np.array(self.value)))
+        yield "int64 among them", tuple(map(np.int64, self.value))
+
+
+@dataclass(frozen=True)
 class Choice(Kind):
     """One of a few strings. `also`: numbers or arrays are valid too."""
 
@@ -193,12 +215,16 @@ class Choice(Kind):
 
 @dataclass(frozen=True)
 class Names(Kind):
-    """A tuple of names of signals."""
+    """A tuple of names of signals. `free`: any names are valid."""
+
+    free: bool = False
 
     def bad(self) -> Pairs:
         """Another name, numbers, a bare word."""
         yield from Kind.bad(self)
-        yield from (("an unknown name", ("nonsense",)), ("numbers", (1, 2)), ("a bare word", "nonsense"))
+        if not self.free:
+            yield "an unknown name", ("nonsense",)
+        yield from (("numbers", (1, 2)), ("a bare word", "nonsense"))
         yield from (("a number", 3), ("None among them", (None,)), ("a list of lists", [["a"]]), ("twice", ("a", "a")))
 
     def good(self) -> Pairs:

@@ -1,0 +1,206 @@
+"""Valid calls of linear models, of verdicts on them, of closed forms of beams and of modal data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from argument_kinds import Array, Call, Choice, Count, Counts, Flag, Names, Number, Object
+from calls_of_plants import BEAM, POSITIVE
+
+from pliant.plants import LinearModel, LTVModel, ModalData, Payload, beams, stability
+from pliant.plants.beams import OffsetPayload
+
+T = np.linspace(0.0, 2.0, 9)
+A = np.array([[0.0, 1.0], [-4.0, -0.5]])
+MODEL = LinearModel.from_matrices(A, [[0.0], [1.0]])
+
+
+def along() -> LTVModel:
+    """A spring that stiffens and slackens, of period 2 s."""
+    n, e = len(T), np.zeros
+    swing = np.array([A - np.array([[0.0, 0.0], [np.sin(np.pi * t), 0.0]]) for t in T])
+    empty = e((n, 2, 0)), np.tile(np.eye(2), (n, 1, 1)), e((n, 2, 1)), e((n, 2, 0))
+    return LTVModel(
+        *(T, swing, np.ones((n, 2, 1)), *empty),
+        c=e((n, 2)),
+        x=e((n, 2)),
+        u=e((n, 1)),
+        y=e((n, 2)),
+        states=MODEL.states,
+        inputs=MODEL.inputs,
+        disturbances=(),
+        outputs=MODEL.states,
+    )
+
+
+LTV = along()
+
+
+def model_calls() -> list[Call]:
+    """Of models that are no plants."""
+    return [*linear_calls(), *stability_calls(), *beam_calls(), *modal_calls()]
+
+
+def linear_calls() -> list[Call]:
+    """LTI and LTV."""
+    matrices = {
+        "A": Array(A),
+        "B": Array([[0.0], [1.0]]),
+        "C": Array([[1.0, 0.0]], none=True),
+        "D": Array([[0.0]], none=True),
+        "states": Names(("a", "b"), none=True, free=True),
+        "inputs": Names(("f",), none=True, free=True),
+    }
+    fields = {n: Array(getattr(LTV, n)) for n in ("t", "A", "B", "E", "C", "D", "F", "c", "x", "u", "y")} | {
+        n: Names(tuple(s.name for s in getattr(LTV, n)), free=True) for n in ()
+    }
+    signals = {n: getattr(LTV, n) for n in ("states", "inputs", "disturbances", "outputs")}
+    push = Array([1.0], none=True, calls=True)
+    return [
+        Call("LinearModel.from_matrices", LinearModel.from_matrices, matrices, {"outputs": ("y",)}),
+        Call(
+            "LinearModel.from_matrices.dt",
+            LinearModel.from_matrices,
+            {"dt": Number(0.5, none=True, **POSITIVE)},
+            {"A": A, "B": [[0.0], [1.0]]},
+            compare=False,
+        ),
+        Call("LinearModel.discretize", MODEL.discretize, {"dt": Number(0.5, **POSITIVE)}),
+        Call("LinearModel.reduce", MODEL.reduce, {"order": Count(1), "method": Choice("balanced")}),
+        Call(
+            "LinearModel.simulate", MODEL.simulate, {"dx0": Array([1.0, 0.0]), "du": push, "t": Array(T, wrong=False)}
+        ),
+        Call("LinearModel.to_control", MODEL.to_control, {"disturbances": Flag(False)}, compare=False),
+        Call("LinearModel.from_control", LinearModel.from_control, {"system": Object(MODEL.to_control())}),
+        Call("LTVModel", LTVModel, fields, signals),
+        Call("LTVModel.at", LTV.at, {"k": Count(1, low=None)}),
+        Call("LTVModel.simulate", LTV.simulate, {"dx0": Array([1.0, 0.0]), "du": push}),
+    ]
+
+
+def stability_calls() -> list[Call]:
+    """Verdicts and the methods behind them."""
+    model, states = {"model": Object(LTV)}, {"states": Names(("x1",), none=True)}
+    period, points = {"period": Number(2.0, none=True, **POSITIVE)}, {"points": Count(20, none=True, low=1)}
+    time = {"window": Number(0.5, none=True, **POSITIVE)}
+    return [
+        Call("stability.assess", stability.assess, model | period | states | time | {"thorough": Flag(True)}),
+        Call("stability.assess.periodic", stability.assess, model | {"periodic": Flag(True, none=True)}),
+        Call(
+            "stability.floquet",
+            stability.floquet,
+            model | period | {"tolerance": Number(2.0**-33, **POSITIVE), "undamped": Flag(False, none=True)},
+        ),
+        Call("stability.frozen_time", stability.frozen_time, model, compare=False),
+        Call("stability.growth", stability.growth, model | time, compare=False),
+        Call(
+            "stability.lyapunov",
+            stability.lyapunov,
+            model | {"alpha": Number(0.125, none=True), "most": Count(1024)} | period,
+            compare=False,
+        ),
+        Call("stability.slow_variation", stability.slow_variation, model, compare=False),
+    ]
+
+
+def beam_calls() -> list[Call]:
+    """Roots, shapes and frequencies."""
+    ratio: dict[str, Any] = {"low": 0.0}
+    n, half = Count(3), Number(0.5, **ratio)
+    loaded = {"tip_mass_ratio": half, "tip_inertia_ratio": half, "tip_coupling_ratio": Number(0.125)}
+    system = OffsetPayload(mass=1.0, offset=(0.125, 0.0, 0.0), inertia=0.5, chi=0.5, mu=0.01)
+    offset = {
+        "mass": half,
+        "offset": Array((0.125, 0.0, 0.0)),
+        "inertia": Number(0.5, array=True, **ratio),
+        "chi": Number(0.5, **POSITIVE),
+        "mu": half,
+    }
+    turning = {"gamma": Number(2.0, **ratio), "n": n, "plane": Choice("flap"), "stiffened": Flag(True)}
+    more = {"theory": Choice("euler-bernoulli"), "tip_mass": half, "tip_inertia": half, "hub_radius": half}
+    lam = Array((1.0, 2.0), wrong=False)
+    return [
+        Call("beams.basis", beams.basis, {"kind": Choice("payload"), "n": n} | loaded, compare=False),
+        Call("beams.roots", beams.roots, {"boundary": Choice("clamped-free"), "n": n}),
+        Call("beams.loaded_roots", beams.loaded_roots, {"n": n, "mass": half, "inertia": half}),
+        Call("beams.count_loaded", beams.count_loaded, {"beta": lam, "mass": half, "inertia": half}),
+        Call("beams.shapes", beams.shapes, {"boundary": Choice("clamped-free"), "n": n}, compare=False),
+        Call(
+            "beams.frequencies",
+            beams.frequencies,
+            {
+                "beam": Object(BEAM),
+                "n": n,
+                "boundary": Choice("clamped-free"),
+                "payload": Object(Payload(mass=1.0), none=True),
+            },
+        ),
+        Call(
+            "beams.coupled_frequencies",
+            beams.coupled_frequencies,
+            {"beam": Object(BEAM), "n": n, "payload": Object(Payload(mass=1.0))},
+        ),
+        Call("beams.rotating_frequencies", beams.rotating_frequencies, turning | more),
+        Call("beams.clamped_payload_roots", beams.clamped_payload_roots, {"n": n} | offset),
+        Call("OffsetPayload", OffsetPayload, offset, compare=False),
+        Call("OffsetPayload.of", OffsetPayload.of, {"beam": Object(BEAM), "payload": Object(Payload(mass=1.0))}),
+        Call("OffsetPayload.count", system.count, {"lam": lam}),
+        Call("OffsetPayload.equation", system.equation, {"lam": lam}),
+        Call("OffsetPayload.roots", system.roots, {"n": n}),
+        Call("OffsetPayload.roots_between", system.roots_between, {"low": half, "high": Number(9.0, **ratio)}),
+        Call("OffsetPayload.shapes", system.shapes, {"n": n}, compare=False),
+        Call(
+            "PayloadModes.bending",
+            system.shapes(2).bending,
+            {"xi": Array((0.5, 1.0), wrong=False), "derivative": Count(1, low=0)},
+        ),
+        Call(
+            "PayloadModes.torsion",
+            system.shapes(2).torsion,
+            {"xi": Array((0.5, 1.0), wrong=False), "derivative": Count(1, low=0)},
+        ),
+    ]
+
+
+def modal_calls() -> list[Call]:
+    """Modal integrals."""
+    positions = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    shapes = np.array([[[0.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 2.0, 0.0]]])
+    nodes = {
+        "positions": Array(positions),
+        "masses": Array((1.0, 1.0, 2.0)),
+        "shapes": Array(shapes),
+        "frequencies": Array((3.0,), none=False),
+        "damping": Number(0.125, low=0.0, array=True),
+        "tip": Count(2, low=None),
+    }
+    M, K = np.diag([1.0, 1.0, 2.0, 1.0, 1.0, 2.0]), np.diag([4.0, 5.0, 6.0, 4.0, 5.0, 6.0])
+    built = {
+        "mass": Array(np.kron(np.eye(3), M[:3, :3])),
+        "stiffness": Array(np.kron(np.diag([1.0, 2.0, 3.0]), K[:3, :3])),
+        "positions": Array(positions),
+        "root": Counts((0,)),
+        "modes": Count(1, low=0),
+        "damping": Number(0.125, low=0.0),
+    }
+    data = ModalData.boom(BEAM, (1, 1))
+    return [
+        Call("ModalData.from_nodes", ModalData.from_nodes, nodes, compare=False),
+        Call("ModalData.from_matrices", ModalData.from_matrices, built, compare=False),
+        Call("ModalData.boom", ModalData.boom, {"beam": Object(BEAM), "modes": Counts((1, 1))}, compare=False),
+        Call(
+            "ModalData.panel",
+            ModalData.panel,
+            {"beam": Object(BEAM), "width": Number(0.5, **POSITIVE), "modes": Counts((1, 1))},
+            compare=False,
+        ),
+        Call(
+            "ModalData.rigid",
+            ModalData.rigid,
+            {"mass": Number(2.0, **POSITIVE), "first": Array((0.5, 0.0, 0.0)), "inertia": Array(np.eye(3))},
+            compare=False,
+        ),
+        Call("ModalData.slowest", data.slowest, {"count": Count(1, low=0)}, compare=False),
+        Call("ModalData.keep", data.keep, {"modes": Counts((0,))}, compare=False),
+    ]
