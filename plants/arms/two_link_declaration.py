@@ -9,8 +9,8 @@ from pliant.plants import beams
 from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.argument_gates import as_tuple, shown
-from pliant.plants.core.parameters import flag, part, quantity, require_choice, require_count, validate
+from pliant.plants.core.argument_gates import require_counts
+from pliant.plants.core.parameters import flag, part, quantity, require_choice, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 
@@ -44,11 +44,8 @@ class TwoLinkDeclaration(LagrangianPlant):
             ("basis", tuple(BASES)),
         ):
             require_choice("TwoLinkArm", name, getattr(self, name), choices)
-        modes = as_tuple("TwoLinkArm.modes", self.modes)
-        if len(modes) != 2:
-            raise ValueError(f"TwoLinkArm.modes = {shown(modes)} must be a tuple of 2 numbers")
-        counts = (require_count("TwoLinkArm", f"modes[{i}]", n, 0, BASES[self.basis]) for i, n in enumerate(modes))
-        object.__setattr__(self, "modes", tuple(counts))
+        modes = require_counts("TwoLinkArm", "modes", self.modes, 0, BASES[self.basis], length=2)
+        object.__setattr__(self, "modes", modes)
 
     @property
     def mode_counts(self) -> tuple[int, int]:

@@ -19,6 +19,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import finite_array, real_array, require_number
 from pliant.plants.core.parameters import require_choice, require_count
 
 MOST_MODES = 200
@@ -51,7 +52,7 @@ class ModeShapes:
 def checked_position(xi: float | np.ndarray, derivative: int) -> np.ndarray:
     """xi as an array; ValueError unless it lies in [0, 1] (1e-9 of slack) and derivative is 0 to 4."""
     require_count("shape", "derivative", derivative, 0, 4)
-    xi = np.asarray(xi, dtype=float)
+    xi = real_array("xi", xi)
     outside = ~((xi >= -1e-9) & (xi <= 1 + 1e-9))
     if np.any(outside):
         raise ValueError(f"xi = {xi[outside].flat[0]!r} must be within [0, 1]")
@@ -64,7 +65,7 @@ def roots(boundary: str, n: int) -> np.ndarray:
     Newton on the characteristic equation divided by cosh: cos + sech, cos - sech, sin - tanh cos.
     """
     require_choice("modes", "boundary", boundary, BOUNDARIES)
-    require_count("modes", "n", n, 0, MOST_MODES)
+    n = require_count("modes", "n", n, 0, MOST_MODES)
     k = np.arange(1, n + 1)
     if boundary == "pinned-pinned":
         return math.pi * k
@@ -88,10 +89,10 @@ def loaded_roots(n: int, mass: float, inertia: float, coupling: float = 0.0) -> 
     Dunkerley's bound, with tip compliances 1/3 and 1, lies below the first; clamping the tip adds two
     constraints.
     """
-    require_count("modes", "n", n, 0, MOST_MODES)
+    n = require_count("modes", "n", n, 0, MOST_MODES)
     for name, value in (("mass", mass), ("inertia", inertia)):
-        if not 0 <= value <= LARGEST_RATIO:
-            raise ValueError(f"modes.{name} = {value!r} must be within [0, {LARGEST_RATIO:g}] of the beam's own")
+        require_number(f"modes.{name}", value, least=0.0, most=LARGEST_RATIO)
+    mass, inertia, coupling = float(mass), float(inertia), require_number("modes.coupling", coupling)
     if not coupling**2 <= mass * inertia * (1 + 1e-12):
         raise ValueError(f"modes.coupling = {coupling!r} must be within +-sqrt(mass inertia)")
     k = np.arange(1, n + 1)
@@ -138,7 +139,10 @@ def count_loaded(beta: np.ndarray, mass: float, inertia: float, coupling: float 
     It is the number of roots of the clamped-clamped beam below beta plus the number of negative eigenvalues
     of the dynamic stiffness of the tip, K_b - beta^4 [[mass, coupling], [coupling, inertia]].
     """
-    beta = np.asarray(beta, dtype=float)
+    beta = finite_array("count_loaded.beta", beta)
+    mass = require_number("count_loaded.mass", mass, "nonnegative")
+    inertia = require_number("count_loaded.inertia", inertia, "nonnegative")
+    coupling = require_number("count_loaded.coupling", coupling)
     plus_one, pole, plus, minus, sin_sinh = _products(beta)
     determinant = (
         plus_one
@@ -214,7 +218,7 @@ def shapes(boundary: str, n: int, *, mass: float = 0.0, inertia: float = 0.0, co
     dxi = 1 as the rest.
     """
     require_choice("modes", "boundary", boundary, (*BOUNDARIES, *LOADED))
-    loaded = boundary in LOADED
+    n, loaded = require_count("modes", "n", n, 0, MOST_MODES), boundary in LOADED
     if loaded:
         found = loaded_roots if boundary == "payload" else pinned_loaded_roots
         beta = found(n, mass, inertia, coupling)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.core.parameters import require_choice
 
 from .euler_bernoulli_modes import BOUNDARIES, loaded_roots, roots
@@ -20,12 +21,13 @@ def frequencies(beam: Beam, n: int, boundary: str = "clamped-free", payload: Pay
     omega = beta^2 sqrt(EI/(rho A L^4)). A payload needs boundary "clamped-free"; its offset must lie in the
     x-y plane, else bending and torsion couple.
     """
+    require_instance("frequencies.beam", beam, Beam)
     require_choice("frequencies", "boundary", boundary, BOUNDARIES)
     scale = math.sqrt(beam.EI / beam.linear_density) / beam.length**2
     if payload is None:
         return scale * roots(boundary, n) ** 2
     require_choice("frequencies", "boundary", boundary, ("clamped-free",))
-    z = payload.offset[2]
+    z = require_instance("frequencies.payload", payload, Payload).offset[2]
     if z != 0:
         raise ValueError(f"Payload.offset[2] = {z!r} must be 0 [m]: it couples bending with torsion")
     return scale * loaded_roots(n, *payload.ratios(beam.mass, beam.length).values()) ** 2
@@ -33,5 +35,6 @@ def frequencies(beam: Beam, n: int, boundary: str = "clamped-free", payload: Pay
 
 def coupled_frequencies(beam: Beam, n: int, payload: Payload) -> np.ndarray:
     """The lowest n frequencies [rad/s] (n,) of the clamped beam in bending about z and torsion, none missed."""
+    require_instance("coupled_frequencies.beam", beam, Beam)
     scale = math.sqrt(beam.EI / beam.linear_density) / beam.length**2
     return scale * OffsetPayload.of(beam, payload).roots(n) ** 2

@@ -61,8 +61,8 @@ class StrainShapes:
     @classmethod
     def unit(cls, a: int, b: int = 0) -> StrainShapes:
         """The a + b shapes with one strain coefficient each."""
-        require_count("StrainShapes", "a", a, 0, MOST)
-        require_count("StrainShapes", "b", b, 0, MOST)
+        a = require_count("StrainShapes", "a", a, 0, MOST)
+        b = require_count("StrainShapes", "b", b, 0, MOST)
         return cls(np.eye(a, a + b), np.eye(b, a + b, a))
 
     def combined(self, coefficients: np.ndarray) -> StrainShapes:
@@ -81,12 +81,12 @@ class StrainShapes:
 
     def __call__(self, xi: float | np.ndarray, derivative: int = 0) -> np.ndarray:
         """d^derivative w/dx^derivative at xi (...,) in [0, 1] -> (..., n); derivative 0 to 2."""
-        require_count("shape", "derivative", derivative, 0, 2)
+        derivative = require_count("shape", "derivative", derivative, 0, 2)
         return self._sum(checked_position(xi, derivative), 3 - derivative, 2 - derivative)
 
     def rotation(self, xi: float | np.ndarray, derivative: int = 0) -> np.ndarray:
         """d^derivative psi/dx^derivative, the turn of the section; derivative 0 or 1."""
-        require_count("rotation", "derivative", derivative, 0, 1)
+        derivative = require_count("rotation", "derivative", derivative, 0, 1)
         return self._sum(checked_position(xi, derivative), 2 - derivative, None)
 
     def shear_strain(self, xi: float | np.ndarray) -> np.ndarray:

@@ -52,12 +52,14 @@ class PayloadModes:
 
     def bending(self, xi: float | np.ndarray, derivative: int = 0) -> np.ndarray:
         """d^derivative V/dxi^derivative at xi (...,) in [0, 1] -> (..., n)."""
-        columns = _columns(self.roots, checked_position(xi, derivative), derivative)
+        columns = _columns(self.roots, checked_position(xi, derivative), int(derivative))
         return sum(c * a for c, a in zip(columns, self.coefficients.T[:4], strict=True))
 
     def torsion(self, xi: float | np.ndarray, derivative: int = 0) -> np.ndarray:
         """d^derivative Gamma/dxi^derivative at xi (...,) in [0, 1] -> (..., n)."""
-        return self.coefficients[:, 4] * _twist(self.system, self.roots, checked_position(xi, derivative), derivative)
+        return self.coefficients[:, 4] * _twist(
+            self.system, self.roots, checked_position(xi, derivative), int(derivative)
+        )
 
     @property
     def mass(self) -> np.ndarray:

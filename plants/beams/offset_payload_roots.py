@@ -18,6 +18,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import finite_array, real_array, require_finite, require_instance, require_number
 from pliant.plants.core.parameters import require_count
 
 from .euler_bernoulli_modes import LARGEST_RATIO, MOST_MODES, _products, count_loaded, roots
@@ -44,13 +45,11 @@ class OffsetPayload:
     mu: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "offset", tuple(float(a) for a in self.offset))
-        for name, value in (("mass", self.mass), ("chi", self.chi), ("mu", self.mu)):
-            low = 0 if name == "mass" else 1e-12
-            if not low <= value <= LARGEST_RATIO:
-                raise ValueError(f"OffsetPayload.{name} = {value!r} must be within [{low:g}, {LARGEST_RATIO:g}]")
-        if len(self.offset) != 3 or not np.all(np.isfinite(self.offset)):
-            raise ValueError(f"OffsetPayload.offset = {self.offset!r} must be three finite numbers")
+        for name, low in (("mass", 0.0), ("chi", 1e-12), ("mu", 1e-12)):
+            value = require_number(f"OffsetPayload.{name}", getattr(self, name), least=low, most=LARGEST_RATIO)
+            object.__setattr__(self, name, value)
+        offset = require_finite("OffsetPayload.offset", self.offset, (3,))
+        object.__setattr__(self, "offset", tuple(offset.tolist()))
         I_xx, I_zz, I_xz = self.moments
         if not (0 <= I_xx <= LARGEST_RATIO and 0 <= I_zz <= LARGEST_RATIO):
             raise ValueError(
@@ -62,6 +61,8 @@ class OffsetPayload:
     @classmethod
     def of(cls, beam: Beam, payload: Payload) -> Self:
         """From a beam and a payload with dimensions."""
+        require_instance("OffsetPayload.beam", beam, Beam)
+        require_instance("OffsetPayload.payload", payload, Payload)
         scale = beam.mass * beam.length**2
         return cls(
             mass=payload.mass / beam.mass,
@@ -74,7 +75,7 @@ class OffsetPayload:
     @property
     def moments(self) -> tuple[float, float, float]:
         """(I_xx, I_zz, I_xz) about the mass centre."""
-        given = np.asarray(self.inertia, dtype=float)
+        given = real_array("OffsetPayload.inertia", self.inertia)
         if not np.all(np.isfinite(given)):
             raise ValueError(f"OffsetPayload.inertia = {self.inertia!r} must be finite")
         if given.shape == ():
@@ -95,7 +96,7 @@ class OffsetPayload:
 
     def equation(self, lam: np.ndarray) -> np.ndarray:
         """Eq (7) times e^-lambda and a positive factor: zero at the roots, finite for any lambda (...,)."""
-        determinant, turning = self._terms(np.asarray(lam, dtype=float))
+        determinant, turning = self._terms(finite_array("OffsetPayload.equation.lam", lam))
         return determinant * turning
 
     def count(self, lam: np.ndarray) -> np.ndarray:
@@ -105,7 +106,7 @@ class OffsetPayload:
         counted as in `euler_bernoulli_modes`, and what is left of torsion, its stiffness less the bending's share, is
         one number.
         """
-        lam = np.asarray(lam, dtype=float)
+        lam = finite_array("OffsetPayload.count.lam", lam)
         M, kappa = self.tip_mass, lam**2 * self.chi * self.mu
         _, turning = self._terms(lam)
         nearest = np.rint(kappa / math.pi)
@@ -138,11 +139,12 @@ class OffsetPayload:
 
     def roots(self, n: int) -> np.ndarray:
         """The lowest n roots lambda (n,), equal ones repeated."""
-        require_count("clamped_payload_roots", "n", n, 0, MOST_MODES)
+        n = require_count("clamped_payload_roots", "n", n, 0, MOST_MODES)
         return self._section(np.arange(1, n + 1))
 
     def roots_between(self, low: float, high: float) -> np.ndarray:
         """All roots lambda in [low, high)."""
+        low, high = (require_number(f"roots_between.{k}", v) for k, v in (("low", low), ("high", high)))
         if not 0 <= low < high < math.inf:
             raise ValueError(f"roots_between: [{low!r}, {high!r}) must have 0 <= low < high")
         first, last = (int(k) for k in self.count(np.array([max(low, 1e-300), high])))

@@ -15,6 +15,7 @@ import math
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_flag, require_number
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_choice, require_count
 
@@ -46,7 +47,7 @@ def rotating_frequencies(
     """
     require_choice("rotating_frequencies", "plane", plane, PLANES)
     require_choice("rotating_frequencies", "theory", theory, THEORIES)
-    require_count("rotating_frequencies", "n", n, 0, MOST_FREQUENCIES)
+    n = require_count("rotating_frequencies", "n", n, 0, MOST_FREQUENCIES)
     for name, value, top in (
         ("gamma", gamma, FASTEST),
         ("tip_mass", tip_mass, 1e6),
@@ -55,8 +56,9 @@ def rotating_frequencies(
         ("rotary", rotary, 1.0),
         ("shear", shear, 10.0),
     ):
-        if not 0 <= value <= top:
-            raise ValueError(f"rotating_frequencies.{name} = {value!r} must be within [0, {top:g}]")
+        require_number(f"rotating_frequencies.{name}", value, least=0.0, most=top)
+    gamma, tip_mass, tip_inertia, hub_radius = map(float, (gamma, tip_mass, tip_inertia, hub_radius))
+    stiffened = require_flag("rotating_frequencies.stiffened", stiffened)
     sheared = theory == "timoshenko"
     if not sheared and (rotary or shear):
         raise ValueError(

@@ -13,6 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_number
 from pliant.plants.core.parameters import require_choice, require_count
 
 from .euler_bernoulli_modes import (
@@ -131,16 +132,15 @@ def basis(
     (30 for polynomials, 40 with shear), or a ratio outside [0, 1e12].
     """
     require_choice("basis", "kind", kind, BASES)
-    require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind in ("polynomial", *TIP_FORCE) else MOST_MODES)
+    n = require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind in ("polynomial", *TIP_FORCE) else MOST_MODES)
     for name, value in (("tip_mass_ratio", tip_mass_ratio), ("tip_inertia_ratio", tip_inertia_ratio)):
-        if not 0 <= value <= LARGEST_RATIO:
-            raise ValueError(f"basis.{name} = {value!r} must be within [0, {LARGEST_RATIO:g}]")
+        require_number(f"basis.{name}", value, least=0.0, most=LARGEST_RATIO)
+    require_number("basis.tip_coupling_ratio", tip_coupling_ratio)
     for name, value in (("rotary", rotary), ("shear", shear)):
-        if not 0 <= value <= 10:
-            raise ValueError(f"basis.{name} = {value!r} must be within [0, 10]")
+        require_number(f"basis.{name}", value, least=0.0, most=10.0)
     if shear:
         require_choice("basis", "kind", kind, SHEARABLE)
-        require_count("basis", "n", n, 0, MOST_SHEARABLE)
+        n = require_count("basis", "n", n, 0, MOST_SHEARABLE)
     tip = (float(tip_mass_ratio), float(tip_inertia_ratio), float(tip_coupling_ratio))
     tip = tip if kind in (*LOADED, *TIP_FORCE) else (0.0, 0.0, 0.0)
     return _sheared(kind, int(n), float(rotary), float(shear), *tip) if shear else _basis(kind, int(n), *tip)

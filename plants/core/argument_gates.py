@@ -1,9 +1,11 @@
 """The gates that arguments pass: what is no real number, no count, no name or of another type is refused in words.
 
     real_array       numbers of any layout and real type, as float64
-    require_finite   an array of a shape, finite
+    finite_array     finite ones of any shape
+    require_finite   of one shape
     require_number   one number within a range
     require_count    an integer within a range
+    require_counts   a tuple of them
     require_choice   one of a few values
     require_instance an object of a type
     require_names    distinct names
@@ -76,6 +78,12 @@ def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
     return array
 
 
+def finite_array(name: str, value: Any) -> np.ndarray:
+    """`value` as a float array of any shape, finite."""
+    array = real_array(name, value)
+    return np.asarray(require_finite(name, array, array.shape))
+
+
 def as_number(value: Any) -> Any:
     """A number as Python has it, of a NumPy scalar or an array without dimensions; what is none stays."""
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
@@ -93,7 +101,7 @@ def require_number(
     if not (-sys.float_info.max <= value <= sys.float_info.max and holds(value)):
         raise ValueError(f"{name} = {shown(value)} must be {text} [{unit}]")
     if not least <= value <= most:
-        span = f"from {least:g} to {most:g}" if math.isfinite(most) else f"at least {least:g}"
+        span = f"within [{least:g}, {most:g}]" if math.isfinite(most) else f"at least {least:g}"
         raise ValueError(f"{name} = {shown(value)} must be {span} [{unit}]")
     return float(value)
 
@@ -104,6 +112,19 @@ def require_count(owner: str, name: str, value: Any, lowest: int, highest: int) 
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= int(value) <= highest:
         raise ValueError(f"{owner}.{name} = {shown(value)} must be an integer from {lowest} to {highest}")
     return int(value)
+
+
+def require_counts(
+    owner: str, name: str, value: Any, lowest: int, highest: int, *, length: int | None = None
+) -> tuple[int, ...]:
+    """A tuple of integers within [lowest, highest], `length` of them where that is given; else each once."""
+    found = as_tuple(f"{owner}.{name}", value)
+    if length is not None and len(found) != length:
+        raise ValueError(f"{owner}.{name} = {shown(found)} must be {length} integers")
+    counts = tuple(require_count(owner, f"{name}[{i}]", item, lowest, highest) for i, item in enumerate(found))
+    if length is None and len(set(counts)) != len(counts):
+        raise ValueError(f"{owner}.{name} = {shown(counts)} must name each once")
+    return counts
 
 
 def require_seconds(name: str, value: Any, least: float = 0.0, most: float = math.inf) -> float:

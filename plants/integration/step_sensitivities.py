@@ -182,8 +182,8 @@ class StepSensitivities:
         self, plant: PlantLike, dt: float, *, substeps: int = 1, batch: int = 1, dtype: Any = np.float64
     ) -> None:
         dt = require_seconds("StepSensitivities.dt", dt, SHORTEST, LONGEST)
-        require_count("StepSensitivities", "batch", batch, 1, 1_000_000)
-        require_count("StepSensitivities", "substeps", substeps, 1, 1_000_000)
+        batch = require_count("StepSensitivities", "batch", batch, 1, 1_000_000)
+        substeps = require_count("StepSensitivities", "substeps", substeps, 1, 1_000_000)
         StepGuard(plant, "rk4", dt / substeps, check=True)
         self.plant, self.dt, self.batch, self.substeps = plant, dt, batch, substeps
         self.kernel = sensitivity_kernel(plant, as_dtype(dtype))

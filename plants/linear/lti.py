@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_flag, require_seconds, shown
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 
@@ -55,7 +56,7 @@ class LinearModel(ModelSignals):
             object.__setattr__(self, name, read_only(f"LinearModel.{name}", getattr(self, name), shape))
         self._check_signals()
         if self.dt is not None:
-            _require_step("LinearModel.dt", self.dt)
+            object.__setattr__(self, "dt", require_seconds("LinearModel.dt", self.dt))
 
     @classmethod
     def from_matrices(
@@ -117,7 +118,7 @@ class LinearModel(ModelSignals):
     def discretize(self, dt: float) -> LinearModel:
         """The sampled model, exact for inputs and disturbances held over each step dt [s]; f0 included."""
         self._require_continuous("discretize")
-        _require_step("discretize.dt", dt)
+        dt = require_seconds("discretize.dt", dt)
         Phi, held, _ = held_response(self.A, self._drives, np.array([dt]))
         nu, nw = len(self.inputs), len(self.disturbances)
         B, E, f0 = np.split(held[0], [nu, nu + nw], axis=1)
@@ -185,6 +186,7 @@ class LinearModel(ModelSignals):
         """
         import control
 
+        disturbances = require_flag("to_control.disturbances", disturbances)
         B, D = self._drives[:, :-1], np.hstack([self.D, self.F])
         count = B.shape[1] if disturbances else len(self.inputs)
         return control.StateSpace(
@@ -204,6 +206,7 @@ class LinearModel(ModelSignals):
 
         Its timebase must be stated: 0 or None is continuous, a number is the sampling time.
         """
+        system = _as_state_space(system)
         if system.dt is True:
             raise ValueError("from_control: system.dt = True must be 0, None or a sampling time in seconds")
         return cls.from_matrices(
@@ -227,9 +230,12 @@ class LinearModel(ModelSignals):
             raise ValueError(f"{task}: LinearModel.dt = {self.dt} must be None (a continuous-time model)")
 
 
-def _require_step(name: str, dt: Any) -> None:
-    if not (isinstance(dt, (int, float, np.number)) and 0 < dt < np.inf):
-        raise ValueError(f"{name} = {dt!r} must be > 0")
+def _as_state_space(system: Any) -> Any:
+    if not all(hasattr(system, name) for name in (*"ABCD", "dt", "state_labels", "input_labels", "output_labels")):
+        raise ValueError(f"from_control.system = {shown(system)} must be a python-control StateSpace")
+    if isinstance(system, type):
+        raise ValueError(f"from_control.system = {shown(system)} must be a StateSpace, not its class")
+    return system
 
 
 def held_response(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

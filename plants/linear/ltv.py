@@ -94,7 +94,7 @@ class LTVModel(ModelSignals):
 
     def at(self, k: int) -> LinearModel:
         """The model frozen at node k; its f0 is c[k], the rate of a deviation from the moving nominal."""
-        require_count("LTVModel.at", "k", k, -len(self.t), len(self.t) - 1)
+        k = require_count("LTVModel.at", "k", k, -len(self.t), len(self.t) - 1)
         assert self.w is not None
         return LinearModel(
             *(self.A[k], self.B[k], self.E[k], self.C[k], self.D[k], self.F[k]),

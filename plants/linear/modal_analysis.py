@@ -167,7 +167,7 @@ def truncation(
     the bound is infinite where it drops an undamped one.
     """
     require_choice("LinearModel.reduce", "method", method, ("balanced", "modal"))
-    require_count("LinearModel.reduce", "order", order, 1, len(A))
+    order = require_count("LinearModel.reduce", "order", order, 1, len(A))
     return (_balanced if method == "balanced" else _modal)(A, B, C, int(order), dt)
 
 

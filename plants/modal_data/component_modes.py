@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_counts
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.quaternions import skew
@@ -32,8 +33,7 @@ def clamped_modes(
         raise ValueError(
             f"from_matrices.stiffness is {K.shape}, must be {3 * nodes} or {6 * nodes} square for {nodes} nodes"
         )
-    for node in root:
-        require_count("from_matrices", "root", node, 0, nodes - 1)
+    root = require_counts("from_matrices", "root", root, 0, nodes - 1)
     if not len(root):
         raise ValueError("from_matrices.root = () must name the clamped nodes")
     places = np.arange(len(K)).reshape(nodes, per_node)
@@ -56,7 +56,7 @@ def clamped_modes(
     carried = np.repeat(masses[free_nodes], 3) > 0
     if not carried.all():
         raise ValueError(f"from_matrices.mass: nodes {free_nodes[~carried[::3]].tolist()} must carry mass")
-    require_count("from_matrices", "modes", modes, 0, len(free))
+    modes = require_count("from_matrices", "modes", modes, 0, len(free))
     if not modes:
         return masses, np.zeros((0, nodes, 3)), np.zeros(0)
     squares, vectors = linalg.eigh(

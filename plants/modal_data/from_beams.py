@@ -9,7 +9,8 @@ import numpy as np
 from pliant.plants.beams.euler_bernoulli_modes import quadrature
 from pliant.plants.beams.section import Beam
 from pliant.plants.beams.shape_functions import basis
-from pliant.plants.core.parameters import is_symbolic, require_count
+from pliant.plants.core.argument_gates import require_counts, require_instance, require_number
+from pliant.plants.core.parameters import is_symbolic
 
 from .integrals import integrals
 
@@ -17,15 +18,13 @@ Array = np.ndarray
 
 
 def _counts(modes: tuple[int, int], kind: str) -> tuple[int, int]:
-    if not (isinstance(modes, tuple) and len(modes) == 2):
-        raise ValueError(f"ModalData.{kind} modes = {modes!r} must be two counts")
-    for count in modes:
-        require_count(f"ModalData.{kind}", "modes", count, 0, 100)
-    return modes
+    first, second = require_counts(f"ModalData.{kind}", "modes", modes, 0, 100, length=2)
+    return first, second
 
 
 def beam_stiffness(beam: Beam, moment: str) -> float:
     """E I [N m^2] for bending resisted by I_z (in x-y) or I_y (in x-z); ValueError where it is an expression."""
+    require_instance("beam", beam, Beam)
     for name in ("length", "density", "area", "E", moment, "damping"):
         if is_symbolic(getattr(beam, name)):
             raise ValueError(f"Beam.{name} of an appendage cannot be varied; vary its stiffness_factor instead")
@@ -45,8 +44,7 @@ def boom(beam: Beam, modes: tuple[int, int]) -> dict[str, Any]:
 def panel(beam: Beam, width: float, modes: tuple[int, int]) -> dict[str, Any]:
     """Fields of ModalData of a pair of such beams at y = +-width/2 [m]: `modes` = (bending, twisting), all in z."""
     bending, twisting = _counts(modes, "panel")
-    if not 0 < width < np.inf:
-        raise ValueError(f"ModalData.panel width = {width!r} must be > 0 [m]")
+    width = require_number("ModalData.panel width", width, "positive", "m")
     lines = [(width / 2, 1.0), (-width / 2, 1.0)]
     EI = beam_stiffness(beam, "I_y")
     return _along_x(beam, lines, [(2, bending, EI, (1.0, 1.0)), (2, twisting, EI, (1.0, -1.0))])

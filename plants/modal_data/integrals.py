@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import real_array, require_number
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import read_only
 
@@ -55,7 +56,7 @@ def nodal(
     n = len(phi)
     if (dm < 0).any():
         raise ValueError(f"ModalData.masses[{int(np.argmin(dm))}] = {dm.min()} must be >= 0 [kg]")
-    require_count("ModalData", "tip", tip, -len(r), len(r) - 1)
+    tip = require_count("ModalData", "tip", tip, -len(r), len(r) - 1)
     g = np.zeros((n, n, len(r), 3)) if shortening is None else read_only("shortening", shortening, (n, n, len(r), 3))
     found = integrals(r, dm, phi, g)
     modal_mass = np.einsum("klii->kl", found["overlaps"])
@@ -65,9 +66,8 @@ def nodal(
         omega = read_only("ModalData.frequencies", frequencies, (n,))
         stiffness = np.diag(omega**2 * np.diag(modal_mass))
     K = read_only("ModalData.stiffness", stiffness, (n, n))
-    if np.ndim(damping) == 0:
-        if not 0 <= damping < np.inf:
-            raise ValueError(f"ModalData.damping = {damping!r} must be >= 0 (a ratio)")
+    if np.ndim(real_array("ModalData.damping", damping)) == 0:
+        damping = require_number("ModalData.damping", damping, "nonnegative")
         damping = np.diag(2 * damping * np.sqrt(np.diag(K) * np.diag(modal_mass)))
     return {
         **found,

@@ -8,7 +8,6 @@ Source   "Equations of Motion of Flexible Spacecraft", Eqs (9)-(13) and (24); ev
 
 from __future__ import annotations
 
-import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.argument_gates import require_counts, require_number
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import read_only
 from pliant.plants.linear.second_order import natural_squares
@@ -56,8 +56,7 @@ class ModalData:
 
     def __post_init__(self) -> None:
         n = len(self.R)
-        if not (isinstance(self.mass, numbers.Real) and 0 < float(self.mass) < np.inf):
-            raise ValueError(f"ModalData.mass = {self.mass!r} must be > 0 [kg]")
+        object.__setattr__(self, "mass", require_number("ModalData.mass", self.mass, "positive", "kg"))
         shapes: dict[str, tuple[int, ...]] = {"first": (3,), "second": (3, 3), "R": (n, 3), "moments": (n, 3, 3)}
         shapes |= {"overlaps": (n, n, 3, 3), "stiffness": (n, n), "damping": (n, n), "shortening": (n, n, 3)}
         shapes |= {"shortening_moments": (n, n, 3, 3), "tip": (3,), "tip_shapes": (n, 3)}
@@ -127,9 +126,7 @@ class ModalData:
 
     def keep(self, modes: Sequence[int]) -> ModalData:
         """The same body with these modes only, counted from 0."""
-        chosen = list(modes)
-        for k in chosen:
-            require_count("ModalData.keep", "mode", k, 0, self.n - 1)
+        chosen = list(require_counts("ModalData.keep", "modes", modes, 0, self.n - 1))
         pair = np.ix_(chosen, chosen)
         pairs = ("overlaps", "stiffness", "damping", "shortening", "shortening_moments")
         rows = ("R", "moments", "tip_shapes", "outline_shapes")
@@ -141,7 +138,7 @@ class ModalData:
 
     def slowest(self, count: int) -> ModalData:
         """The same body with the `count` slowest of its modes, in their order here."""
-        require_count("ModalData.slowest", "count", count, 0, self.n)
+        count = require_count("ModalData.slowest", "count", count, 0, self.n)
         squares = np.diag(self.stiffness) / np.diag(self.modal_mass)
         return self.keep(sorted(int(k) for k in np.argsort(squares, kind="stable")[:count]))
 
@@ -151,7 +148,10 @@ class ModalData:
         I = read_only("ModalData.inertia", inertia, (3, 3))
         empty = {"R": (0, 3), "moments": (0, 3, 3), "overlaps": (0, 0, 3, 3), "stiffness": (0, 0), "damping": (0, 0)}
         empty |= {"shortening": (0, 0, 3), "shortening_moments": (0, 0, 3, 3), "tip_shapes": (0, 3)}
-        first = read_only("ModalData.first", first, (3,))
+        first, mass = (
+            read_only("ModalData.first", first, (3,)),
+            require_number("ModalData.mass", mass, "positive", "kg"),
+        )
         tip = first / mass
         return cls(
             mass=mass,

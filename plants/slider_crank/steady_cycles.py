@@ -46,7 +46,7 @@ def steady_cycle(
     harmonics hold of the largest deflection. EquilibriumError where no cycle is found; warns (ValidityWarning) where it
     leaves a range of the plant's `validity`.
     """
-    require_count("steady_cycle", "points", points, 9, 100_000)
+    points = require_count("steady_cycle", "points", points, 9, 100_000)
     if speed is None:
         speed = plant.crank_speed
     if speed is None or not (np.isfinite(speed) and speed > 0):

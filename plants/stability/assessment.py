@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_flag, require_instance, require_seconds
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
@@ -70,6 +71,12 @@ def assess(
     the method that decides. ValueError for what cannot have an effect: a window or a period of a constant model's
     growth, a period of a nominal that is not repeated.
     """
+    thorough = require_flag("assess.thorough", thorough)
+    periodic = None if periodic is None else require_flag("assess.periodic", periodic)
+    period = None if period is None else require_seconds("assess.period", period)
+    window = None if window is None else require_seconds("assess.window", window)
+    if coordinates is not None:
+        require_instance("assess.coordinates", coordinates, str, what="string")
     if periodic is False and period is not None:
         raise ValueError(f"assess.period = {period:g} s of a nominal that is not repeated (periodic=False)")
     if isinstance(model, LinearModel):

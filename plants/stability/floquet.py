@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_flag, require_number
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -126,8 +127,8 @@ def floquet(
     multipliers do not come in pairs; False: not asked. `tolerance` of the monodromy matrix, relative, on top of what
     the data leave open.
     """
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(f"floquet.tolerance = {tolerance!r} must be > 0")
+    tolerance = require_number("floquet.tolerance", tolerance, "positive")
+    undamped = None if undamped is None else require_flag("floquet.undamped", undamped)
     paths, jumps, length, source = periodic_paths(model, period, states)
     try:
         found = transition(paths, jumps, tolerance)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_seconds
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 
@@ -101,10 +102,8 @@ def one_period(
 
 
 def require_period(period: float) -> float:
-    length = float(period)
-    if not (np.isfinite(length) and length > 0):
-        raise ValueError(f"floquet.period = {period!r} must be > 0 [s]")
-    return length
+    """[s], > 0."""
+    return require_seconds("floquet.period", period)
 
 
 def pieced(joined: PiecewiseLTV, period: float, keep: list[int]) -> tuple[list[Path], list[np.ndarray], float, str]:

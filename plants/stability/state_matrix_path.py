@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.argument_gates import require_names
 from pliant.plants.core.signals import index
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
@@ -57,8 +58,8 @@ def kept(model: Any, states: Sequence[str] | None) -> list[int]:
     signals = model.states if linear else pieces[0].states
     if states is None:
         return list(range(len(signals)))
-    found = [index(signals, name, "state") for name in states]
-    if not found or len(set(found)) < len(found):
+    found = [index(signals, name, "state") for name in require_names("states", states)]
+    if not found:
         raise ValueError(f"states = {tuple(states)} must name one state or more, each once")
     rest = [k for k in range(len(signals)) if k not in found]
     jumps = [] if linear else [J[None] - np.eye(len(signals)) for J, _ in as_pieces(model).jumps]

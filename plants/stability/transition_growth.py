@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_number
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
@@ -78,7 +79,7 @@ def growth(
     """
     t, Phi, size = chain(_timed(model, duration), states, scale)
     if points is not None:
-        require_count("growth", "points", points, 2, 1_000_000)
+        points = require_count("growth", "points", points, 2, 1_000_000)
         every = -(-(len(t) - 1) // points)
         edges = np.unique(np.r_[np.arange(0, len(t) - 1, every), len(t) - 1])
         t, Phi = t[edges], magnus.grouped(Phi, edges)
@@ -210,7 +211,7 @@ def _windows(t: np.ndarray, Phi: np.ndarray, window: float | None) -> tuple[np.n
     Where the nodes are uneven the windows are too, and the length is their mean.
     """
     span = float(t[-1] - t[0])
-    length = span / 10 if window is None else float(window)
+    length = span / 10 if window is None else require_number("growth.window", window, unit="s")
     if not 0 < length <= span * (1 + 1e-9):
         raise ValueError(f"growth.window = {length:.6g} must be > 0 and at most {span:.6g} s")
     m, n = len(Phi), Phi.shape[-1]

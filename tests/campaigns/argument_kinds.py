@@ -179,19 +179,23 @@ class Count(Kind):
 
     def good(self) -> Pairs:
         """NumPy's integers."""
-        yield from (("int64", np.int64(self.value)), ("int32", np.int32(self.value)), ("uint8", np.uint8(self.value)))
+        yield from (("int64", np.int64(self.value)), ("int32", np.int32(self.value)), ("uint16", np.uint16(self.value)))
         yield "an array without dimensions", np.array(int(self.value))
 
 
 @dataclass(frozen=True)
 class Counts(Kind):
-    """A tuple of integers."""
+    """A tuple of integers, of that length only where `wrong`."""
+
+    wrong: bool = True
 
     def bad(self) -> Pairs:
         """Fractions, strings, another length."""
         yield from Kind.bad(self)
         yield from (("a number", 3.5), ("a string", "abc"), ("strings", ("1", "2")), ("fractions", (1.5, 2.5)))
-        yield from (("one more", (*self.value, 1)), ("NaN among them", (float("nan"),) * len(self.value)))
+        if self.wrong:
+            yield "one more", (*self.value, 1)
+        yield "NaN among them", (float("nan"),) * len(self.value)
 
     def good(self) -> Pairs:
         """Lists and arrays."""

@@ -65,7 +65,7 @@ def judged(call: Call, argument: str, value: Any, valid: bool, expected: Any) ->
         words = str(error)
         if valid:
             return "refused", f"{type(error).__name__}: {words}"
-        names = [*call.kinds, *call.name.split(".")[1:], "nonsense"]  # or another that it must fit to
+        names = [*call.kinds, *call.fixed, *call.name.split(".")[1:], "nonsense"]  # or another that it must fit to
         if not any(told(name, words) for name in names) or RAW.search(words):
             return "raw", f"{type(error).__name__}: {words} {place(error)}"
     except Exception as error:
@@ -119,7 +119,8 @@ def run(found: list[Call], pick: np.ndarray | None, rng: np.random.Generator) ->
                 try:
                     expected[call.name] = made(call, first, call.kinds[first].value)
                 except Exception as error:
-                    raise RuntimeError(f"the valid call of {call.name} fails: {error}") from error
+                    print(f"the valid call of {call.name} fails: {error}", file=sys.stderr)
+                    raise
         fault, words = judged(call, argument, value, valid, expected.get(call.name))
         rows.append({"call": call.name, "argument": argument, "what": what, "fault": fault, "words": words})
     return rows

@@ -70,7 +70,7 @@ BAD = {
     "width": (lambda: ModalData.panel(BOOM, -1.0), r"width = -1\.0 must be > 0 \[m\]"),
     "keep": (
         lambda: ModalData.boom(BOOM, (1, 1)).keep([2]),
-        r"ModalData\.keep\.mode = 2 must be an integer from 0 to 1",
+        r"ModalData\.keep\.modes\[0\] = 2 must be an integer from 0 to 1",
     ),
     "shape": (
         lambda: ModalData.from_nodes(np.eye(3), np.ones(4), np.ones((1, 3, 3)), frequencies=[1]),
