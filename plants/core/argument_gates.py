@@ -96,13 +96,16 @@ def require_number(
 ) -> float:
     """`value` as a float; ValueError unless it is one number, finite, within RANGES[allowed] and [least, most]."""
     value, (text, holds) = as_number(value), RANGES[allowed]
+    if math.isfinite(least):
+        text = f"within [{least:g}, {most:g}]" if math.isfinite(most) else f"at least {least:g}"
+    elif math.isfinite(most):
+        text = f"{text} and at most {most:g}" if allowed != "finite" else f"at most {most:g}"
+    unit = "" if unit == "1" else f" [{unit}]"
     if not _real(value):
-        raise ValueError(f"{name} = {shown(value)} must be a number {text} [{unit}]")
-    if not (-sys.float_info.max <= value <= sys.float_info.max and holds(value)):
-        raise ValueError(f"{name} = {shown(value)} must be {text} [{unit}]")
-    if not least <= value <= most:
-        span = f"within [{least:g}, {most:g}]" if math.isfinite(most) else f"at least {least:g}"
-        raise ValueError(f"{name} = {shown(value)} must be {span} [{unit}]")
+        raise ValueError(f"{name} = {shown(value)} must be {'' if text[0] == 'a' else 'a number '}{text}{unit}")
+    finite = -sys.float_info.max <= value <= sys.float_info.max
+    if not (finite and holds(value) and least <= value <= most):
+        raise ValueError(f"{name} = {shown(value)} must be {text}{unit}")
     return float(value)
 
 
@@ -163,7 +166,9 @@ def require_flag(name: str, value: Any) -> bool:
 def require_instance(name: str, value: Any, kind: type[T], *, what: str = "") -> T:
     """`value` itself; ValueError unless it is of `kind`; `what` tells it in words where the type's name does not."""
     if not isinstance(value, kind):
-        raise ValueError(f"{name} = {shown(value)} must be a {what or kind.__name__}, not {_type(value)}")
+        word = what or kind.__name__
+        an = "an" if word[0] in "AEIOUaeiou" else "a"
+        raise ValueError(f"{name} = {shown(value)} must be {an} {word}, not {_type(value)}")
     return value
 
 
@@ -192,10 +197,10 @@ def require_mapping(name: str, value: Any) -> dict[str, float]:
 
 
 def as_tuple(name: str, value: Any) -> tuple[Any, ...]:
-    """A tuple of a tuple, list or array (one dimension); ValueError for anything else."""
+    """A tuple of a tuple, list, range or array (one dimension); ValueError for anything else."""
     if isinstance(value, np.ndarray) and value.ndim == 1:
         return tuple(value.tolist())
-    if not isinstance(value, (tuple, list)):
+    if not isinstance(value, (tuple, list, range)):
         raise ValueError(f"{name} = {shown(value)} must be a tuple, not {_type(value)}")
     return tuple(value)
 

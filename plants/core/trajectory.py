@@ -117,7 +117,7 @@ class Trajectory:
         """The column (nt,) of a state, output, input or disturbance; ValueError that lists the names."""
         columns = self._columns()
         if not isinstance(name, str) or name not in columns:
-            raise ValueError(f"Trajectory[name = {shown(name)}] must be one of {', '.join(columns)}")
+            raise ValueError(f"Trajectory[{shown(name)}] must be one of {', '.join(columns)}")
         return columns[name]
 
     def __len__(self) -> int:

@@ -33,7 +33,7 @@ def find(
             i = index(signals, name, "state or input")
             z[i] = value
             held[i] |= kind != "guess"
-    nx = plant.nx
+    nx, fixed = plant.nx, {**fixed, **named}
     if held[:nx].sum() < plant.nu:
         held[nx:] = True  # too few states are given to determine the inputs: they stay as given, or zero
 

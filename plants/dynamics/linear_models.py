@@ -43,6 +43,7 @@ def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearMod
     """The model at one point, f0 the rate there."""
     t = require_number("linearize.t", t, unit="s")
     (_, x, u, w, p), batch = plant._arguments(x0, u0, w, p, t)
+    x = require_finite(f"{type(plant).__name__}.x", x, (plant.nx,))
     if batch is not None:
         shapes = ", ".join(f"{name} {value.shape}" for name, value in zip("xuwp", (x, u, w, p)))
         raise ValueError(f"{type(plant).__name__}: {shapes} must be one point to linearise, not a batch of {batch}")

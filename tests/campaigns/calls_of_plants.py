@@ -329,5 +329,5 @@ def trajectory_calls() -> list[Call]:
     return [
         Call("Trajectory.from_arrays", Trajectory.from_arrays, arrays),
         Call("Trajectory.resample", motion.resample, {"t": Array((0.25, 0.5), wrong=False)}),
-        Call("Trajectory[]", lambda name: motion[name], {"name": Choice("a")}),
+        Call("Motion.Trajectory", lambda name: motion[name], {"name": Choice("a")}),
     ]

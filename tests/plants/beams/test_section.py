@@ -70,7 +70,7 @@ def test_a_parameter_may_be_a_symbol():
         (lambda: Material(density=1.0, E=0.0, G=1.0), "Material.E = 0.0 must be > 0"),
         (lambda: Beam.rectangular(1.0, 0.1, -0.2, STEEL), "rectangular depth = -0.2 must be > 0"),
         (lambda: Beam.rectangular(0.0, 0.1, 0.2, STEEL), "Beam.length = 0.0 must be > 0"),
-        (lambda: Beam.circular(1.0, "wide", STEEL), "circular diameter = 'wide' must be > 0"),
+        (lambda: Beam.circular(1.0, "wide", STEEL), "circular diameter = 'wide' must be a number > 0"),
         (lambda: Beam.tube(1.0, 0.03, 0.05, STEEL), "tube inner = 0.05 must be > 0 and < outer = 0.03"),
         (lambda: Payload(mass=-1.0), "Payload.mass = -1.0 must be >= 0"),
         (lambda: Payload(inertia=-1.0), "Payload.inertia = -1.0 must be >= 0"),

@@ -66,7 +66,7 @@ BAD = {
         lambda: ModalData.from_nodes(np.eye(3), np.ones(3), np.ones((2, 3, 3)), frequencies=[1, 2]),
         "the 2 modes must be independent",
     ),
-    "counts": (lambda: ModalData.boom(BOOM, (1.5, 1)), r"ModalData\.boom\.modes = 1\.5 must be an integer"),
+    "counts": (lambda: ModalData.boom(BOOM, (1.5, 1)), r"ModalData\.boom\.modes\[0\] = 1\.5 must be an integer"),
     "width": (lambda: ModalData.panel(BOOM, -1.0), r"width = -1\.0 must be > 0 \[m\]"),
     "keep": (
         lambda: ModalData.boom(BOOM, (1, 1)).keep([2]),

@@ -62,7 +62,7 @@ def test_no_certificate_beyond_the_decay_rate_and_too_few_steps_say_so(pulsating
     assert not lyapunov(pulsating(damping=-0.05))
     short = lyapunov(model, most=20)
     assert not short and "more than 20 steps" in short.why
-    with pytest.raises(ValueError, match=r"lyapunov.alpha = nan must be finite"):
+    with pytest.raises(ValueError, match=r"lyapunov.alpha = nan must be a finite number"):
         lyapunov(model, np.nan)
 
 

@@ -73,7 +73,7 @@ def test_scaling_makes_a_stiff_vibration_even():
 def test_kept_states_by_name():
     model = LinearModel.from_matrices(np.eye(3), np.zeros((3, 0)), states=("a", "b", "c"))
     assert kept(model, ("c", "a")) == [2, 0] and kept(model, None) == [0, 1, 2]
-    with pytest.raises(ValueError, match="must name one state or more, each once"):
+    with pytest.raises(ValueError, match=r"must (name one state or more, each once|be distinct names)"):
         kept(model, ("a", "a"))
 
 
