@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, final
 import numpy as np
 
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import index, read_only
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from .controller import moment
 

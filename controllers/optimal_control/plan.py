@@ -15,8 +15,8 @@ from pliant.controllers.base.controller import ends
 from pliant.controllers.base.goal_model import goal_model
 from pliant.controllers.base.objective import Objective
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from .optimal import Motion, optimal
 

@@ -1,6 +1,6 @@
 """What a scene is, and the named ones: `scenes.get("two-link-reach")`."""
 
-from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from .registry import SCENES, get, names
 from .scene import Scene

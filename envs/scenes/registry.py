@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from . import arms, beams, mechanisms, spacecraft, spacecraft_orbit
 from .scene import Scene

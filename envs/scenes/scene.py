@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from pliant.plants import LinearModel, Plant, Signal, Trajectory
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import quantity, validate
 from pliant.plants.core.signals import index
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.linear.quadratic_cost import (
     QuadraticCost,
     about_moving_goal,

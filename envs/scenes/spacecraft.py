@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pliant.plants import FlexibleSpacecraft, Plant
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.spacecraft_parts.appendage import Hinge
 
 from .scene import Scene

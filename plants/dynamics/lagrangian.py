@@ -214,12 +214,10 @@ class LagrangianPlant(MechanicalPlant):
         """
         n = len(self.coordinates)
         x = np.zeros(self.nx) if x0 is None else arguments.one_state(self, x0)
-        require_flag("natural_frequencies.rigid", rigid)
-        locked = require_names("natural_frequencies.locked", locked)
+        rigid, locked = require_flag("rigid", rigid), require_names("natural_frequencies.locked", locked)
         held = [index(self.coordinates, name, "coordinate") for name in locked] + list(self.driven)
         free = [i for i in range(n) if i not in held]
-        values, _ = self._arguments(x, p=p)
-        M = self.mass_matrix(x, p=p)[np.ix_(free, free)]
+        values, M = self._arguments(x, p=p)[0], self.mass_matrix(x, p=p)[np.ix_(free, free)]
         K = self._stiffness(*values)[0][np.ix_(free, free)]
         squares = natural_squares(K, M)
         found = np.sign(squares) * np.sqrt(np.abs(squares))

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_finite, require_seconds
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.signals import names
+
+from .minimum_jerk import minimum_jerk
 
 Array = np.ndarray
 

@@ -186,9 +186,8 @@ class LinearModel(ModelSignals):
         """
         import control
 
-        disturbances = require_flag("to_control.disturbances", disturbances)
         B, D = self._drives[:, :-1], np.hstack([self.D, self.F])
-        count = B.shape[1] if disturbances else len(self.inputs)
+        count = B.shape[1] if require_flag("to_control.disturbances", disturbances) else len(self.inputs)
         return control.StateSpace(
             self.A,
             B[:, :count],

@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.quaternions import product
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.spacecraft_parts.environment import Environment
 
 from .declaration import SpacecraftDeclaration

@@ -22,8 +22,8 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.signals import index
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 NODES = 4  # of the linear model in a control period
 

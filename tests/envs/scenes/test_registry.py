@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 NAMES = scenes.names()
 WORDS = {"sag": "deflection", "hanging": "", "speed": "angle_rate"}  # in place of a goal's number: ending of the signal

@@ -8,8 +8,8 @@ from pliant.controllers import PD, sensors_of
 from pliant.controllers.base.joint_reference import Joints, joints
 from pliant.envs import PlantEnv
 from pliant.envs.rendering.planar import renderer
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.core.signals import Joint
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.native.batch_kernels import random_points
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
 from pliant.studies.closed_loop.evaluation_scene import play

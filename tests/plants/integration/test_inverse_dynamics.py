@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pliant.plants import LargeDeflectionBeam, TwoLinkArm
-from pliant.plants.core.minimum_jerk import minimum_jerk
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 RIGID = TwoLinkArm.textbook().ladder()[0]
 BEGIN, END = np.array([-1.2, 0.4, 0.0, 0.0]), np.array([0.3, 1.1, 0.0, 0.0])

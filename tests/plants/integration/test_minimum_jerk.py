@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.plants.core.minimum_jerk import minimum_jerk
+from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 
 def test_it_rests_at_both_ends_and_is_half_way_at_half_time():
