@@ -80,7 +80,7 @@ imports.serve(
     __name__,
     {
         "core": "errors parameters signals functions=casadi_functions trajectory rotations=quaternions "
-        "motion=minimum_jerk explicit=runge_kutta_tableaux",
+        "explicit=runge_kutta_tableaux",
         "linear": "ltv modal=modal_analysis second_order magnus piecewise=piecewise_ltv",
         "beams": "basis=shape_functions modes=euler_bernoulli_modes ritz=legendre_ritz rotating=rotating_beam "
         "offset_payload=offset_payload_roots payload_modes=offset_payload_modes "
@@ -88,7 +88,7 @@ imports.serve(
         "native": "cache=kernel_cache compiler codegen=scalar_codegen sums=expression_graph packing=slp_packing "
         "wide=slp_codegen kernels=kernel_templates threads=thread_pool batch=batch_kernels",
         "integration": "integrate=step_maps adaptive=dormand_prince cvodes stepping=batch_stepper simulate=simulation "
-        "sensitivities=step_sensitivities",
+        "sensitivities=step_sensitivities motion=minimum_jerk",
         "dynamics": "plant lagrange=lagrangian implicit=residual_jacobians equilibrium handover=python_control",
         "arms": "single_link frames=link_frames two_link two_link_terms=two_link_paper_terms",
         "large_deflection": "large_beam strain=tangent_field spatial_strain=spatial_tangent_field "

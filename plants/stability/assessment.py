@@ -75,8 +75,7 @@ def assess(
     periodic = None if periodic is None else require_flag("assess.periodic", periodic)
     period = None if period is None else require_seconds("assess.period", period)
     window = None if window is None else require_seconds("assess.window", window)
-    if coordinates is not None:
-        require_instance("assess.coordinates", coordinates, str, what="string")
+    require_instance("assess.coordinates", coordinates or "", str, what="string")
     if periodic is False and period is not None:
         raise ValueError(f"assess.period = {period:g} s of a nominal that is not repeated (periodic=False)")
     if isinstance(model, LinearModel):
