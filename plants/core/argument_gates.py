@@ -95,7 +95,10 @@ def require_number(
     name: str, value: Any, allowed: str = "finite", unit: str = "1", *, least: float = -math.inf, most: float = math.inf
 ) -> float:
     """`value` as a float; ValueError unless it is one number, finite, within RANGES[allowed] and [least, most]."""
-    value, (text, holds) = as_number(value), RANGES[allowed]
+    text, holds = RANGES[allowed]
+    if type(value) is float and math.isfinite(value) and holds(value) and least <= value <= most:
+        return value
+    value = as_number(value)
     if math.isfinite(least):
         text = f"within [{least:g}, {most:g}]" if math.isfinite(most) else f"at least {least:g}"
     elif math.isfinite(most):
@@ -151,7 +154,8 @@ def require_parts(name: str, part: float, whole: float, most: int, what: str) ->
 
 def require_choice(owner: str, name: str, value: Any, choices: Collection[Any]) -> None:
     """Raise ValueError unless value is among choices."""
-    if not any(type(value) is type(choice) and value == choice for choice in choices):
+    alike = (c for c in choices if isinstance(value, type(c)) and isinstance(value, bool) == isinstance(c, bool))
+    if not any(value == c for c in alike):
         raise ValueError(f"{owner}.{name} = {shown(value)} must be one of {', '.join(map(repr, choices))}")
 
 

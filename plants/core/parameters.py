@@ -8,6 +8,7 @@ tuples ("hub_inertia.0"). A CasADi expression passes unchecked: that is how a pa
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any, TypeVar
 
 import casadi as ca
@@ -75,9 +76,16 @@ def validate(obj: Any) -> None:
             name, gate = f"{type(obj).__name__}.{field.name}", field.metadata["gate"]
             object.__setattr__(obj, field.name, gate(name, getattr(obj, field.name)))
         if "allowed" in field.metadata:
-            name, value = f"{type(obj).__name__}.{field.name}", getattr(obj, field.name)
+            value, told = getattr(obj, field.name), field.metadata
+            if (
+                type(value) is float
+                and () in told["shapes"]
+                and math.isfinite(value)
+                and RANGES[told["allowed"]][1](value)
+            ):
+                continue  # as most are, at little cost
             if not is_symbolic(value):
-                object.__setattr__(obj, field.name, _checked(name, nested(value), field.metadata))
+                object.__setattr__(obj, field.name, _checked(f"{type(obj).__name__}.{field.name}", nested(value), told))
     for path in getattr(obj, "varied", ()):
         unit_of(obj, path)
 

@@ -72,6 +72,7 @@ def test_counts_choices_names_and_objects():
             gates.require_count("a", "n", value, 0, 5)
     with pytest.raises(ValueError, match=r"a\.n = \(1, 1\) must name each once"):
         gates.require_counts("a", "n", (1, 1), 0, 5)
+    gates.require_choice("a", "n", np.str_("b"), ("b", "c"))
     for value in ("nonsense", 1, True, None, ["b"], np.zeros(2), np.nan):
         with pytest.raises(ValueError, match=r"a\.n = .* must be one of 'b', 'c'"):
             gates.require_choice("a", "n", value, ("b", "c"))
