@@ -200,9 +200,7 @@ def system_class() -> type[control.NonlinearIOSystem]:
             TypeError for other arguments: `eps` too, as nothing is a difference.
             """
             if unknown := set(given) - {*NAMES, *NAMES.values()}:
-                raise TypeError(
-                    f"linearize: unrecognized keywords {sorted(unknown)}; derivatives are exact, no eps has an effect"
-                )
+                raise TypeError(f"linearize: unrecognized keywords {sorted(unknown)}; exact derivatives have no eps")
             if isinstance(x0, control.OperatingPoint):
                 x0, u0 = x0.states, x0.inputs if u0 is None else u0
             x = self.plant.rest_state if x0 is None else _vector("x0", x0, self.plant.nx)
