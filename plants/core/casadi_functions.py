@@ -96,6 +96,11 @@ def function(name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices:
     return NumericFunction(built, matrices=matrices, raw=built.n_instructions() <= LONG)
 
 
+def part(v: ca.SX, where: slice) -> ca.SX:
+    """v[where] as a column: of a column of one, CasADi gives no entries as a row."""
+    return v[where] if where.stop > where.start else ca.SX(0, 1)
+
+
 class built_once(cached_property[T]):
     """A cached property whose value depends on the fields of a frozen dataclass alone.
 

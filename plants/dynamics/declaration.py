@@ -6,6 +6,7 @@ A plant is its parameters (a frozen dataclass). What is done with the statements
 from __future__ import annotations
 
 import dataclasses
+import numbers
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
@@ -111,14 +112,35 @@ class Declaration(ABC):
         return np.zeros(self.nw), self.nominal_parameters
 
     def vary(self, *paths: str) -> Self:
-        """A plant whose named parameters ("payload.mass") are inputs p of every function: no rebuild per value."""
+        """A plant whose named parameters ("payload.mass") are inputs p of every function: no rebuild per value.
+
+        ValueError for a name that is no number, or of which the plant must know the value when it is built.
+        """
         for path in paths:
+            if not isinstance(path, str):
+                raise ValueError(f"vary: {path!r} must be a name, as 'payload.mass'")
             parameters.unit_of(self, path)
-            if parameters.get(self, path) is None:
+            value = parameters.get(self, path)
+            if value is None:
                 raise ValueError(f"parameter {path!r} of {type(self).__name__} is None and cannot be varied")
+            if isinstance(value, bool) or not isinstance(value, numbers.Real):
+                raise ValueError(f"parameter {path!r} = {value!r} must be one number; name one of them, as '{path}.0'")
         if len(set(paths)) != len(paths):
             raise ValueError(f"vary{paths}: every parameter may be named once")
-        return dataclasses.replace(self, varied=tuple(paths))
+        made = dataclasses.replace(self, varied=tuple(paths))
+        made._take_symbols()
+        return made
+
+    def _take_symbols(self) -> None:
+        """ValueError where one of the varied parameters cannot be a symbol."""
+        for path in self.varied:
+            try:
+                parameters.put(dataclasses.replace(self, varied=()), path, ca.SX.sym("p"))
+            except (TypeError, RuntimeError) as compared:  # CasADi's, of an expression that must be true or false
+                raise ValueError(
+                    f"parameter {path!r} of {type(self).__name__} cannot be varied: its value decides how the plant is "
+                    "built"
+                ) from compared
 
     @cached_property
     def nominal(self) -> Self:

@@ -19,6 +19,15 @@ def _unit(owner: str, value: Any) -> None:
         raise ValueError(f"{owner} = {value!r} must be a unit vector of three numbers")
 
 
+def _mirrored(inertia: tuple[tuple[Any, ...], ...]) -> tuple[tuple[Any, ...], ...]:
+    """The tensor whose symbols stand in both of their places: one name varies a product of inertia."""
+
+    def at(i: int, j: int) -> Any:
+        return inertia[i][j] if is_symbolic(inertia[i][j]) or not is_symbolic(inertia[j][i]) else inertia[j][i]
+
+    return tuple(tuple(at(i, j) for j in range(3)) for i in range(3))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Wheel:
     """A reaction wheel about `axis` (hub axes). Its input is the motor's torque on the hub; its state the axial
@@ -56,7 +65,8 @@ class Thruster:
 class Hub:
     """A rigid body; origin at its mass centre. Without wheels and thrusters its inputs are three torques in its axes.
 
-    `inertia`: three principal moments or a full 3 x 3 tensor.
+    `inertia`: three principal moments or a full 3 x 3 tensor. To `vary` a product of inertia, one of its two places is
+    named.
     """
 
     mass: Any = quantity("kg", "positive")
@@ -76,6 +86,7 @@ class Hub:
         if any(len(row) != 3 for row in self.inertia):
             raise ValueError(f"Hub.inertia = {self.inertia!r} must be 3 x 3 [kg m^2]")
         if any(is_symbolic(v) for row in self.inertia for v in row):
+            object.__setattr__(self, "inertia", _mirrored(self.inertia))
             return
         tensor = np.array(self.inertia, dtype=float)
         if np.abs(tensor - tensor.T).max() > 1e-9 * np.abs(tensor).max() or np.linalg.eigvalsh(tensor)[0] <= 0:
