@@ -152,7 +152,7 @@ def unit_of(obj: Any, path: str) -> str:
         if dataclasses.is_dataclass(value):
             about = next(f for f in dataclasses.fields(value) if f.name == key).metadata
             if about.get("fixed"):
-                raise ValueError(f"parameter {path!r} {about['fixed']}: it cannot be varied")
+                raise ValueError(f"parameter {path!r} cannot be varied: it {about['fixed']}")
             unit = about.get("unit")
         value = inner
     if unit is None:

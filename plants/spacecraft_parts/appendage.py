@@ -85,7 +85,7 @@ class Appendage:
     """
 
     position: Any = quantity("m", "finite")
-    body: Beam | ModalData = field(metadata={"fixed": "is in numbers: modal data; vary stiffness_factor instead"})
+    body: Beam | ModalData = field(metadata={"fixed": "becomes modal data; vary its stiffness_factor instead"})
     orientation: Any = IDENTITY
     modes: int | tuple[int, int] | None = None
     hinge: Hinge = field(default_factory=Hinge)
