@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, rows_by_name, sample
+from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 
 from . import modal_analysis
 from .even_units import even_expm
-from .model_signals import ModelSignals
+from .model_signals import ModelSignals, state_space
 
 if TYPE_CHECKING:
     import control
@@ -186,30 +186,7 @@ class LinearModel(ModelSignals):
         disturbances=True appends the disturbances to the inputs. outputs: None (the model's), "states", or names of
         outputs and states.
         """
-        import control
-
-        if not isinstance(disturbances, bool) or not (name is None or isinstance(name, str)):
-            raise ValueError(
-                f"to_control: disturbances = {disturbances!r}, name = {name!r} must be a bool and a string"
-            )
-        count = len(self.inputs) + (len(self.disturbances) if disturbances else 0)
-        C, D, seen = self.C, np.hstack([self.D, self.F]), list(self.output_names)
-        if outputs is not None:
-            seen = [outputs] if isinstance(outputs, str) else list(outputs)
-            seen = list(self.state_names) if outputs == "states" else seen
-            rows = rows_by_name(self, seen)
-            C, D = rows.C, np.hstack([rows.D, rows.F])
-        return control.StateSpace(
-            self.A,
-            self._drives[:, :count],
-            C,
-            D[:, :count],
-            0 if self.dt is None else self.dt,
-            states=list(self.state_names),
-            inputs=list(self.input_names + self.disturbance_names)[:count],
-            outputs=seen,
-            name=name,
-        )
+        return state_space(self, disturbances, outputs, name)
 
     @classmethod
     def from_control(cls, system: control.StateSpace) -> LinearModel:
