@@ -168,6 +168,27 @@ class Declaration(ABC):
         t, x, u, w, _ = self.symbols
         return self.symbolic.ode(t, x, u, w), self.symbolic.output(t, x, u, w)
 
+    @built_once
+    def _function(self) -> ca.Function:
+        """Without a value p is not a number: zero would be a plant without mass."""
+        options = {"default_in": [0.0, 0.0, 0.0, 0.0, float("nan") if self.varied else 0.0]}
+        results = [ca.densify(e) for e in self.expressions]
+        return ca.Function("plant", list(self.symbols), results, list("txuwp"), ["dx", "y"], options)
+
+    def casadi(self) -> ca.Function:
+        """A casadi.Function (t, x, u, w, p) -> (dx, y) for a user's own expressions and programs; takes SX, MX and DM.
+
+        t [s] is a number, x (nx,), u (nu,), w (nw,), p (np,) columns in the order of `states`, `inputs`,
+        `disturbances` and `parameters`; dx (nx,) is dx/dt, y (ny,) the outputs. It has all its derivatives. By name,
+        t, u and w may be left out, and are zero; a parameter that is varied must be given, or all is NaN. Of a
+        spacecraft x holds a unit quaternion: dx keeps its length, and y holds twice its vector part.
+
+        >>> f = arm.casadi()
+        >>> x = opti.variable(arm.nx)  # of a casadi.Opti
+        >>> opti.subject_to(f(x=x, u=u)["dx"] == 0)
+        """
+        return self._function
+
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import casadi as ca
 import numpy as np
@@ -23,13 +23,16 @@ from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.native.batch_kernels import as_dtype, compiled
 from pliant.plants.validity.ranges import Left, Range, left
 
-from . import arguments, equilibrium, linear_models
+from . import arguments, equilibrium, linear_models, python_control
 from .declaration import Array
-from .peers import ForPeers
+from .plant_contract import PlantContract
+
+if TYPE_CHECKING:
+    import control
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plant(ForPeers):
+class Plant(PlantContract):
     """Base of all plants: what is done with what a plant states."""
 
     @built_once
@@ -214,3 +217,23 @@ class Plant(ForPeers):
         An impulse P (nu,) [input units times s] acts at x (nx,), from where the nominal goes on at `after` (nx,).
         """
         return linear_models.over_impulse(self, x, after, P, p, t)
+
+    def to_control(
+        self,
+        *,
+        outputs: Any = None,
+        inputs: Any = None,
+        disturbances: Any = False,
+        name: str | None = None,
+        params: Mapping[str, float] | None = None,
+    ) -> control.NonlinearIOSystem:
+        """A python-control NonlinearIOSystem whose `linearize` is exact, in as many states as the system has.
+
+        outputs: None (the plant's), "states", or names of outputs and states. inputs: None (all) or names, the others
+        zero; disturbances: True (all) or names, as further inputs. params: defaults of varied parameters by name.
+
+        >>> system = TwoLinkArm.textbook().vary("payload.mass").to_control(outputs="states", name="arm")
+        >>> control.linearize(system, x0, u0, params={"payload.mass": 2.0})
+        """
+        given: dict[str, Any] = {"outputs": outputs, "inputs": inputs, "disturbances": disturbances}
+        return python_control.to_control(self, **given, name=name, params=params)

@@ -243,7 +243,7 @@ def to_control(
     name: str | None = None,
     params: Mapping[str, Any] | None = None,
 ) -> control.NonlinearIOSystem:
-    """The plant as a control.NonlinearIOSystem; see `ForPeers.to_control`."""
+    """The plant as a control.NonlinearIOSystem; see `Plant.to_control`."""
     if name is not None and not isinstance(name, str):
         raise ValueError(f"to_control: name = {name!r} must be a string")
     chosen = Chosen(plant, inputs, disturbances, outputs)
