@@ -221,19 +221,16 @@ class Plant(PlantContract):
     def to_control(
         self,
         *,
-        outputs: Any = None,
         inputs: Any = None,
         disturbances: Any = False,
-        name: str | None = None,
-        params: Mapping[str, float] | None = None,
+        outputs: Any = None,
+        name: Any = None,
+        params: Any = None,
     ) -> control.NonlinearIOSystem:
         """A python-control NonlinearIOSystem whose `linearize` is exact, in as many states as the system has.
 
         outputs: None (the plant's), "states", or names of outputs and states. inputs: None (all) or names, the others
         zero; disturbances: True (all) or names, as further inputs. params: defaults of varied parameters by name.
-
-        >>> system = TwoLinkArm.textbook().vary("payload.mass").to_control(outputs="states", name="arm")
-        >>> control.linearize(system, x0, u0, params={"payload.mass": 2.0})
         """
-        given: dict[str, Any] = {"outputs": outputs, "inputs": inputs, "disturbances": disturbances}
-        return python_control.to_control(self, **given, name=name, params=params)
+        chosen = python_control.Chosen(self, inputs, disturbances, outputs)
+        return python_control.to_control(chosen, name, params)

@@ -4,6 +4,9 @@ Parameters that are varied are `params=` by name, in rates, outputs, responses, 
 `linearize` is in the system's own states, as many as the system has: feedback designed on it fits the system. A
 spacecraft's own model has one state less, as three numbers describe its attitude: `linearize(..., minimal=True)`.
 
+>>> system = TwoLinkArm.textbook().vary("payload.mass").to_control(outputs="states", name="arm")
+>>> control.linearize(system, x0, u0, params={"payload.mass": 2.0})
+
 Source  S. Fuller et al., "The Python Control Systems Library", CDC 2021; the contract is that of version 0.10
 """
 
@@ -234,17 +237,8 @@ def _empty() -> control.NonlinearIOSystem:
     return made.__new__(made)
 
 
-def to_control(
-    plant: Plant,
-    *,
-    outputs: Any = None,
-    inputs: Any = None,
-    disturbances: Any = False,
-    name: str | None = None,
-    params: Mapping[str, Any] | None = None,
-) -> control.NonlinearIOSystem:
+def to_control(chosen: Chosen, name: str | None, params: Mapping[str, Any] | None) -> control.NonlinearIOSystem:
     """The plant as a control.NonlinearIOSystem; see `Plant.to_control`."""
     if name is not None and not isinstance(name, str):
         raise ValueError(f"to_control: name = {name!r} must be a string")
-    chosen = Chosen(plant, inputs, disturbances, outputs)
-    return system_class()(chosen, type(plant).__name__ if name is None else name, params)
+    return system_class()(chosen, type(chosen.plant).__name__ if name is None else name, params)
