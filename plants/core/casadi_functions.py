@@ -120,8 +120,9 @@ class built_once(cached_property[T]):
                 shared = instance.__dict__["_shared"] = self._of_equals(instance)
             if name not in shared:
                 shared[name] = super().__get__(instance, owner)
-            instance.__dict__[name] = shared[name]
-        return shared[name]
+            taken = getattr(instance, "_taken", None)  # an instance may make its own of what is shared
+            found = instance.__dict__[name] = taken(name, shared[name]) if taken else shared[name]
+        return found
 
     @classmethod
     def _of_equals(cls, instance: Any) -> dict[str, Any]:

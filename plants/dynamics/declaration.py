@@ -18,8 +18,10 @@ import numpy as np
 from pliant.plants.core import parameters
 from pliant.plants.core.casadi_functions import built_once
 from pliant.plants.core.signals import Signal
+from pliant.plants.native.batch_kernels import compiled
 
 Array = np.ndarray
+COMPILED, NATIVE = ("_dynamics", "_output", "_jacobians"), "_native"  # functions, and where their names are kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,8 +191,24 @@ class Declaration(ABC):
         """
         return self._function
 
+    def compile(self) -> Self:
+        """This plant with its dynamics, outputs and Jacobians on native kernels: same calls, same results to rounding.
+
+        Compiled once per user and machine, then loaded from the cache; a copy that travels compiles where it arrives.
+        """
+        fast = compiled(self, COMPILED)
+        fast.__dict__[NATIVE] = COMPILED
+        return fast
+
+    def _taken(self, name: str, built: Any) -> Any:
+        """What a property that is built once gives this instance: a kernel of its own where it was compiled."""
+        if name not in self.__dict__.get(NATIVE, ()):
+            return built
+        return compiled(dataclasses.replace(self), (name,)).__dict__[name]
+
     def __getstate__(self) -> dict[str, Any]:
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        kept = {NATIVE: self.__dict__[NATIVE]} if NATIVE in self.__dict__ else {}
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)} | kept
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
