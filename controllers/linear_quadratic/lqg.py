@@ -20,7 +20,7 @@ import numpy as np
 from pliant.controllers.base.controller import Controller, reading
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import Sensor
-from pliant.plants.core.signals import names, rows_by_name
+from pliant.plants.core.signals import OwnsArrays, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(eq=False)
-class LQG:
+class LQG(OwnsArrays):
     """u = law(estimate). It reads what the filter's sensors read."""
 
     law: Controller

@@ -14,9 +14,10 @@ period: a plant that lags is not pulled after a clock. After the end: the regula
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -31,6 +32,7 @@ from pliant.controllers.optimal_control.stage_derivatives import StageTerms
 from pliant.controllers.riccati.node_distance import joined, measured, refined
 from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
 from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.signals import OwnsArrays
 
 from .funnel import Funnel
 from .hold_set import Hold
@@ -47,7 +49,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(eq=False)
-class TVLQR:
+class TVLQR(OwnsArrays):
     """Made by `along`, `design` or `for_scene`."""
 
     dt: float  # [s]
@@ -234,6 +236,9 @@ class TVLQR:
     def reset(self) -> None:
         """Back to the start of the nominal."""
         self._progress.reset()
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # how far it is along the nominal is not to be shared
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from the states y (nx,) at time t [s]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from typing import Any
+from typing import Any, Self
 
 import gymnasium
 import numpy as np
@@ -18,10 +18,11 @@ from pliant.envs.simulation.control_period import LARGEST, check_substep, reach_
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
 from pliant.plants.core import parameters
 from pliant.plants.core.casadi_functions import NumericFunction
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.validity.ranges import left_at
 
 
-class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
+class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     """Drive a scene's plant from its start to its goal.
 
     | what        | is                                                             | unit, range          |
@@ -187,6 +188,9 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         if self._renderer is None:
             self._renderer = renderer(self.scene, window=self.render_mode == "human")
         return self._renderer.draw(self._x, self._u, self.time, self._total)
+
+    def __copy__(self) -> Self:
+        return copy.deepcopy(self)  # state and generator are not to be shared
 
     def close(self) -> None:
         """Close the window, if there is one."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from copy import deepcopy
+from typing import Any, Self
 
 import gymnasium
 import numpy as np
@@ -11,11 +12,12 @@ from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
 from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.signals import OwnsArrays
 
 from .vector_env import PlantVectorEnv
 
 
-class PlantVecEnv(VecEnv):
+class PlantVecEnv(OwnsArrays, VecEnv):
     """`num_envs` lanes of a scene for Stable-Baselines3: episodes restart in the step that ends them.
 
     Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`); observations default to float32, what its networks
@@ -69,6 +71,9 @@ class PlantVecEnv(VecEnv):
         for i in np.flatnonzero(ended.get("_validity", ())):
             infos[i] = {**infos[i], "validity": float(ended["validity"][i])}
         return obs, rewards.astype(np.float32), dones, infos
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # state and generator are not to be shared
 
     def close(self) -> None:
         self.vector.close()

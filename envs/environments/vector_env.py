@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from copy import deepcopy
+from typing import Any, Self
 
 import gymnasium
 import numpy as np
@@ -16,13 +17,14 @@ from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep
 from pliant.envs.simulation.episode_start import begin, early_end_cost, first_observations
 from pliant.plants.core import parameters
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.native.batch_kernels import FEW, as_dtype
 from pliant.plants.native.thread_pool import available
 
 Array = np.ndarray
 
 
-class PlantVectorEnv(VectorEnv[Array, Array, Array]):
+class PlantVectorEnv(OwnsArrays, VectorEnv[Array, Array, Array]):
     """`num_envs` lanes of a scene; see PlantEnv for action, observation, reward and the ends of an episode.
 
     | what         | is                                                                        | shape            |
@@ -109,6 +111,9 @@ class PlantVectorEnv(VectorEnv[Array, Array, Array]):
         self._obs = self._obs.copy()
         self._start(np.flatnonzero(mask))
         return self._obs.copy(), {}
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # state and generator are not to be shared
 
     def _start(self, lanes: Array) -> None:
         """New episodes in the lanes (k,)."""

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from pliant.plants.core.parameters import require_choice, require_count
+from pliant.plants.core.signals import OwnsArrays
 
 from .euler_bernoulli_modes import (
     BOUNDARIES,
@@ -80,7 +81,7 @@ def _jacobi(n: int, b: int, xi: np.ndarray, derivative: int) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Basis:
+class Basis(OwnsArrays):
     """n shape functions phi_k(xi), xi = x/L in [0, 1], and their integrals over xi. All dimensionless.
 
     With w(x, t) = sum of phi_k(x/L) q_k(t): kinetic energy rho A L/2 q'^T mass q', strain energy

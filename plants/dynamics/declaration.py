@@ -17,7 +17,7 @@ import numpy as np
 
 from pliant.plants.core import parameters
 from pliant.plants.core.casadi_functions import built_once
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Signal, owned, sealed
 from pliant.plants.native.batch_kernels import compiled
 
 Array = np.ndarray
@@ -111,7 +111,10 @@ class Declaration(ABC):
     @cached_property
     def quiet(self) -> tuple[Array, Array]:
         """(w, p) where none are given: no disturbance, the plant's own parameters."""
-        return np.zeros(self.nw), self.nominal_parameters
+        w, p = np.zeros(self.nw), self.nominal_parameters
+        for shared in (w, p):
+            shared.setflags(write=False)
+        return w, p
 
     def vary(self, *paths: str) -> Self:
         """A plant whose named parameters ("payload.mass") are inputs p of every function: no rebuild per value.
@@ -208,7 +211,7 @@ class Declaration(ABC):
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {NATIVE: self.__dict__[NATIVE]} if NATIVE in self.__dict__ else {}
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)} | kept
+        return {f.name: sealed(getattr(self, f.name)) for f in dataclasses.fields(self)} | kept
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        self.__dict__.update(owned(state))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.signals import Signal, as_signals, names, rows_by_name
+from pliant.plants.core.signals import OwnsArrays, Signal, as_signals, names, rows_by_name
 
 if TYPE_CHECKING:
     import control
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 KINDS = ("states", "inputs", "disturbances", "outputs")
 
 
-class ModelSignals:
+class ModelSignals(OwnsArrays):
     """Base of `LinearModel` and `LTVModel`, whose fields the four tuples are."""
 
     states: tuple[Signal, ...]
