@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections import deque
-from copy import deepcopy
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
@@ -155,9 +154,6 @@ class Predictive(OwnsArrays):
         wanted = self.law.act(t + self.delay * self.dt, seen[self._picks])
         self._waiting.append(np.minimum(np.maximum(wanted, self._low), self._high))
         return wanted
-
-    def __copy__(self) -> Self:
-        return deepcopy(self)  # the inputs on their way, and those of the law, are not to be shared
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in super().__getstate__().items() if name != "_step"}  # compiled code

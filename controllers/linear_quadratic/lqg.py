@@ -11,7 +11,6 @@ Anderson and Moore, "Optimal Control: Linear Quadratic Methods" (1990), Section 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, final
 
@@ -98,9 +97,6 @@ class LQG(OwnsArrays):
         u = self.law.act(t, self._seen(x))
         self.u = u.copy()  # the caller may change what it gets
         return u
-
-    def __copy__(self) -> Self:
-        return deepcopy(self)  # the estimate is not to be shared
 
     def _wanted(self) -> tuple[np.ndarray, np.ndarray] | None:
         """(C, y0) of what the law reads, about the nominal; None where it reads the model's states in their order,

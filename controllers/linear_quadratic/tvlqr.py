@@ -14,10 +14,9 @@ period: a plant that lags is not pulled after a clock. After the end: the regula
 
 from __future__ import annotations
 
-from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -236,9 +235,6 @@ class TVLQR(OwnsArrays):
     def reset(self) -> None:
         """Back to the start of the nominal."""
         self._progress.reset()
-
-    def __copy__(self) -> Self:
-        return deepcopy(self)  # how far it is along the nominal is not to be shared
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from the states y (nx,) at time t [s]."""

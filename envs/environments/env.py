@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from typing import Any, Self
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -188,9 +188,6 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         if self._renderer is None:
             self._renderer = renderer(self.scene, window=self.render_mode == "human")
         return self._renderer.draw(self._x, self._u, self.time, self._total)
-
-    def __copy__(self) -> Self:
-        return copy.deepcopy(self)  # state and generator are not to be shared
 
     def close(self) -> None:
         """Close the window, if there is one."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from copy import deepcopy
-from typing import Any, Self
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -71,9 +70,6 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         for i in np.flatnonzero(ended.get("_validity", ())):
             infos[i] = {**infos[i], "validity": float(ended["validity"][i])}
         return obs, rewards.astype(np.float32), dones, infos
-
-    def __copy__(self) -> Self:
-        return deepcopy(self)  # state and generator are not to be shared
 
     def close(self) -> None:
         self.vector.close()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
-from typing import Any, Self
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -111,9 +110,6 @@ class PlantVectorEnv(OwnsArrays, VectorEnv[Array, Array, Array]):
         self._obs = self._obs.copy()
         self._start(np.flatnonzero(mask))
         return self._obs.copy(), {}
-
-    def __copy__(self) -> Self:
-        return deepcopy(self)  # state and generator are not to be shared
 
     def _start(self, lanes: Array) -> None:
         """New episodes in the lanes (k,)."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -141,6 +142,9 @@ class OwnsArrays:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update({name: owned(value) for name, value in state.items()})
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # nothing that changes is shared
 
 
 def sealed(value: Any) -> Any:

@@ -6,6 +6,7 @@ MAKERS: name -> a function that makes the object, partly used. `go_on(name, thin
 from __future__ import annotations
 
 import dataclasses
+import inspect
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -21,18 +22,38 @@ from pliant.controllers import (
     TVLQR,
     ComputedTorque,
     Objective,
+    Policy,
     Predictive,
+    delayed,
+    loop,
+    margins,
+    optimal,
+    plan,
+    riccati,
+    rl,
+    sensors_of,
+    shaper_for,
+    spillover,
 )  # fmt: skip
 from pliant.controllers.base.controller import Feedback
+from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.envs import PlantEnv, scenes
 from pliant.plants import (
     FlexibleSpacecraft,
     LargeDeflectionBeam,
+    PliantError,
     SingleLinkArm,
     SliderCrank,
     Trajectory,
+    TransferMatrices,
     TwoLinkArm,
+    beams,
+    paper_terms,
+    stability,
 )  # fmt: skip
+from pliant.plants.linear.piecewise_ltv import linearize_pieces
+from pliant.plants.slider_crank.steady_cycles import speed_scan, steady_cycle
+from pliant.studies.closed_loop.rollout import randomised, rollout
 
 Going = Callable[[Any], Any]
 RIGID = dataclasses.replace(SingleLinkArm.textbook(), kinematics="rigid")
@@ -248,6 +269,120 @@ def _scene() -> Any:
 @traveller("objective", lambda o: (o.cost(np.full((3, SLEW.plant.nx), 0.1), np.full((3, 1), 0.2)), o.x_goal))
 def _objective() -> Any:
     return Objective.of(SLEW)
+
+
+record("follow")(lambda: Follow(0.1, *(np.linspace(0, k, 8).reshape(4, 2) for k in (1, 2, 3))))
+traveller("rest to rest", lambda r: [r(t) for t in (0.0, 0.3, 2.0)])(
+    lambda: RestToRest([0.0], [1.0], 0.5, shaper_for([3.0]))
+)
+traveller("shaper", lambda s: (fields(s), s.residual(2.5), (s * s).times))(lambda: shaper_for([3.0, 8.0], "zvd"))
+traveller("policy", acts)(lambda: used(Policy.for_scene("single-link-slew")))
+traveller("sensors", lambda s: [k.read(0.3, 0.01, np.random.default_rng(0)) for k in s])(lambda: sensors_of(SLEW.plant))
+
+
+def filtered(kalman: Any) -> Any:
+    return [(kalman.step(y[: len(kalman.sensors)], [0.1]), kalman.estimate, kalman.covariance) for y in readings()[:5]]
+
+
+@traveller("Kalman", filtered)
+def _kalman() -> Any:
+    kalman = LQG.for_scene(WIDE).filter
+    filtered(kalman)
+    return kalman
+
+
+record("margins")(lambda: margins(loop(RIGID_MODEL(), RIGID_LAW())))
+record("loop")(lambda: loop(RIGID_MODEL(), RIGID_LAW()))
+record("spillover")(lambda: spillover(LQG.for_scene(WIDE), [r.linearize(r.rest_state) for r in LADDER]))
+LADDER = [step for step in SLEW.plant.ladder() if step.nx >= SLEW.plant.nx][:2]
+record("delayed model")(lambda: delayed(RIGID_MODEL().discretize(0.01), 2))
+record("regulator")(lambda: riccati.lqr(RIGID_MODEL().A, RIGID_MODEL().B, np.eye(2), np.eye(1)))
+record("regulator along")(lambda: riccati.tvlqr(_along(), np.eye(SLEW.plant.nx), np.eye(1)))
+
+
+def RIGID_MODEL() -> Any:
+    return RIGID.linearize(RIGID.rest_state)
+
+
+def RIGID_LAW() -> Any:
+    return LQR.design(RIGID_MODEL(), np.diag([10.0, 1.0]), np.eye(1), dt=0.01)
+
+
+RIGID_SLEW = dataclasses.replace(
+    SLEW, plant=RIGID, observe=("hub_angle", "hub_angle_rate"), weights=(("hub_angle", 10.0), ("hub_angle_rate", 0.1)),
+    bounds=(), compare=("hub_angle",),
+)  # fmt: skip
+record("optimal motion")(lambda: optimal(Objective.of(RIGID_SLEW), RIGID_SLEW.initial[0], 20, substeps=3))
+record("planned motion")(lambda: plan(RIGID_SLEW))
+traveller("nominal input", lambda f: [f(t) for t in (0.0, 0.1, 0.4)])(lambda: SLEW.nominal_input)
+
+CRANK = SliderCrank.textbook()
+record("steady cycle")(lambda: CRANK_CYCLE())
+
+
+@cache
+def CRANK_CYCLE() -> Any:
+    return steady_cycle(dataclasses.replace(CRANK, modes=1), points=181)
+
+
+record("verdict")(lambda: stability.assess(RIGID_MODEL()))
+record("verdict of a cycle")(lambda: stability.assess(_cycle_model()))
+record("Floquet")(lambda: stability.floquet(_cycle_model()))
+record("frozen time")(lambda: stability.frozen_time(_cycle_model()))
+record("speed scan")(lambda: speed_scan(dataclasses.replace(CRANK, modes=1), [20.0, 30.0], points=91))
+
+
+def _cycle_model() -> Any:
+    return dataclasses.replace(CRANK, modes=1).linearize_along(CRANK_CYCLE())
+
+
+@traveller("pieces", lambda m: (fields(m), m.transition()))
+def _pieces() -> Any:
+    t = np.linspace(0, 0.2, 21)
+    plant = SLEW.plant
+    before = plant.simulate(plant.rest_state, [1.0], t)
+    after = plant.simulate(before.x[-1], [0.0], t + 0.2)
+    return linearize_pieces(plant, (before, after), [[0.0]])
+
+
+traveller("modal data", fields)(lambda: FlexibleSpacecraft.textbook().appendages[0].data)
+record("paper's terms")(lambda: paper_terms(TwoLinkArm.textbook(), np.full(12, 0.01), [1.0, 2.0]))
+traveller("transfer matrices", lambda s: s.acceleration(np.full(s.plant.nx, 0.01)))(
+    lambda: TransferMatrices(
+        dataclasses.replace(LargeDeflectionBeam.textbook(), kinematics="substructured", segments=2)
+    )
+)
+for label, made in {
+    "material": beams.ALUMINIUM,
+    "beam": SingleLinkArm.textbook().link,
+    "payload": SingleLinkArm.textbook().payload,
+    "hub": FlexibleSpacecraft.textbook().hub,
+    "appendages": FlexibleSpacecraft.textbook().appendages,
+    "signals": SLEW.plant.states,
+    "PPO settings": rl.PPOSettings(),
+    "SAC settings": rl.SACSettings(),
+}.items():
+    record(label)(lambda made=made: made)
+
+
+@traveller("conditions and rollout", fields)
+def _rollout() -> Any:
+    given = randomised(SLEW, 1, 3)[0]
+    return given, rollout(SLEW, LQR.for_scene(SLEW), given)
+
+
+def kinds(base: type) -> list[type]:
+    return [base, *(kind for below in base.__subclasses__() for kind in kinds(below))]
+
+
+@traveller("errors", lambda errors: [str(e).encode() for e in errors] + [fields(vars(e)) for e in errors])
+def _errors() -> Any:
+    """Each that the library raises; what it takes beside its message is made up by name."""
+    made = []
+    for kind in [k for k in kinds(PliantError) if k.__module__.startswith("pliant")]:
+        takes = [p for p in inspect.signature(kind.__init__).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+        made.append(kind("what happened", *([0.5] * (len(takes) - 2 if "message" in [p.name for p in takes] else 0))))
+    return made
 
 
 NOT_MADE: dict[str, str] = {}
