@@ -16,6 +16,7 @@ from __future__ import annotations
 import copy
 import importlib
 import inspect
+import multiprocessing
 import pickle
 import pkgutil
 import sys
@@ -166,21 +167,93 @@ def left() -> list[str]:
     """Classes that neither a traveller is made of nor a reason keeps at home."""
     met = {type(part) for make in MAKERS.values() for _, part in parts(make())}
     kinds = {n: k for n, k in known().items() if not (inspect.isabstract(k) or getattr(k, "_is_protocol", False))}
-    return [n for n, k in kinds.items() if k not in met and n not in NOT_MADE]
+    return [n for n, k in kinds.items() if k not in met and not any(f"{n}.".startswith(f"{at}.") for at in NOT_MADE)]
+
+
+def far(name: str, thing: Any) -> list[np.ndarray]:
+    """What it does next, in the process that runs this."""
+    warnings.simplefilter("ignore")
+    return go_on(name, thing)
+
+
+def by_spawn(things: dict[str, Any]) -> dict[str, Any]:
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return told({name: pool.apply_async(far, (name, thing)).get for name, thing in things.items()})
+
+
+def by_loky(things: dict[str, Any]) -> dict[str, Any]:
+    import joblib
+
+    with joblib.Parallel(n_jobs=2, backend="loky", max_nbytes=1) as pool:  # every array as a read-only memory map
+        return told({n: lambda n=n, t=t: pool([joblib.delayed(far)(n, t)] * 2)[1] for n, t in things.items()})
+
+
+def by_dask(things: dict[str, Any]) -> dict[str, Any]:
+    import distributed
+
+    options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.LocalCluster(processes=True, **options) as cluster, distributed.Client(cluster) as client:
+        return told({n: client.submit(far, n, t, pure=False).result for n, t in things.items()})
+
+
+def by_ray(things: dict[str, Any]) -> dict[str, Any]:
+    import ray
+
+    paths = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "cases")]
+    ray.init(num_cpus=1, include_dashboard=False, runtime_env={"env_vars": {"PYTHONPATH": ":".join(paths)}})
+    send = ray.remote(far)
+    return told({name: lambda n=name, t=thing: ray.get(send.remote(n, t)) for name, thing in things.items()})
+
+
+def told(asked: dict[str, Callable[[], Any]]) -> dict[str, Any]:
+    """{name: the arrays, or in words why there are none}."""
+    found: dict[str, Any] = {}
+    for name, ask in asked.items():
+        try:
+            found[name] = ask()
+        except Exception as error:
+            found[name] = f"{type(error).__name__}: {error}"[:200]
+    return found
+
+
+AWAY: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"spawn": by_spawn, "loky": by_loky, "Dask": by_dask}
+
+
+def sent_away(send: Callable[[dict[str, Any]], dict[str, Any]], names: list[str]) -> dict[str, str]:
+    """{object: what is wrong} after all went to another process at once."""
+    things = {name: MAKERS[name]() for name in names}
+    found, faults = send(things), {}
+    for name, thing in things.items():
+        if isinstance(found[name], str):
+            faults[name] = found[name]
+        elif not same(found[name], go_on(name, thing)):
+            faults[name] = "goes on in another way"
+    return faults
 
 
 def run(seed: int) -> dict[str, Any]:
     warnings.simplefilter("ignore")
-    name, began = list(MAKERS)[seed], time.perf_counter()
-    faults = sent(name, ROUTES)
+    began = time.perf_counter()
+    if seed < len(MAKERS):
+        name = list(MAKERS)[seed]
+        faults = sent(name, ROUTES)
+    elif seed < len(MAKERS) + len(AWAY):
+        name = list(AWAY)[seed - len(MAKERS)]
+        faults = sent_away(AWAY[name], list(MAKERS))
+    else:
+        name, faults = "classes", dict.fromkeys(left(), "neither tried nor named with a reason")
     return {"seed": seed, "name": name, "faults": faults, "seconds": round(time.perf_counter() - began, 3)}
 
 
 def summary(rows: list[dict[str, Any]]) -> str:
-    faulty = [(r["name"], route, f) for r in rows for route, f in r["faults"].items()]
-    text = [f"{len(rows)} objects by {len(ROUTES)} routes: {len(faulty)} faults"]
-    return "\n  ".join([*text, *(f"{name} by {route}: {fault}" for name, route, fault in faulty)])
+    faulty = [f"{r['name']} and {other}: {fault}" for r in rows for other, fault in r["faults"].items()]
+    text = f"{len(MAKERS)} objects, {len(known())} classes, {len(ROUTES)} ways within the process and {len(AWAY)} out"
+    return "\n  ".join([f"{text}: {len(faulty)} faults", *faulty])
 
 
 if __name__ == "__main__":
-    by_seed.main(__doc__, len(MAKERS), run, summary, lambda row: bool(row["faults"]))
+    if "--ray" in sys.argv:
+        wrong = sent_away(by_ray, list(MAKERS))
+        print(f"{len(MAKERS)} objects by Ray: {len(wrong)} faults", *wrong.items(), sep="\n  ")
+        sys.exit(bool(wrong))
+    by_seed.main(__doc__, len(MAKERS) + len(AWAY) + 1, run, summary, lambda row: bool(row["faults"]))

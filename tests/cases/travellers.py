@@ -6,6 +6,7 @@ MAKERS: name -> a function that makes the object, partly used. `go_on(name, thin
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import inspect
 from collections.abc import Callable
 from functools import cache
@@ -39,23 +40,52 @@ from pliant.controllers.base.controller import Feedback
 from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.envs import PlantEnv, scenes
 from pliant.plants import (
+    Environment,
     FlexibleSpacecraft,
     LargeDeflectionBeam,
+    Orbit,
     PliantError,
     SingleLinkArm,
     SliderCrank,
+    Sun,
+    Surface,
+    Thruster,
     Trajectory,
     TransferMatrices,
     TwoLinkArm,
+    Wheel,
     beams,
     paper_terms,
     stability,
 )  # fmt: skip
+from pliant.plants.linear import second_order
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
 from pliant.plants.slider_crank.steady_cycles import speed_scan, steady_cycle
 from pliant.studies.closed_loop.rollout import randomised, rollout
 
 Going = Callable[[Any], Any]
+RECORDS = {  # of studies, evaluations and certificates: filled with made-up values
+    "plants.stability.frozen_time": "SlowVariation",
+    "plants.stability.lyapunov_certificate": "Certificate",
+    "controllers.linear_quadratic.funnel": "Funnel",
+    "controllers.learning.evaluation": "Evaluation Training",
+    "envs.scenes.beams": "SmoothSpinUp",
+    "envs.scenes.spacecraft": "Articulation",
+    "studies.closed_loop.closed_loop": "Loop",
+    "studies.closed_loop.comparison": "Contest",
+    "studies.closed_loop.contestants": "Designed",
+    "studies.closed_loop.scores": "Score Row",
+    "studies.fidelity.choice": "Rung Effect Choice",
+    "studies.fidelity.mode_count": "ModeCount ModesNeeded",
+    "studies.fidelity.speed_accuracy": "Row Reference Chart",
+    "studies.fidelity.stiffening": "Stiffening",
+    "studies.papers.single_link": "SpinUp",
+    "studies.report.findings": "Findings",
+    "studies.scoreboard.results": "Entry Line Results",
+    "studies.scoreboard.scoreboard": "Scoreboard",
+    "studies.stability.judgement": "Judgement",
+    "studies.stability.parameter_map": "StabilityMap",
+}
 RIGID = dataclasses.replace(SingleLinkArm.textbook(), kinematics="rigid")
 SLEW = scenes.get("single-link-slew")
 WIDE = dataclasses.replace(SLEW, limits=(1e6,))  # an input at its limit is the same whatever a copy remembers
@@ -316,7 +346,7 @@ record("optimal motion")(lambda: optimal(Objective.of(RIGID_SLEW), RIGID_SLEW.in
 record("planned motion")(lambda: plan(RIGID_SLEW))
 traveller("nominal input", lambda f: [f(t) for t in (0.0, 0.1, 0.4)])(lambda: SLEW.nominal_input)
 
-CRANK = SliderCrank.textbook()
+CRANK, LONG = SliderCrank.textbook(), LargeDeflectionBeam.textbook()
 record("steady cycle")(lambda: CRANK_CYCLE())
 
 
@@ -385,4 +415,77 @@ def _errors() -> Any:
     return made
 
 
-NOT_MADE: dict[str, str] = {}
+@traveller("lit craft in orbit", plant_goes)
+def _lit() -> Any:
+    craft = FlexibleSpacecraft.textbook()
+    side = Surface(area=2.0, normal=(1.0, 0.0, 0.0))
+    thruster = Thruster(position=(0.5, 0.2, 0.0), direction=(0.0, 0.0, 1.0))
+    hub = dataclasses.replace(
+        craft.hub, surfaces=(side,), wheels=(Wheel(axis=(0.0, 0.0, 1.0), inertia=0.1),), thrusters=(thruster,)
+    )
+    outside = Environment(orbit=Orbit(rate=1e-3), sun=Sun(direction=(0.0, 0.6, 0.8)))
+    return dataclasses.replace(craft, hub=hub, environment=outside, kinematics="rigid", appendages=craft.appendages[:1])
+
+
+record("modes")(lambda: _linear().modes())
+record("quadratic cost")(lambda: SLEW.quadratic())
+record("second-order form")(lambda: second_order.from_ltv(_cycle_model()))
+record("converged plan")(lambda: NMPC.for_scene(SLEW, horizon=6).iterate(SLEW.initial[0], tolerance=1e-3))
+record("places of sensors")(lambda: (SLEW.plant.sensors(), SLEW.plant.joints, FlexibleSpacecraft.textbook().unfelt))
+record("left ranges")(lambda: SLEW.plant.left_ranges(nominal()))
+
+
+def made_up(kind: type) -> Any:
+    """A record with a value of each field's kind: it holds nothing that knows where it is."""
+    made = kind.__new__(kind)
+    for k, field in enumerate(dataclasses.fields(kind)):
+        about = str(field.type)
+        array = np.arange(3.0 + k)
+        array.setflags(write=bool(k % 2))
+        held = array if "ndarray" in about or about == "Array" else 0.5 + k
+        value = (held, "name") if about.startswith("tuple") else held
+        object.__setattr__(made, field.name, f"name {k}" if about == "str" else value)
+    return made
+
+
+for where, what in RECORDS.items():
+    for name in what.split():
+        at = importlib.import_module(f"pliant.{where}")
+        record(f"{where}.{name}")(lambda at=at, name=name: made_up(getattr(at, name)))
+
+# Why a class, or all of a module, does not travel by itself: of each module the longest name that fits counts.
+NOT_MADE: dict[str, str] = {
+    "plants.native": "compiled code: who owns it makes it anew, and is tried here",
+    "plants.beams": "shape functions: parts of a plant's expressions, which are made anew from its fields",
+    "plants.large_deflection": "sections and chains: parts of a plant's expressions, made anew from its fields",
+    "plants.spacecraft": "parts of a spacecraft's expressions, made anew from its fields",
+    "plants.spacecraft_parts.appendage.Inertia": "expressions",
+    "plants.spacecraft_perturbation": "verification of a paper: nobody keeps one",
+    "plants.slider_crank.rigid_kinematics": "expressions",
+    "plants.core.casadi_functions": "a CasADi function, which travels itself, and its buffers",
+    "plants.core.errors": "warnings: a message and no more; errors are tried",
+    "plants.core.imports": "a module under another name",
+    "plants.core.runge_kutta_tableaux": "constants of the library",
+    "plants.core.signals": "what lets the others travel, and rows of a model in passing",
+    "plants.dynamics.python_control.Shared": "in passing, inside python-control",
+    "plants.dynamics.residual_jacobians": "expressions",
+    "plants.integration": "a method, or a step in passing; steppers are tried inside what has one",
+    "plants.linear.model_signals": "the base of the linear models",
+    "plants.linear.rest_spaces": "in passing, inside a verdict or a design",
+    "plants.stability.eigenvalue_bounds": "in passing, inside a verdict",
+    "plants.stability.transition_error": "in passing, inside a verdict",
+    "plants.validity": "a range, an expression of its plant",
+    "controllers.learning": "training: it has its own checkpoints; settings, policies and evaluations are tried",
+    "controllers.linear_quadratic.hold_set": "in passing, inside TVLQR's design",
+    "controllers.mpc": "in passing, inside MPC's design",
+    "controllers.nmpc.terminal_cost": "a warning",
+    "controllers.optimal_control": "in passing, inside a solve",
+    "controllers.riccati": "in passing, inside a design; regulators are tried",
+    "controllers.solvers": "in passing, inside a solve",
+    "envs.rendering": "a window of this process",
+    "envs.scenes.scene.Manoeuvre": "the base of Scene",
+    "envs.simulation": "compiled code: the environments make it anew",
+    "studies.commands": "the command line",
+    "studies.common.reference_motions": "a cache of this process",
+    "studies.fidelity.speed_accuracy.Runner": "in passing, inside a chart",
+}
