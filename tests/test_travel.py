@@ -19,20 +19,13 @@ QUICK = (
 )
 
 
-@pytest.mark.parametrize(
-    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.campaign) for n in travel.MAKERS]
-)
+@pytest.mark.parametrize("name", QUICK)
 def test_it_goes_on_as_the_original_would_by_every_way(name):
     assert travel.sent(name, travel.ROUTES) == {}
 
 
 def test_environments_come_through_read_only_buffers_in_mid_episode():
     assert travel.sent("vector environment", {"read-only buffers": travel.by_buffers}) == {}
-
-
-@pytest.mark.campaign
-def test_every_class_is_tried_or_named_with_a_reason():
-    assert travel.left() == []
 
 
 class Plain:
@@ -66,8 +59,8 @@ def test_what_does_not_own_its_arrays_is_found(monkeypatch):
     assert "K may be written to" in found["pickle 4"] and "K may be written to" in found["deepcopy"]
     thing = Plain()
     assert "shared" in travel.unlike(thing, travel.ROUTES["copy"](thing))
-    for send in travel.ROUTES.values():
-        assert travel.unlike(made := Owning(), send(made)) == ""
+    own = Owning()
+    assert [travel.unlike(own, send(own)) for send in travel.ROUTES.values()] == [""] * len(travel.ROUTES)
     monkeypatch.setitem(travel.travellers.MAKERS, "count", Count)
     monkeypatch.setitem(travel.travellers.GOING, "count", lambda c: c())
     faults = travel.sent("count", travel.ROUTES)
