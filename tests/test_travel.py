@@ -9,6 +9,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "campaigns"))
 import travel
+import travellers
 
 from pliant.plants import PliantError, SingleLinkArm
 from pliant.plants.core.signals import OwnsArrays, owned, sealed
@@ -61,8 +62,8 @@ def test_what_does_not_own_its_arrays_is_found(monkeypatch):
     assert "shared" in travel.unlike(thing, travel.ROUTES["copy"](thing))
     own = Owning()
     assert [travel.unlike(own, send(own)) for send in travel.ROUTES.values()] == [""] * len(travel.ROUTES)
-    monkeypatch.setitem(travel.travellers.MAKERS, "count", Count)
-    monkeypatch.setitem(travel.travellers.GOING, "count", lambda c: c())
+    monkeypatch.setitem(travellers.MAKERS, "count", Count)
+    monkeypatch.setitem(travellers.GOING, "count", lambda c: c())
     faults = travel.sent("count", travel.ROUTES)
     assert set(faults) == {"copy", "read-only buffers", "memory map"}
 
