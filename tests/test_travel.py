@@ -65,7 +65,7 @@ def test_what_does_not_own_its_arrays_is_found(monkeypatch):
     monkeypatch.setitem(travellers.MAKERS, "count", Count)
     monkeypatch.setitem(travellers.GOING, "count", lambda c: c())
     faults = travel.sent("count", travel.ROUTES)
-    assert set(faults) == {"copy", "read-only buffers", "memory map"}
+    assert {"copy", "read-only buffers", "memory map"} <= set(faults)  # and who was copied is driven by its copy
 
 
 def test_owned_copies_arrays_in_containers_and_leaves_the_rest():
