@@ -13,13 +13,14 @@ import numpy as np
 from pliant.controllers.linear_quadratic.lqg import LQG
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.signals import OwnsArrays
 
 Array = np.ndarray
 NO_LIMIT = "this controller has no linear form: give LQR, Feedback, LQG, a LinearLaw, or what `linearised` makes of it"
 
 
 @dataclass(frozen=True, eq=False)
-class LinearLaw:
+class LinearLaw(OwnsArrays):
     """u = -(C s + D y), ds/dt = A s + B y or s[k+1] = A s + B y."""
 
     A: Array  # (m, m)

@@ -22,6 +22,7 @@ from scipy.optimize import brentq, minimize
 
 from pliant.controllers.solvers.hinf_norm import Array, Peak, peak
 from pliant.plants.core.errors import PliantError
+from pliant.plants.core.signals import OwnsArrays
 
 from .late_loops import shortest
 from .loops import Loop
@@ -58,7 +59,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Margins:
+class Margins(OwnsArrays):
     """Readings of one loop."""
 
     channels: tuple[Channel, ...]

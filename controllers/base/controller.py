@@ -10,7 +10,7 @@ from typing import Any, Protocol, final, runtime_checkable
 import numpy as np
 
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import as_signals, index, read_only
+from pliant.plants.core.signals import OwnsArrays, as_signals, index, read_only
 
 LARGEST = 1e150  # of a reading: its square is a number still
 
@@ -100,7 +100,7 @@ def saturation(owner: str, limits: Any, inputs: Sequence[str]) -> tuple[np.ndarr
 
 @final
 @dataclass(frozen=True, eq=False)
-class Feedback:
+class Feedback(OwnsArrays):
     """u = u_ref - K (y - y_ref), within `limits` = (lowest, highest) where given."""
 
     K: np.ndarray  # (nu, ny)

@@ -9,7 +9,7 @@ import numpy as np
 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import index, read_only
+from pliant.plants.core.signals import OwnsArrays, index, read_only
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from .controller import moment
@@ -33,7 +33,7 @@ class Impulses(Protocol):
 
 @final
 @dataclass(frozen=True, eq=False)
-class RestToRest:
+class RestToRest(OwnsArrays):
     """From `begin` to `end` (n,) in `time` [s] plus the shaper's duration: call it for position, rate, acceleration."""
 
     begin: np.ndarray
@@ -70,7 +70,7 @@ class RestToRest:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Follow:
+class Follow(OwnsArrays):
     """A sampled motion: positions, rates, accelerations (nt, n) every `dt` [s]. At its end it goes on at its rate."""
 
     dt: float

@@ -17,7 +17,7 @@ import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import OwnsArrays, index, sealed
 from pliant.plants.linear.quadratic_cost import QuadraticCost, following, require_still, squares
 
 from .controller import ends, saturation
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Objective:
+class Objective(OwnsArrays):
     """A goal (x, u), weights by name of state or output, efforts by name of input, limits and bounds."""
 
     plant: Plant
@@ -147,7 +147,4 @@ class Objective:
         return squares(C[at], D[at], self.weights.values(), effort)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {f.name: getattr(self, f.name) for f in fields(self)}  # expressions are made again
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        return {f.name: sealed(getattr(self, f.name)) for f in fields(self)}  # expressions are made again

@@ -6,9 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pliant.plants.core.signals import OwnsArrays
+
 
 @dataclass
-class Record:
+class Record(OwnsArrays):
     """Counts since `reset`. Violations are predicted ones, of limits that may be exceeded at a price."""
 
     names: tuple[str, ...] = ()  # of the soft limits

@@ -28,7 +28,7 @@ from pliant.controllers.riccati.checks import weight_matrix
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_choice, require_count, require_finite
-from pliant.plants.core.signals import names
+from pliant.plants.core.signals import OwnsArrays, names
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -47,7 +47,7 @@ MOST_STEPS = 100_000  # until then
 
 @final
 @dataclass(eq=False)
-class Kalman:
+class Kalman(OwnsArrays):
     """Made by `design`, `along` or `for_scene`. `step(y, u)` once a period; then `estimate` and `covariance`.
 
     Entry k of `steps` and `gains` serves sample k, the last one all that follow.

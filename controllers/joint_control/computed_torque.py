@@ -17,7 +17,7 @@ from pliant.controllers.base.controller import reading, saturation
 from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, joints, motion_of
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import OwnsArrays, index
 
 from .collocation import accelerations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ComputedTorque:
+class ComputedTorque(OwnsArrays):
     """Made by `design` or `for_scene`; it reads the joints' positions, then their rates."""
 
     inverse: NumericFunction  # (positions and rates (2 nu,), accelerations (nu,)) -> u (nu,)

@@ -28,7 +28,7 @@ from scipy.optimize import least_squares
 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_choice, require_count
-from pliant.plants.core.signals import read_only
+from pliant.plants.core.signals import OwnsArrays, read_only
 from pliant.plants.linear import modal_analysis
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ EI_STEPS = 0.02  # of the damping ratio, from the undamped shaper on
 
 @final
 @dataclass(frozen=True, eq=False)
-class Shaper:
+class Shaper(OwnsArrays):
     """Impulses; `shaper(command)` is the shaped command, a function of time."""
 
     times: np.ndarray  # (n,) [s], ascending from 0

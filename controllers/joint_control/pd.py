@@ -24,7 +24,7 @@ from pliant.controllers.base.controller import reading, saturation
 from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, driven, motion_of, values_of
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import read_only
+from pliant.plants.core.signals import OwnsArrays, read_only
 from pliant.plants.linear.conserved import conserved, moved
 
 from .collocation import loop_eigenvalues, rigid_inertia, rigid_state, rows, sharing
@@ -44,7 +44,7 @@ STARTS = (0.03, 0.1, 0.3, 1.0)  # of the search for gains: Kd dt over the inerti
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PD:
+class PD(OwnsArrays):
     """Made by `design` or `for_scene`; it reads the joints' positions, then their rates."""
 
     Kp: np.ndarray  # (n, n) of n joints, as many as inputs where `share` is None

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Self, final
 import numpy as np
 
 from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.signals import OwnsArrays
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import TrainableScene
@@ -31,7 +32,7 @@ WORDS = ("scene", "reads", "goal", "inputs", "limits", "dt", "clip", "activation
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Policy:
+class Policy(OwnsArrays):
     """Made by `load`, `for_scene`, `from_sb3_zip` or training. `act` takes about 10 us for two layers of 64."""
 
     weights: tuple[np.ndarray, ...]  # (units, inputs) of each layer

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections import deque
-from copy import deepcopy
 from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
@@ -19,7 +18,7 @@ import numpy as np
 from pliant.controllers.base.controller import reading
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.parameters import require_count, require_finite
-from pliant.plants.core.signals import Signal, index
+from pliant.plants.core.signals import OwnsArrays, Signal, index
 
 from .lqr import LQR
 
@@ -90,7 +89,7 @@ def predictive_gain(model: LinearModel, K: Any, periods: int) -> np.ndarray:
 
 
 @final
-class Predictive:
+class Predictive(OwnsArrays):
     """A law of states for inputs that act `delay` periods late; it reads the plant's states."""
 
     def __init__(
@@ -156,12 +155,9 @@ class Predictive:
         self._waiting.append(np.minimum(np.maximum(wanted, self._low), self._high))
         return wanted
 
-    def __copy__(self) -> Self:
-        return deepcopy(self)  # the inputs on their way, and those of the law, are not to be shared
-
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_step"}  # it holds compiled code
+        return {name: value for name, value in super().__getstate__().items() if name != "_step"}  # compiled code
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        super().__setstate__(state)
         self._step = self.plant.stepper(self.dt, substeps=self._substeps)

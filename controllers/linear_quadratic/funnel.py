@@ -21,13 +21,14 @@ from typing import final
 import numpy as np
 
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.signals import OwnsArrays
 
 from .hold_set import LEAK, Hold, axes, gain, invariant
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Funnel:
+class Funnel(OwnsArrays):
     """Ellipsoids e'P e <= level about x at the control times; the last one holds from then on."""
 
     t: np.ndarray  # (T+1,) [s]

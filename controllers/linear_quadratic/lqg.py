@@ -11,7 +11,6 @@ Anderson and Moore, "Optimal Control: Linear Quadratic Methods" (1990), Section 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, final
 
@@ -20,7 +19,7 @@ import numpy as np
 from pliant.controllers.base.controller import Controller, reading
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import Sensor
-from pliant.plants.core.signals import names, rows_by_name
+from pliant.plants.core.signals import OwnsArrays, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(eq=False)
-class LQG:
+class LQG(OwnsArrays):
     """u = law(estimate). It reads what the filter's sensors read."""
 
     law: Controller
@@ -98,9 +97,6 @@ class LQG:
         u = self.law.act(t, self._seen(x))
         self.u = u.copy()  # the caller may change what it gets
         return u
-
-    def __copy__(self) -> Self:
-        return deepcopy(self)  # the estimate is not to be shared
 
     def _wanted(self) -> tuple[np.ndarray, np.ndarray] | None:
         """(C, y0) of what the law reads, about the nominal; None where it reads the model's states in their order,

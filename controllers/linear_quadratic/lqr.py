@@ -21,6 +21,7 @@ from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.riccati.algebraic import with_integrals
 from pliant.controllers.riccati.steerable import Steerable, steerable
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.quadratic_cost import signal_rows
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(eq=False)
-class LQR:
+class LQR(OwnsArrays):
     """Made by `design`, `for_plant` or `for_scene`. It reads the states of its model, then the integrated outputs."""
 
     K: np.ndarray  # (nu, nx + ni)

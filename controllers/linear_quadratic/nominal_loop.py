@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 
 from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
+from pliant.plants.core.signals import OwnsArrays
 
 Array = np.ndarray
 AHEAD = 8  # nodes that are looked at
@@ -28,7 +29,7 @@ def own_nominal(
 
 
 @final
-class PathProgress:
+class PathProgress(OwnsArrays):
     """The nearest of the next nodes of x (T+1, nx), distances in `scale` (nx,); it moves on by `slowest` to `fastest`
     nodes a call."""
 

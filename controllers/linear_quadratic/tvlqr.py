@@ -31,6 +31,7 @@ from pliant.controllers.optimal_control.stage_derivatives import StageTerms
 from pliant.controllers.riccati.node_distance import joined, measured, refined
 from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
 from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.signals import OwnsArrays
 
 from .funnel import Funnel
 from .hold_set import Hold
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(eq=False)
-class TVLQR:
+class TVLQR(OwnsArrays):
     """Made by `along`, `design` or `for_scene`."""
 
     dt: float  # [s]

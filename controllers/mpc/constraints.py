@@ -14,12 +14,13 @@ import numpy as np
 
 from pliant.controllers.solvers.daqp_model import INFINITE
 from pliant.controllers.solvers.least_distance_qp import LeastDistance
+from pliant.plants.core.signals import OwnsArrays
 
 from .condensed_prediction import Prediction
 
 
 @dataclass(frozen=True, eq=False)
-class Limits:
+class Limits(OwnsArrays):
     """Lowest and highest inputs, changes of inputs from step to step, and bounded signals z = C x + D u by name."""
 
     inputs: tuple[str, ...]

@@ -18,6 +18,7 @@ import numpy as np
 
 from pliant.controllers.base.solver_record import Record
 from pliant.controllers.solvers.least_distance_qp import LeastDistance
+from pliant.plants.core.signals import OwnsArrays
 
 from .constraints import Step, excess
 
@@ -62,7 +63,7 @@ def sufficient_penalty(
 
 
 @final
-class WithoutExcess:
+class WithoutExcess(OwnsArrays):
     """The plan of a step with every limit hard. Its solver is made when it is first needed."""
 
     def __init__(self) -> None:

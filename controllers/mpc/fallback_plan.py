@@ -6,11 +6,13 @@ from typing import final
 
 import numpy as np
 
+from pliant.plants.core.signals import OwnsArrays
+
 from .constraints import Step
 
 
 @final
-class LastPlan:
+class LastPlan(OwnsArrays):
     """Of `horizon` steps, made from what was known, p (size,)."""
 
     def __init__(self, horizon: int, size: int) -> None:

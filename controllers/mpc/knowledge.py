@@ -9,13 +9,15 @@ from typing import final
 
 import numpy as np
 
+from pliant.plants.core.signals import OwnsArrays
+
 from .constraints import Limits
 from .offset_free import Estimator
 from .steady_target import Target
 
 
 @final
-class Knowledge:
+class Knowledge(OwnsArrays):
     """Called with the reading (ny,) it gives p (size,), overwritten by the next call; `remember` takes the input."""
 
     def __init__(

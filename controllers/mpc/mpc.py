@@ -21,6 +21,7 @@ import numpy as np
 from pliant.controllers.base.controller import moment, reading
 from pliant.controllers.base.solver_record import Record
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.signals import owned, sealed
 
 from .constraints import Limits, Step
 from .design import regulator
@@ -240,19 +241,12 @@ class MPC:
 
     def __reduce__(self) -> tuple[Any, ...]:  # a copy goes on as the original would, and apart from it
         known = None if self._knowledge is None else self._knowledge.state
-        return _again, (self._made, self._drift, self.record, self.plan, known, self._at, self._multipliers)
+        return _again, sealed((self._made, self._drift, self.record, self.plan, known, self._at, self._multipliers))
 
 
-def _again(
-    made: tuple[Any, ...],
-    drift: np.ndarray | None,
-    record: Record,
-    plan: LastPlan,
-    known: tuple[Any, ...] | None,
-    at: int,
-    multipliers: np.ndarray,
-) -> MPC:
+def _again(*state: Any) -> MPC:
     """With the state that another had."""
+    made, drift, record, plan, known, at, multipliers = owned(state)
     controller = MPC(*made)
     controller._drift, controller.record, controller.plan = drift, record, plan
     controller._at, controller._multipliers = at, multipliers

@@ -21,6 +21,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.controllers import riccati
+from pliant.plants.core.signals import owned, sealed
 
 from .steady_target import equilibrium_scales
 
@@ -77,7 +78,7 @@ class Estimator:
         self.x, self.d = self.s[:nx], self.s[nx:]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Estimator, self._made
+        return _made_again, sealed(self._made)
 
     @staticmethod
     def _require_seen(kind: str, A: np.ndarray, Bd: np.ndarray, C: np.ndarray, Cd: np.ndarray) -> None:
@@ -136,3 +137,7 @@ def _gain(P: np.ndarray, C: np.ndarray, noise: np.ndarray) -> np.ndarray:
     unit = np.where(unit > 0, unit, 1.0)
     even = C @ P / unit[:, None]
     return np.asarray((np.linalg.pinv(S / unit[:, None] / unit, hermitian=True) @ even).T / unit)
+
+
+def _made_again(*given: Any) -> Estimator:
+    return Estimator(*owned(given))

@@ -23,6 +23,7 @@ from pliant.controllers.solvers.daqp_model import INFINITE
 from pliant.controllers.solvers.least_distance_qp import LeastDistance
 from pliant.plants.core.errors import InfeasibleError
 from pliant.plants.core.matrix_roots import semidefinite_root
+from pliant.plants.core.signals import OwnsArrays
 
 Array = np.ndarray
 INFLUENCE = 1e-9  # least singular value of the equilibrated target equations, against the largest
@@ -32,7 +33,7 @@ UNSEEN = 1e-12  # share of the largest cost that directions without any cost are
 
 
 @final
-class Target:
+class Target(OwnsArrays):
     """Steady (x, u), deviations from the model's point, for a disturbance d and goals r of the tracked signals.
 
     Where no steady state is within the limits of the inputs, that of step 1, whose inputs then saturate.
@@ -106,7 +107,7 @@ class Target:
 
 
 @final
-class _Spare:
+class _Spare(OwnsArrays):
     """Directions Z (n, nz) that no tracked signal sees and in which the machine stays at rest: where cost decides."""
 
     def __init__(self, Z: Array, root: Array, nx: int, unit: Array) -> None:
@@ -134,7 +135,7 @@ class _Spare:
 
 
 @final
-class _Nearest:
+class _Nearest(OwnsArrays):
     """The steady state of least tracking error within the limits of the inputs; one of them where there are many."""
 
     def __init__(self, start: Array, free: Array, error: Array, wanted: Array, nx: int, unit: Array) -> None:

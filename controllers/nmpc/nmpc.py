@@ -26,6 +26,7 @@ from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.solver_record import Record
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_count, require_finite
+from pliant.plants.core.signals import owned, sealed
 
 from .gauss_newton import converge
 from .horizon import Horizon
@@ -232,13 +233,14 @@ class NMPC:
         """A copy goes on as the original would, and apart from it."""
         plan = self.horizon
         state = plan.t, plan.x, plan.u, plan.damped, plan.damping, self._program.solver.near, self._ready, self._taken
-        return _remade, (self.objective, plan.N, self._made, self.record, state)
+        return _remade, sealed((self.objective, plan.N, self._made, self.record, state))
 
 
 def _remade(
     objective: Objective, horizon: int, made: tuple[Any, ...], record: IterationRecord, state: tuple[Any, ...]
 ) -> NMPC:
     """Another with the same design and state: its plan is linearised again."""
+    made, state = owned((made, state))
     names = ("substeps", "terminal", "penalty", "starts", "first_steps", "iteration_limit")
     found = NMPC(objective, horizon, **dict(zip(names, made)))
     plan, found.record = found.horizon, record

@@ -23,6 +23,7 @@ from pliant.controllers.riccati.checks import weight_matrix
 from pliant.controllers.solvers import interior_point
 from pliant.plants.core.errors import InfeasibleError
 from pliant.plants.core.parameters import require_choice, require_count, require_finite
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.validity.ranges import judged
 
@@ -36,7 +37,7 @@ HESSIANS = ("exact", "gauss-newton")
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(OwnsArrays):
     """A solution: states at the control times, the inputs held between, and what the solver says of it."""
 
     t: np.ndarray  # (N+1,) [s]

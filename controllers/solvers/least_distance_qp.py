@@ -10,6 +10,8 @@ from typing import Any, final
 
 import numpy as np
 
+from pliant.plants.core.signals import owned
+
 from .daqp_model import ACTIVE, AT_LOWER, INFINITE, SOFT, DaqpModel
 
 KEPT = 1e-6  # in a hard row's unit: past it a solution is none
@@ -111,5 +113,5 @@ class LeastDistance:
         return {"M": self.M, "soft": self.soft, "penalty": self.penalty}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        self.__dict__.update(owned(state))
         self._build()

@@ -18,10 +18,11 @@ from pliant.envs.simulation.control_period import LARGEST, check_substep, reach_
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
 from pliant.plants.core import parameters
 from pliant.plants.core.casadi_functions import NumericFunction
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.validity.ranges import left_at
 
 
-class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
+class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     """Drive a scene's plant from its start to its goal.
 
     | what        | is                                                             | unit, range          |

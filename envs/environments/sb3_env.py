@@ -11,11 +11,12 @@ from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
 from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.signals import OwnsArrays
 
 from .vector_env import PlantVectorEnv
 
 
-class PlantVecEnv(VecEnv):
+class PlantVecEnv(OwnsArrays, VecEnv):
     """`num_envs` lanes of a scene for Stable-Baselines3: episodes restart in the step that ends them.
 
     Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`); observations default to float32, what its networks

@@ -16,13 +16,14 @@ from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep
 from pliant.envs.simulation.episode_start import begin, early_end_cost, first_observations
 from pliant.plants.core import parameters
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.native.batch_kernels import FEW, as_dtype
 from pliant.plants.native.thread_pool import available
 
 Array = np.ndarray
 
 
-class PlantVectorEnv(VectorEnv[Array, Array, Array]):
+class PlantVectorEnv(OwnsArrays, VectorEnv[Array, Array, Array]):
     """`num_envs` lanes of a scene; see PlantEnv for action, observation, reward and the ends of an episode.
 
     | what         | is                                                                        | shape            |

@@ -16,7 +16,7 @@ import numpy as np
 
 from pliant.plants import LinearModel, Plant, Signal, Trajectory
 from pliant.plants.core.parameters import quantity, validate
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import index, owned, sealed
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.linear.quadratic_cost import (
     QuadraticCost,
@@ -283,7 +283,7 @@ class Scene(Manoeuvre):
         return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        return {f.name: sealed(getattr(self, f.name)) for f in dataclasses.fields(self)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        self.__dict__.update(owned(state))

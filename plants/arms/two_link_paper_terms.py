@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_finite, require_instance
+from pliant.plants.core.signals import OwnsArrays
 
 from .two_link import TwoLinkArm
 
@@ -22,7 +23,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Terms:
+class Terms(OwnsArrays):
     """The three parts of each equation, shape (n,): inertia J [kg m^2 or kg], rate factor F, the rest Gamma.
 
     `acceleration` (n,) and `rate` (n,) are those at which Gamma was evaluated; `applied` (n,) the generalised input.

@@ -21,6 +21,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import finite_array, real_array, require_number
 from pliant.plants.core.parameters import require_choice, require_count
+from pliant.plants.core.signals import OwnsArrays
 
 MOST_MODES = 200
 LARGEST_RATIO = 1e12  # tip mass or inertia against the beam's own
@@ -33,7 +34,7 @@ _ENDS = {"clamped": (0, 1), "pinned": (0, 2), "free": (2, 3)}
 
 
 @dataclass(frozen=True, eq=False)
-class ModeShapes:
+class ModeShapes(OwnsArrays):
     """Shapes phi_k, int phi_k^2 dxi = 1, with roots beta (n,) and coefficients (n, 4) of their four terms."""
 
     boundary: str

@@ -19,6 +19,7 @@ import numpy as np
 
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count
+from pliant.plants.core.signals import OwnsArrays
 
 from .euler_bernoulli_modes import checked_position
 
@@ -52,7 +53,7 @@ def _integrals(n: int) -> tuple[np.ndarray, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class StrainShapes:
+class StrainShapes(OwnsArrays):
     """Shapes (w_k, psi_k) whose curvatures and shear strains have Legendre coefficients (a, n) and (b, n)."""
 
     curvature: np.ndarray = field(repr=False)
@@ -95,7 +96,7 @@ class StrainShapes:
 
 
 @dataclass(frozen=True, eq=False)
-class Matrices:
+class Matrices(OwnsArrays):
     """Integrals of strain shapes, each (n, n). tension_* are those of N w'^2 - N (w' - psi)^2, see `matrices`."""
 
     bending: np.ndarray  # int psi' psi'^T

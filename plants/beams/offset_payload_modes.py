@@ -13,6 +13,8 @@ from typing import Protocol
 
 import numpy as np
 
+from pliant.plants.core.signals import OwnsArrays
+
 from .euler_bernoulli_modes import _columns, checked_position, quadrature
 
 SAME = 1e-9  # relative distance of roots that share one space of shapes
@@ -35,7 +37,7 @@ class CoupledBeam(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class PayloadModes:
+class PayloadModes(OwnsArrays):
     """Modes (V_k, Gamma_k) with roots lambda (n,) and coefficients (n, 5): four terms of V, one of Gamma.
 
     V as in `euler_bernoulli_modes`.

@@ -19,6 +19,8 @@ from typing import Any, cast
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.signals import OwnsArrays
+
 from .elastic_link import ElasticLink
 from .euler_bernoulli_modes import checked_position, quadrature
 from .section import Beam
@@ -92,7 +94,7 @@ class AxialModes:
 
 
 @dataclass(frozen=True, eq=False)
-class RodShapes:
+class RodShapes(OwnsArrays):
     """Shape functions of a pinned rod and their integrals over xi, all dimensionless."""
 
     kind: str

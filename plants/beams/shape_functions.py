@@ -15,6 +15,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import require_number
 from pliant.plants.core.parameters import require_choice, require_count
+from pliant.plants.core.signals import OwnsArrays
 
 from .euler_bernoulli_modes import (
     BOUNDARIES,
@@ -81,7 +82,7 @@ def _jacobi(n: int, b: int, xi: np.ndarray, derivative: int) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Basis:
+class Basis(OwnsArrays):
     """n shape functions phi_k(xi), xi = x/L in [0, 1], and their integrals over xi. All dimensionless.
 
     With w(x, t) = sum of phi_k(x/L) q_k(t): kinetic energy rho A L/2 q'^T mass q', strain energy

@@ -96,6 +96,11 @@ def function(name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices:
     return NumericFunction(built, matrices=matrices, raw=built.n_instructions() <= LONG)
 
 
+def part(v: ca.SX, where: slice) -> ca.SX:
+    """v[where] as a column: of a column of one, CasADi gives no entries as a row."""
+    return v[where] if where.stop > where.start else ca.SX(0, 1)
+
+
 class built_once(cached_property[T]):
     """A cached property whose value depends on the fields of a frozen dataclass alone.
 
@@ -115,8 +120,9 @@ class built_once(cached_property[T]):
                 shared = instance.__dict__["_shared"] = self._of_equals(instance)
             if name not in shared:
                 shared[name] = super().__get__(instance, owner)
-            instance.__dict__[name] = shared[name]
-        return shared[name]
+            taken = getattr(instance, "_taken", None)  # an instance may make its own of what is shared
+            found = instance.__dict__[name] = taken(name, shared[name]) if taken else shared[name]
+        return found
 
     @classmethod
     def _of_equals(cls, instance: Any) -> dict[str, Any]:

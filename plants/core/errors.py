@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 
 class PliantError(Exception):
-    """Base of all failures that are not simply bad input."""
+    """Base of all failures that are not simply bad input. They come back from other processes as they are."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _raised, (type(self), self.args), self.__dict__
+
+
+def _raised(kind: type[PliantError], args: tuple[Any, ...]) -> PliantError:
+    return kind.__new__(kind, *args)  # not through __init__, which takes more than the message
 
 
 class EquilibriumError(PliantError):

@@ -40,14 +40,16 @@ def quantity(
     uncertain: bool = False,
     shape: tuple[int, ...] = (),
     or_shape: tuple[int, ...] | None = None,
+    fixed: str = "",
 ) -> Any:
     """A dataclass field for a number in `unit` and within RANGES[allowed], or for a tuple of `shape` of them.
 
     -1 in a shape is any length; `or_shape`: another that is taken too. `uncertain`: a robustness study may vary it, as
-    payloads, stiffnesses and damping.
+    payloads, stiffnesses and damping. `fixed`: why it is no parameter that may be varied, as "is a part of a unit
+    vector"; "" where it may be.
     """
     shapes = (shape,) if or_shape is None else (shape, or_shape)
-    told = {"unit": unit, "allowed": allowed, "uncertain": uncertain, "shapes": shapes}
+    told = {"unit": unit, "allowed": allowed, "uncertain": uncertain, "shapes": shapes, "fixed": fixed}
     return dataclasses.field(default=default, metadata=told)
 
 
@@ -130,7 +132,8 @@ def _step(obj: Any, key: str, path: str) -> Any:
     if dataclasses.is_dataclass(obj) and key in {f.name for f in dataclasses.fields(obj)}:
         return getattr(obj, key)
     names = quantities(obj) if dataclasses.is_dataclass(obj) else ()
-    raise ValueError(f"parameter {path!r}: {type(obj).__name__} has no {key!r}; it has {', '.join(names)}")
+    known = f"it has {', '.join(names)}" if names else f"it holds {len(obj)}" if isinstance(obj, tuple) else "no parts"
+    raise ValueError(f"parameter {path!r}: {type(obj).__name__} has no {key!r}; {known}")
 
 
 def get(obj: Any, path: str) -> Any:
@@ -151,29 +154,40 @@ def put(obj: T, path: str, value: Any) -> T:
 
 
 def unit_of(obj: Any, path: str) -> str:
-    """The unit of the parameter at a dotted path; ValueError if it is not a physical quantity."""
-    keys = path.split(".")
-    field_index = max(i for i, key in enumerate(keys) if not key.isdigit())
-    owner = get(obj, ".".join(keys[:field_index])) if field_index else obj
-    _step(owner, keys[field_index], path)
-    field = next(f for f in dataclasses.fields(owner) if f.name == keys[field_index])
-    if "unit" not in field.metadata:
+    """The unit of the parameter at a dotted path; ValueError if it is not a physical quantity, or a fixed one."""
+    value, unit = obj, None
+    for key in path.split("."):
+        inner = _step(value, key, path)
+        if dataclasses.is_dataclass(value):
+            about = next(f for f in dataclasses.fields(value) if f.name == key).metadata
+            if about.get("fixed"):
+                raise ValueError(f"parameter {path!r} cannot be varied: it {about['fixed']}")
+            unit = about.get("unit")
+        value = inner
+    if unit is None:
         raise ValueError(f"parameter {path!r} is not a physical quantity; choose from {', '.join(quantities(obj))}")
-    return str(field.metadata["unit"])
+    return str(unit)
 
 
 def quantities(obj: Any, prefix: str = "", *, uncertain: bool = False) -> tuple[str, ...]:
-    """Dotted names of every physical quantity of a dataclass, nested ones included; `uncertain`: those marked so."""
-    names: list[str] = []
+    """Dotted names of the physical quantities of a dataclass that are not fixed, one for each number, nested ones
+    included; `uncertain`: those marked so.
+    """
+    found: list[str] = []
     for field in dataclasses.fields(obj):
-        value = getattr(obj, field.name)
-        if "unit" in field.metadata:
-            if uncertain and not field.metadata.get("uncertain", False):
-                continue
-            if isinstance(value, tuple):
-                names += [f"{prefix}{field.name}.{i}" for i in range(len(value))]
-            else:
-                names.append(prefix + field.name)
-        elif dataclasses.is_dataclass(value):
-            names += quantities(value, f"{prefix}{field.name}.", uncertain=uncertain)
-    return tuple(names)
+        value, about = getattr(obj, field.name), field.metadata
+        if about.get("fixed") or ("unit" in about and uncertain and not about.get("uncertain")):
+            continue
+        found += _names(value, prefix + field.name, uncertain, "unit" in about)
+    return tuple(found)
+
+
+def _names(value: Any, path: str, uncertain: bool, inside: bool) -> list[str]:
+    """Of a field's value, `inside` a quantity or not."""
+    if isinstance(value, tuple):
+        return [name for i, part in enumerate(value) for name in _names(part, f"{path}.{i}", uncertain, inside)]
+    if inside:
+        return [path]
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return list(quantities(value, f"{path}.", uncertain=uncertain))
+    return []

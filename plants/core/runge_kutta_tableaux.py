@@ -13,11 +13,13 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from .signals import OwnsArrays
+
 Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Tableau:
+class Tableau(OwnsArrays):
     """k_i = f(t + c_i h, x + h sum_j A_ij k_j), x(t + h) = x + h sum_i b_i k_i: A (s, s) strictly lower, b, c (s,)."""
 
     A: Array

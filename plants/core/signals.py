@@ -1,10 +1,11 @@
-"""Named signals with units, and how an input given as a number, an array or a function of time is sampled."""
+"""Named signals with units; how an input given as a number, an array or a function of time is sampled; own arrays."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -138,6 +139,64 @@ def _given_names(owner: str, given: Any) -> tuple[Any, ...]:
         if not isinstance(item, (str, Signal)):
             raise ValueError(f"{owner}[{i}] = {shown(item)} must be a name or a Signal")
     return found
+
+
+class Sealed(NamedTuple):
+    """An array that travels write-protected: pickle forgets that."""
+
+    array: np.ndarray
+
+
+class OwnsArrays:
+    """Base of what holds arrays: a copy, however it came, owns its own, write-protected where the original's are.
+
+    What is read from shared memory or a file, by protocol 5, joblib or Ray, is else neither its own nor to be written.
+    """
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: sealed(value) for name, value in self.__dict__.items()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update({name: owned(value) for name, value in state.items()})
+
+    def __copy__(self) -> Self:
+        return deepcopy(self)  # nothing that changes is shared
+
+
+def sealed(value: Any) -> Any:
+    """With arrays that may not be written to, also in tuples, lists and dicts, as `Sealed`."""
+    return _each(value, _seal)
+
+
+def owned(value: Any) -> Any:
+    """Arrays, also in tuples, lists and dicts, as own copies; those that came `Sealed` write-protected."""
+    return _each(value, _open)
+
+
+def _each(value: Any, made: Callable[[Any], Any]) -> Any:
+    """The value with made(array) for each array in it; what holds none is left as it is."""
+    if isinstance(value, (np.ndarray, Sealed)):
+        return made(value)
+    if type(value) is dict:
+        return {key: _each(part, made) for key, part in value.items()}
+    if type(value) is list:
+        return [_each(part, made) for part in value]
+    if isinstance(value, tuple):
+        parts = [_each(part, made) for part in value]
+        if all(new is old for new, old in zip(parts, value)):
+            return value
+        return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+    return value
+
+
+def _seal(array: np.ndarray) -> Any:
+    return array if array.flags.writeable else Sealed(array)
+
+
+def _open(value: Any) -> np.ndarray:
+    array = np.array(value.array if isinstance(value, Sealed) else value, order="K", subok=True)
+    array.setflags(write=not isinstance(value, Sealed))
+    return array
 
 
 def read_only(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 
 from .argument_gates import shown
 from .parameters import require_choice, require_finite
-from .signals import Signal, as_signals, names, read_only, read_only_times
+from .signals import OwnsArrays, Signal, as_signals, names, read_only, read_only_times
 
 if TYPE_CHECKING:
     import pandas
@@ -21,7 +21,7 @@ KINDS = ("states", "outputs", "inputs", "disturbances")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory:
+class Trajectory(OwnsArrays):
     """Rows belong to the times t; `traj["tip_x"]` is a column by name. The arrays are write-protected copies.
 
     `hold` says what the input does between two times: "zero-order" keeps the earlier row, "linear" joins the

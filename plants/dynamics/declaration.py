@@ -6,6 +6,7 @@ A plant is its parameters (a frozen dataclass). What is done with the statements
 from __future__ import annotations
 
 import dataclasses
+import numbers
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,9 +18,11 @@ import numpy as np
 from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_names
 from pliant.plants.core.casadi_functions import built_once
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import Signal, owned, sealed
+from pliant.plants.native.batch_kernels import compiled
 
 Array = np.ndarray
+COMPILED, NATIVE = ("_dynamics", "_output", "_jacobians"), "_native"  # functions, and where their names are kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,18 +112,38 @@ class Declaration(ABC):
     @cached_property
     def quiet(self) -> tuple[Array, Array]:
         """(w, p) where none are given: no disturbance, the plant's own parameters."""
-        return np.zeros(self.nw), self.nominal_parameters
+        w, p = np.zeros(self.nw), self.nominal_parameters
+        for shared in (w, p):
+            shared.setflags(write=False)
+        return w, p
 
     def vary(self, *paths: str) -> Self:
-        """A plant whose named parameters ("payload.mass") are inputs p of every function: no rebuild per value."""
+        """A plant whose named parameters ("payload.mass") are inputs p of every function: no rebuild per value.
+
+        ValueError for a name that is no number, or of which the plant must know the value when it is built.
+        """
         paths = require_names(f"{type(self).__name__}.vary", paths)
         for path in paths:
             parameters.unit_of(self, path)
-            if parameters.get(self, path) is None:
+            value = parameters.get(self, path)
+            if value is None:
                 raise ValueError(f"parameter {path!r} of {type(self).__name__} is None and cannot be varied")
-        if len(set(paths)) != len(paths):
-            raise ValueError(f"vary{paths}: every parameter may be named once")
-        return dataclasses.replace(self, varied=tuple(paths))
+            if isinstance(value, bool) or not isinstance(value, numbers.Real):
+                raise ValueError(f"parameter {path!r} = {value!r} must be one number; name one of them, as '{path}.0'")
+        made = dataclasses.replace(self, varied=tuple(paths))
+        made._take_symbols()
+        return made
+
+    def _take_symbols(self) -> None:
+        """ValueError where one of the varied parameters cannot be a symbol."""
+        for path in self.varied:
+            try:
+                parameters.put(dataclasses.replace(self, varied=()), path, ca.SX.sym("p"))
+            except (TypeError, RuntimeError) as compared:  # CasADi's, of an expression that must be true or false
+                raise ValueError(
+                    f"parameter {path!r} of {type(self).__name__} cannot be varied: its value decides how the plant is "
+                    "built"
+                ) from compared
 
     @cached_property
     def nominal(self) -> Self:
@@ -148,8 +171,45 @@ class Declaration(ABC):
         t, x, u, w, _ = self.symbols
         return self.symbolic.ode(t, x, u, w), self.symbolic.output(t, x, u, w)
 
+    @built_once
+    def _function(self) -> ca.Function:
+        """Without a value p is not a number: zero would be a plant without mass."""
+        options = {"default_in": [0.0, 0.0, 0.0, 0.0, float("nan") if self.varied else 0.0]}
+        results = [ca.densify(e) for e in self.expressions]
+        return ca.Function("plant", list(self.symbols), results, list("txuwp"), ["dx", "y"], options)
+
+    def casadi(self) -> ca.Function:
+        """A casadi.Function (t, x, u, w, p) -> (dx, y) for a user's own expressions and programs; takes SX, MX and DM.
+
+        t [s] is a number, x (nx,), u (nu,), w (nw,), p (np,) columns in the order of `states`, `inputs`,
+        `disturbances` and `parameters`; dx (nx,) is dx/dt, y (ny,) the outputs. It has all its derivatives. By name,
+        t, u and w may be left out, and are zero; a parameter that is varied must be given, or all is NaN. Of a
+        spacecraft x holds a unit quaternion: dx keeps its length, and y holds twice its vector part.
+
+        >>> f = arm.casadi()
+        >>> x = opti.variable(arm.nx)  # of a casadi.Opti
+        >>> opti.subject_to(f(x=x, u=u)["dx"] == 0)
+        """
+        return self._function
+
+    def compile(self) -> Self:
+        """This plant with its dynamics, outputs and Jacobians on native kernels: same calls, same results to rounding.
+
+        Compiled once per user and machine, then loaded from the cache; a copy that travels compiles where it arrives.
+        """
+        fast = compiled(self, COMPILED)
+        fast.__dict__[NATIVE] = COMPILED
+        return fast
+
+    def _taken(self, name: str, built: Any) -> Any:
+        """What a property that is built once gives this instance: a kernel of its own where it was compiled."""
+        if name not in self.__dict__.get(NATIVE, ()):
+            return built
+        return compiled(dataclasses.replace(self), (name,)).__dict__[name]
+
     def __getstate__(self) -> dict[str, Any]:
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        kept = {NATIVE: self.__dict__[NATIVE]} if NATIVE in self.__dict__ else {}
+        return {f.name: sealed(getattr(self, f.name)) for f in dataclasses.fields(self)} | kept
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        self.__dict__.update(owned(state))

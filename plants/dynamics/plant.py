@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -20,7 +20,7 @@ from pliant.plants.integration.batch_stepper import Stepper
 from pliant.plants.integration.simulation import Input, simulate
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
-from pliant.plants.native.batch_kernels import as_dtype, compiled
+from pliant.plants.native.batch_kernels import as_dtype
 from pliant.plants.validity.ranges import Left, Range, left
 
 from . import arguments, equilibrium, linear_models, python_control
@@ -179,13 +179,6 @@ class Plant(PlantContract):
         """
         return Stepper(self, dt, method, batch, as_dtype(dtype), threads, substeps, check)
 
-    def compile(self) -> Self:
-        """This plant with its dynamics, outputs and Jacobians on native kernels: same calls, same results to rounding.
-
-        Compiled once per user and machine, then loaded from the cache.
-        """
-        return compiled(self, ("_dynamics", "_output", "_jacobians"))
-
     def linearize(self, x0: Any, u0: Any = None, *, w: Any = None, p: Any = None, t: float = 0.0) -> LinearModel:
         """The exact linear model about (x0, u0): A B E C D F by automatic differentiation, f0 the residual rate."""
         return linear_models.about(self, x0, u0, w, p, t)
@@ -218,6 +211,18 @@ class Plant(PlantContract):
         """
         return linear_models.over_impulse(self, x, after, P, p, t)
 
-    def to_control(self) -> control.NonlinearIOSystem:
-        """A python-control NonlinearIOSystem whose `linearize` is this plant's exact one."""
-        return python_control.to_control(self)
+    def to_control(
+        self,
+        *,
+        inputs: Any = None,
+        disturbances: Any = False,
+        outputs: Any = None,
+        name: Any = None,
+        params: Any = None,
+    ) -> control.NonlinearIOSystem:
+        """A python-control NonlinearIOSystem whose `linearize` is exact, in as many states as the system has.
+
+        outputs: None (the plant's), "states", or names of outputs and states. inputs: None (all) or names, the others
+        zero; disturbances: True (all) or names, as further inputs. params: defaults of varied parameters by name.
+        """
+        return python_control.to_control(python_control.Chosen(self, inputs, disturbances, outputs), name, params)

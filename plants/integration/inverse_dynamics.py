@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_finite, require_seconds
-from pliant.plants.core.signals import names
+from pliant.plants.core.signals import OwnsArrays, names
 
 from .minimum_jerk import minimum_jerk
 
 Array = np.ndarray
 
 
-class InverseDynamics:
+class InverseDynamics(OwnsArrays):
     """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s], minimum jerk.
 
     Moved are all coordinates where there are as many inputs, else those of the joints, with the others held at `begin`:

@@ -13,6 +13,7 @@ import casadi as ca
 
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.signals import OwnsArrays
 
 from .tangent_field import Array, sparse
 
@@ -20,7 +21,7 @@ TERMS = 16  # of the series in phi^2: complete to rounding below one turn
 
 
 @dataclass(frozen=True, eq=False)
-class PlanarSections:
+class PlanarSections(OwnsArrays):
     """Rotation theta = psi . q: K = int psi' psi'^T, S = int psi psi^T, tip_turn = psi(1)."""
 
     beam: Beam

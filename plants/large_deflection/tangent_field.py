@@ -20,13 +20,14 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from pliant.plants import beams
+from pliant.plants.core.signals import OwnsArrays
 
 Array = np.ndarray
 TINY = 1e-14  # of the largest entry: constants below are rounding
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class Points(OwnsArrays):
     """Gauss-Legendre points on equal panels of [0, 1], and what integrates a polynomial through them."""
 
     xi: Array  # (m,)
@@ -75,7 +76,7 @@ def points(m: int, panels: int = 1) -> Points:
 
 
 @dataclass(frozen=True, eq=False)
-class TangentField:
+class TangentField(OwnsArrays):
     """t(a_1, .., a_k), d components, at the points, with constant a_j = A_j q.
 
     angles, tangent: the symbols a (k,) and the expression of t (d,) in them.

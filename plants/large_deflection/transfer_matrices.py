@@ -21,6 +21,7 @@ import numpy as np
 from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.signals import OwnsArrays
 
 from .large_beam import LargeDeflectionBeam
 from .sub_beam_chain import Chain
@@ -36,7 +37,7 @@ METHODS = ("sweep", "product")
 LOST = 1e-6  # of the largest force: what the product may leave at the tip
 
 
-class TransferMatrices:
+class TransferMatrices(OwnsArrays):
     """The recursion for one plant with kinematics "substructured"."""
 
     def __init__(self, plant: LargeDeflectionBeam) -> None:

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_flag, require_seconds, shown
+from pliant.plants.core.argument_gates import require_seconds, shown
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 
 from . import modal_analysis
 from .even_units import even_expm
-from .model_signals import ModelSignals
+from .model_signals import ModelSignals, state_space
 
 if TYPE_CHECKING:
     import control
@@ -179,25 +179,15 @@ class LinearModel(ModelSignals):
             error_bound=bound,
         )
 
-    def to_control(self, *, disturbances: bool = False) -> control.StateSpace:
+    def to_control(
+        self, *, disturbances: bool = False, outputs: Any = None, name: str | None = None
+    ) -> control.StateSpace:
         """python-control's StateSpace of the deviations, names kept; f0 is left out.
 
-        disturbances=True appends the disturbances to the inputs.
+        disturbances=True appends the disturbances to the inputs. outputs: None (the model's), "states", or names of
+        outputs and states.
         """
-        import control
-
-        B, D = self._drives[:, :-1], np.hstack([self.D, self.F])
-        count = B.shape[1] if require_flag("to_control.disturbances", disturbances) else len(self.inputs)
-        return control.StateSpace(
-            self.A,
-            B[:, :count],
-            self.C,
-            D[:, :count],
-            0 if self.dt is None else self.dt,
-            states=list(self.state_names),
-            inputs=list(self.input_names + self.disturbance_names)[:count],
-            outputs=list(self.output_names),
-        )
+        return state_space(self, disturbances, outputs, name)
 
     @classmethod
     def from_control(cls, system: control.StateSpace) -> LinearModel:

@@ -1,13 +1,25 @@
-"""The signals of a linear model, of one point or along a motion: their names, and how many its matrices must fit."""
+"""The signals of a linear model, of one point or along a motion: their names, and how many its matrices must fit; the
+model at one point for python-control.
+"""
 
 from __future__ import annotations
 
-from pliant.plants.core.signals import Signal, as_signals, names
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pliant.plants.core.argument_gates import require_flag, require_instance, require_names
+from pliant.plants.core.signals import OwnsArrays, Signal, as_signals, names, rows_by_name
+
+if TYPE_CHECKING:
+    import control
+
+    from .lti import LinearModel
 
 KINDS = ("states", "inputs", "disturbances", "outputs")
 
 
-class ModelSignals:
+class ModelSignals(OwnsArrays):
     """Base of `LinearModel` and `LTVModel`, whose fields the four tuples are."""
 
     states: tuple[Signal, ...]
@@ -41,3 +53,34 @@ class ModelSignals:
     @property
     def output_names(self) -> tuple[str, ...]:
         return names(self.outputs)
+
+
+def state_space(model: LinearModel, disturbances: bool, outputs: Any, name: str | None) -> control.StateSpace:
+    """See `LinearModel.to_control`."""
+    import control
+
+    disturbances = require_flag("to_control.disturbances", disturbances)
+    require_instance("to_control.name", name or "", str, what="string")
+    count = len(model.inputs) + (len(model.disturbances) if disturbances else 0)
+    C, D, seen = model.C, np.hstack([model.D, model.F]), list(model.output_names)
+    if outputs is not None:
+        listed = (
+            model.state_names
+            if outputs == "states"
+            else [outputs]
+            if isinstance(outputs, str)
+            else require_names("to_control.outputs", outputs)
+        )
+        rows, seen = rows_by_name(model, listed), list(listed)
+        C, D = rows.C, np.hstack([rows.D, rows.F])
+    return control.StateSpace(
+        model.A,
+        np.hstack([model.B, model.E])[:, :count],
+        C,
+        D[:, :count],
+        0 if model.dt is None else model.dt,
+        states=list(model.state_names),
+        inputs=list(model.input_names + model.disturbance_names)[:count],
+        outputs=seen,
+        name=name,
+    )

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.core.trajectory import Trajectory
 
 from .ltv import LTVModel
@@ -35,7 +36,7 @@ class Linearised(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class PiecewiseLTV:
+class PiecewiseLTV(OwnsArrays):
     """Pieces in order, each starting where the last ended, with one jump (J (nx, nx), j (nx,)) between each two."""
 
     pieces: tuple[LTVModel, ...]

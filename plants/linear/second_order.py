@@ -11,7 +11,7 @@ import numpy as np
 
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import OwnsArrays, Signal
 
 if TYPE_CHECKING:
     from .ltv import LTVModel
@@ -20,7 +20,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class SecondOrderModel:
+class SecondOrderModel(OwnsArrays):
     """[A] x'' + [B] x' + [C] x = Q at the times t; arrays (nt, n, n) and (nt, n). Q_u (nt, n, nu) multiplies input
     deviations.
     """

@@ -19,7 +19,7 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_counts, require_number
 from pliant.plants.core.parameters import require_count
-from pliant.plants.core.signals import read_only
+from pliant.plants.core.signals import OwnsArrays, read_only
 from pliant.plants.linear.second_order import natural_squares
 
 from .component_modes import clamped_modes
@@ -31,7 +31,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class ModalData:
+class ModalData(OwnsArrays):
     """A body of n clamped modes. Integrals run over its mass; arrays are write-protected copies.
 
     The shortening that n modes cause is s2(r) = -(1/2) sum g_kl(r) eta_k eta_l (zero where it is not known).

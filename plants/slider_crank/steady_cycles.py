@@ -17,7 +17,7 @@ import numpy as np
 
 from pliant.plants.core.errors import EquilibriumError, MassMatrixError
 from pliant.plants.core.parameters import require_count, require_finite
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import OwnsArrays, index
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.stability.floquet import floquet
@@ -161,7 +161,7 @@ def floquet_multipliers(model: LTVModel, states: Sequence[str] | None = None) ->
 
 
 @dataclass(frozen=True, eq=False)
-class SpeedScan:
+class SpeedScan(OwnsArrays):
     """Floquet multipliers of the rod's deviations (ns, 2n) at crank speeds (ns,) [rad/s], largest first."""
 
     speeds: np.ndarray

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from pliant.plants.core.parameters import quantities
 from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
 
 from .declaration import AXES, SpacecraftDeclaration
@@ -81,12 +80,6 @@ class SpacecraftContract(SpacecraftDeclaration):
     @property
     def attitude_outputs(self) -> tuple[str, ...]:
         return names(self.outputs[:3])
-
-    @property
-    def uncertain(self) -> tuple[str, ...]:
-        own = tuple(enumerate(self.appendages))
-        parts = (f"appendages.{i}.{path}" for i, a in own for path in quantities(a, uncertain=True))
-        return (*quantities(self, uncertain=True), *parts)
 
     @property
     def unfelt(self) -> Unfelt:

@@ -273,7 +273,8 @@ def natural_frequencies(craft: SpacecraftDeclaration, x0: Any, p: Any) -> Array:
     values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)
     bodies = dataclasses.replace(craft, varied=())
     for path, value in zip(craft.varied, values):
-        bodies = parameters.put(bodies, path, float(value))
+        if path.startswith("appendages."):  # the hub's part is in the mass matrix
+            bodies = parameters.put(bodies, path, float(value))
     at = craft.layout
     n, first = 6 + len(craft.coordinates), at.quaternion.stop - 6
     K, free = np.zeros((n, n)), np.ones(n, dtype=bool)

@@ -81,7 +81,7 @@ class Appendage:
     """
 
     position: Any = quantity("m", "finite", shape=(3,))
-    body: Beam | ModalData
+    body: Beam | ModalData = field(metadata={"fixed": "becomes modal data; vary its stiffness_factor instead"})
     orientation: Any = IDENTITY
     modes: int | tuple[int, int] | None = None
     hinge: Hinge = field(default_factory=Hinge)

@@ -20,6 +20,7 @@ from pliant.plants.core.parameters import is_symbolic, quantity, validate
 from pliant.plants.core.quaternions import about
 
 EARTH_RADIUS = 6.778e6  # [m], about 400 km up
+UNIT_VECTOR = "is a part of a unit vector"
 SOLAR_PRESSURE = 4.56e-6  # [N/m^2] at 1 au: 1367 W/m^2 over the speed of light
 
 
@@ -60,7 +61,7 @@ class Orbit:
 class Sun:
     """Sunlight from `direction`: a unit vector to the sun in reference axes at t = 0, fixed in space."""
 
-    direction: Any = quantity("1", "finite", shape=(3,))
+    direction: Any = quantity("1", "finite", shape=(3,), fixed=UNIT_VECTOR)
     pressure: Any = quantity("N/m^2", "nonnegative", SOLAR_PRESSURE)
 
     def __post_init__(self) -> None:
@@ -80,7 +81,7 @@ class Surface:
     """
 
     area: Any = quantity("m^2", "nonnegative")
-    normal: Any = quantity("1", "finite", shape=(3,))
+    normal: Any = quantity("1", "finite", shape=(3,), fixed=UNIT_VECTOR)
     specular: Any = quantity("1", "nonnegative", 0.0)
     diffuse: Any = quantity("1", "nonnegative", 0.0)
     centre: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))

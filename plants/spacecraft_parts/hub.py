@@ -15,6 +15,15 @@ from pliant.plants.core.quaternions import cross
 from .environment import Surface
 
 
+def _mirrored(inertia: tuple[tuple[Any, ...], ...]) -> tuple[tuple[Any, ...], ...]:
+    """The tensor whose symbols stand in both of their places: one name varies a product of inertia."""
+
+    def at(i: int, j: int) -> Any:
+        return inertia[i][j] if is_symbolic(inertia[i][j]) or not is_symbolic(inertia[j][i]) else inertia[j][i]
+
+    return tuple(tuple(at(i, j) for j in range(3)) for i in range(3))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Wheel:
     """A reaction wheel about `axis` (hub axes). Its input is the motor's torque on the hub; its state the axial
@@ -52,7 +61,8 @@ class Thruster:
 class Hub:
     """A rigid body; origin at its mass centre. Without wheels and thrusters its inputs are three torques in its axes.
 
-    `inertia`: three principal moments or a full 3 x 3 tensor.
+    `inertia`: three principal moments or a full 3 x 3 tensor. To `vary` a product of inertia, one of its two places is
+    named.
     """
 
     mass: Any = quantity("kg", "positive")
@@ -70,6 +80,7 @@ class Hub:
         object.__setattr__(self, "inertia", I)
         validate(self)
         if any(is_symbolic(v) for row in self.inertia for v in row):
+            object.__setattr__(self, "inertia", _mirrored(self.inertia))
             return
         tensor = np.array(self.inertia, dtype=float)
         if np.abs(tensor - tensor.T).max() > 1e-9 * np.abs(tensor).max() or np.linalg.eigvalsh(tensor)[0] <= 0:

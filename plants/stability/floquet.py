@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_flag, require_number
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -35,7 +36,7 @@ __all__ = ["Floquet", "floquet", "monodromy", "periodic_path", "periodic_paths"]
 
 
 @dataclass(frozen=True, eq=False)
-class Floquet:
+class Floquet(OwnsArrays):
     """Multipliers lambda (nx,), largest first, exponents sigma = ln(lambda)/T (nx,) [1/s] with |Im| <= pi/T."""
 
     period: float  # [s]

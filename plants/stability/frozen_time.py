@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
 
 from .state_matrix_path import Model, Path, as_pieces, kept, scaling
@@ -24,7 +25,7 @@ ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (d
 
 
 @dataclass(frozen=True, eq=False)
-class FrozenTime:
+class FrozenTime(OwnsArrays):
     """Eigenvalues (nt, nx) [1/s] of A at the times t (nt,) [s], rightmost first, and what they would suggest."""
 
     t: np.ndarray = field(repr=False)

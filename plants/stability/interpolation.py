@@ -27,6 +27,8 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.signals import OwnsArrays
+
 SMOOTH, ROUGH = 9.0, 32.0
 FALLS = 1.25  # times the second difference: a fourth one larger than that is no smooth function's
 LONE = 0.3  # of an interval's length: one beside it that is shorter does not help to judge it
@@ -40,7 +42,7 @@ COLUMNS = 64  # entries at a time, so that they stay in cache
 EPS = float(np.finfo(float).eps)
 
 
-class Interpolant:
+class Interpolant(OwnsArrays):
     """f (nt, c) at nodes t (nt,) [s], as a function of time; `periodic`: the last row is the first.
 
     `area` (nt-1, c) bounds the integral of what is missed over each interval [unit of f times s], `most` (nt-1, c) its

@@ -16,6 +16,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.plants.core.argument_gates import require_count, require_number, require_seconds
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
@@ -31,7 +32,7 @@ WRAPPED = 1e-3  # of the fall of ln V over a period that V may rise by where P s
 
 
 @dataclass(frozen=True, eq=False)
-class Certificate:
+class Certificate(OwnsArrays):
     """V = dx^T P dx with V' <= -2 alpha V, P (nt, nx, nx) at the times t (nt,) [s]."""
 
     t: np.ndarray = field(repr=False)

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.plants.core.argument_gates import require_names
-from pliant.plants.core.signals import index
+from pliant.plants.core.signals import OwnsArrays, index
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -140,7 +140,7 @@ def modal(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return X, inverse @ (2 * np.eye(len(X)) - X @ inverse)
 
 
-class Path:
+class Path(OwnsArrays):
     """A(t) = base + what varies, from values A (nt, n, n) at times t; `periodic`: t[-1] is a period after t[0]."""
 
     def __init__(

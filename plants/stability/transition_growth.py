@@ -18,6 +18,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import require_number
 from pliant.plants.core.parameters import require_count, require_finite
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -31,7 +32,7 @@ ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
 
 @dataclass(frozen=True, eq=False)
-class Growth:
+class Growth(OwnsArrays):
     """Rows belong to the times t (nt,) [s]."""
 
     t: np.ndarray = field(repr=False)

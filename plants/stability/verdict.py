@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
 
 from .eigenvalue_bounds import EPS, bounds
@@ -20,7 +21,7 @@ GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Verdict(OwnsArrays):
     """The answer, the method that gave it, and what every other method said or why it was not used."""
 
     verdict: str  # stable | unstable | marginal | undecided

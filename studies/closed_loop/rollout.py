@@ -24,7 +24,7 @@ from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.episode_start import draw, early_end_cost, initial_states
 from pliant.plants import PliantError
 from pliant.plants.core.parameters import require_count, require_finite
-from pliant.plants.core.signals import names
+from pliant.plants.core.signals import OwnsArrays, names
 
 from .evaluation_scene import signal_ranges
 
@@ -33,7 +33,7 @@ SLACK = 1e-9  # share of a limit by which an input may exceed it and still count
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Conditions:
+class Conditions(OwnsArrays):
     """What one run starts from and suffers. `noise` (nx + ny,) are standard deviations of readings."""
 
     x: np.ndarray  # (nx,) start
@@ -45,7 +45,7 @@ class Conditions:
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout:
+class Rollout(OwnsArrays):
     """One run. Rows are control times up to where it ended; `failure` says why it ended early, "" where it did not."""
 
     t: np.ndarray  # (n + 1,) [s]

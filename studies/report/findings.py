@@ -9,7 +9,7 @@ import numpy as np
 from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LinearModel, LTVModel, Trajectory
-from pliant.plants.core.signals import Signal
+from pliant.plants.core.signals import OwnsArrays, Signal
 from pliant.studies.closed_loop.closed_loop import Loop
 from pliant.studies.closed_loop.comparison import Contest
 from pliant.studies.common import machine
@@ -19,7 +19,7 @@ from pliant.studies.stability.judgement import Judgement
 
 
 @dataclass
-class Findings:
+class Findings(OwnsArrays):
     """Everything that the report shows."""
 
     scene: Scene

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.signals import OwnsArrays
 from pliant.studies.closed_loop.scores import Row
 
 
@@ -30,7 +31,7 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class Line(OwnsArrays):
     """A motion as the figures show it: t (n,), goal signals, deflections and inputs by name (n,)."""
 
     t: np.ndarray

@@ -18,6 +18,7 @@ import numpy as np
 
 from pliant.plants import Plant, Trajectory
 from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.stability import assess
 from pliant.studies.common.reference_motions import Progress, silent
 from pliant.studies.fidelity.mode_count import ModeCount, ModesNeeded, modes_needed
@@ -34,7 +35,7 @@ Builder = Callable[..., Any]  # build(first, second) -> LinearModel, LTVModel or
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityMap:
+class StabilityMap(OwnsArrays):
     """Row i belongs to values[0][i] of the first parameter, column j to values[1][j] of the second."""
 
     names: tuple[str, str]

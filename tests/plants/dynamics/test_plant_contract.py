@@ -142,12 +142,7 @@ ANSWERS = {
         (LARGE, ("beam.E", "beam.damping", "payload.mass")),
         (
             craft("torque"),
-            (
-                "appendages.0.body.E",
-                "appendages.0.body.damping",
-                "appendages.0.damping",
-                "appendages.0.stiffness_factor",
-            ),
+            ("appendages.0.damping", "appendages.0.stiffness_factor"),  # what of its beam `vary` refuses is none
         ),
     ],
     "small_states": [
