@@ -28,7 +28,8 @@ from pliant.controllers import rl
 from pliant.controllers.learning.policy import FOLDER, Policy
 from pliant.envs import Scene, scenes
 from pliant.envs.environments.env import PlantEnv
-from pliant.plants.files.atomic_files import Together
+from pliant.plants.files.atomic_files import write_text
+from pliant.plants.files.whole_folders import renewed
 from pliant.studies.commands import console
 from pliant.studies.commands.train import draw, lqr_cost
 from pliant.studies.common import machine
@@ -251,12 +252,11 @@ def main() -> int:
     rates = rows(quick=False)
     described = {k: v for k, v in machine.describe().items() if k in ("processor", "cores", "system", "python")}
     described |= {name: machine.version(name) for name in PACKAGES}
-    given.out.mkdir(parents=True, exist_ok=True)
     content = {"about": described, "scenes": found, "rates": rates}
     text = markdown(found, rates, described)
-    with Together() as files:
-        files.text(given.out / "learning.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
-        files.text(given.out / "learning.md", text)
+    with renewed(given.out) as made:
+        write_text(made / "learning.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
+        write_text(made / "learning.md", text)
     print(text)
     return 0
 

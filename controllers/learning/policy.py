@@ -110,7 +110,7 @@ class Policy:
         return self.limits * action
 
     def save(self, path: str | Path) -> None:
-        """Write `path` with the endings .npz and .json: the former policy or this one, also where the process is killed.
+        """Write `path` with the endings .npz and .json: the former policy or this one, whenever the process is killed.
 
         OSError, which names the file, where it cannot be written.
         """
@@ -158,4 +158,3 @@ class Policy:
 def shipped() -> Sequence[str]:
     """Scenes for which a policy is shipped."""
     return sorted(path.stem for path in FOLDER.glob("*.npz"))
-

@@ -86,7 +86,7 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
         beside = sealed_json.load(OWNER, words_path, FORMAT)
         if {k: v for k, v in words.items() if k != "kind"} != beside:
             warnings.warn(
-                f"{str(words_path)!r} belongs to another policy than {arrays_path.name}, which is the one that is read: "
+                f"{str(words_path)!r} belongs to another policy than {arrays_path.name}, which is what is read: "
                 "a run was killed between the two files, or one was copied; saving it again makes both the same",
                 stacklevel=3,
             )

@@ -1,11 +1,12 @@
 """The one way in which Pliant writes a file: whole, or as it was before, whenever the process is killed.
 
-What is written stands beside its place under another name (leftovers.py), is on the disk before it takes the place, and
-takes it by one renaming. Files that belong together (`Together`) are all finished before the first takes its place, and a
-list of them says so: where the process is killed between two, the next that writes into the folder lets the rest follow.
+What is written stands beside its place under another name (leftovers.py), is on the disk before it takes the place,
+and takes it by one renaming. Files that belong together (`Together`) are all finished before the first takes its place,
+and a list of them says so: where the process is killed between two, the next that writes into the folder lets the rest
+follow.
 
-Access rights are those of the file that stood there, or an ordinary new file's. A symbolic link stays one: its target is
-written. Other names of the same file (hard links) keep the former content. A device or a pipe is written as it is.
+Access rights are those of the file that stood there, or an ordinary new file's. A symbolic link stays one: its target
+is written. Other names of the same file (hard links) keep the former content. A device or a pipe is written as it is.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Arrays and words in one .npz file with a checksum over every byte of it, and a reader that trusts nothing.
 
-The file is what `numpy.load` reads: `about` is JSON, with the kind of file and its format; the rest are arrays of numbers.
-The archive's comment is the SHA-256 of all that stands before it, so that a file that was cut off, damaged or written
-again by another program is told from Pliant's own. Files of version 0.1 (format 1) have no such comment: the archive's
-own CRC-32 is all that guards them. Nothing in a file is ever executed: objects, which only a pickle carries, are refused.
+The file is what `numpy.load` reads: `about` is JSON, with the kind of file and its format; the rest are arrays of
+numbers. The archive's comment is the SHA-256 of all that stands before it, so that a file that was cut off, damaged or
+written again by another program is told from Pliant's own. Files of version 0.1 (format 1) have no such comment: the
+archive's own CRC-32 is all that guards them. Nothing in a file is ever executed: objects, which only a pickle carries,
+are refused.
 """
 
 from __future__ import annotations
@@ -67,7 +68,9 @@ def write(file: BinaryIO, kind: str, form: int, about: Mapping[str, Any], arrays
         file.write(back.getvalue())  # type: ignore[attr-defined]
 
 
-def save(path: str | os.PathLike[str], kind: str, form: int, about: Mapping[str, Any], arrays: Mapping[str, Any]) -> None:
+def save(
+    path: str | os.PathLike[str], kind: str, form: int, about: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> None:
     """The whole file, or what was there before. OSError, which names `path`."""
     with replacing(path) as file:
         write(file, kind, form, about, arrays)

@@ -1,7 +1,7 @@
 """JSON objects with a checksum: what is read back is what was written, or a ValueError that names the file.
 
-The entry "sha256" is over the other entries, in one order and without spaces: it does not feel how the text is laid out.
-Files of version 0.1, which say no format, have none.
+The entry "sha256" is over the other entries, in one order and without spaces: it does not feel how the text is laid
+out. Files of version 0.1, which say no format, have none.
 """
 
 from __future__ import annotations

@@ -17,10 +17,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from . import leftovers
-from .atomic_files import sync_folder
+from .atomic_files import Together, sync_folder
 
 HERE, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
-CANNOT = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP)
+CANNOT = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EXDEV, errno.EBUSY, errno.EPERM, errno.EACCES)
 
 
 def check_target(folder: Path, mark: str) -> None:
@@ -72,6 +72,68 @@ def _put(made: Path, place: Path) -> None:
             os.rename(former, place)
         raise
     shutil.rmtree(former, ignore_errors=True)
+
+
+@contextmanager
+def renewed(folder: Path) -> Iterator[Path]:
+    """A folder to write files into that belong together; they take their places in `folder`, made if missing, at once.
+
+    What else is in `folder` stays. Where it holds plain files alone, a reader finds all former files or all new ones at
+    every moment. Where it cannot be exchanged (it holds folders or links, somebody here works in it, its file system
+    or the rights do not allow it), the files take their places one after the other: after a kill between two of them,
+    the next writer there lets the rest follow.
+    """
+    place = Path(os.path.realpath(folder))
+    place.mkdir(parents=True, exist_ok=True)
+    leftovers.settle(place.parent)
+    leftovers.settle(place)
+    made, beside = place.with_name(leftovers.name("part")), True
+    try:
+        try:
+            made.mkdir()
+        except OSError:  # the folder above belongs to somebody else
+            made, beside = place / leftovers.name("part"), False
+            made.mkdir()
+        yield made
+        _sync(made)
+        if not (beside and _exchanged(made, place)):
+            with Together() as files:
+                for path in sorted(made.iterdir()):
+                    with files.file(place / path.name) as file, path.open("rb") as source:
+                        shutil.copyfileobj(source, file)
+    finally:
+        if os.path.lexists(made):
+            leftovers.remove(made)
+
+
+def _exchanged(made: Path, place: Path) -> bool:
+    """Put a folder of new files in the place of the former, with what else that holds; False where that cannot be."""
+    new, former = {path.name for path in made.iterdir()}, list(place.iterdir())
+    here = Path(os.path.realpath(os.getcwd()))
+    if place == here or place in here.parents or not all(_plain(path) for path in former):
+        return False
+    try:
+        for path in former:
+            if path.name in new:
+                (made / path.name).chmod(stat.S_IMODE(path.stat().st_mode))
+            else:
+                os.link(path, made / path.name)
+    except OSError:  # a file system without links
+        return False
+    made.chmod(stat.S_IMODE(place.stat().st_mode))
+    sync_folder(made)
+    if not exchange(made, place):
+        return False
+    sync_folder(place.parent)
+    known = new | {path.name for path in former}
+    for path in made.iterdir():
+        if path.name not in known:  # somebody's, written while this went on
+            os.rename(path, place / path.name)
+    return True
+
+
+def _plain(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink() and os.access(path, os.W_OK)
 
 
 def exchange(one: Path, other: Path) -> bool:

@@ -1,7 +1,6 @@
 """Policies as arrays and JSON: what is shipped reaches its cost, what is damaged is refused, a zip needs trust."""
 
 import dataclasses
-import json
 import subprocess
 import sys
 
