@@ -75,6 +75,11 @@ def is_left(path: Path) -> bool:
         return False
     if parts[1] == _machine() and os.name == "posix":
         return not _runs(int(parts[2]), parts[3])
+    return is_old(path)
+
+
+def is_old(path: Path) -> bool:
+    """Whether nobody has changed a file for so long that no writer can still be at it."""
     try:
         return time.time() - path.lstat().st_mtime > AGE
     except OSError:  # gone meanwhile
