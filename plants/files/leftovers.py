@@ -26,7 +26,7 @@ from pathlib import Path
 
 PREFIX = ".pliant-"
 AGE = 86400.0  # [s] since the last change, where nobody here can say whether the writer runs
-PATTERN = re.compile(r"\.pliant-([0-9a-f]{12})-(\d+)-(\d+)-[0-9a-f]{12}\.(part|ready|former)(?:\.(.+))?", re.DOTALL)
+PATTERN = r"(?s)\.pliant-([0-9a-f]{12})-(\d+)-(\d+)-[0-9a-f]{12}\.(part|ready|former)(?:\.(.+))?"
 
 
 def name(role: str) -> str:
@@ -70,7 +70,7 @@ def _runs(process: int, start: str) -> bool:
 
 def is_left(path: Path) -> bool:
     """Whether a file of this module's names was left by a process that no longer runs."""
-    parts = PATTERN.fullmatch(path.name)
+    parts = re.fullmatch(PATTERN, path.name)
     if parts is None:
         return False
     if parts[1] == _machine() and os.name == "posix":
@@ -117,12 +117,12 @@ def settle(folder: Path) -> None:
 
 
 def _role(path: Path) -> str:
-    parts = PATTERN.fullmatch(path.name)
+    parts = re.fullmatch(PATTERN, path.name)
     return parts[4] if parts else ""
 
 
 def _put_back(path: Path) -> None:
-    parts = PATTERN.fullmatch(path.name)
+    parts = re.fullmatch(PATTERN, path.name)
     assert parts is not None
     place = path.with_name(parts[5])
     if os.path.lexists(place):
@@ -169,6 +169,6 @@ def _pairs(ready: Path) -> Iterable[tuple[str, str]]:
     except FileNotFoundError:  # another process was faster
         return []
     for part, place in pairs:
-        if not PATTERN.fullmatch(part) or os.path.basename(place) != place or place in ("", ".", ".."):
+        if not re.fullmatch(PATTERN, part) or os.path.basename(place) != place or place in ("", ".", ".."):
             raise ValueError(f"{ready}: {part!r} and {place!r} must be names of this folder")
     return [(part, place) for part, place in pairs]

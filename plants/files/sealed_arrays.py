@@ -19,9 +19,8 @@ import stat
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -41,8 +40,7 @@ class NotOwnError(ValueError):
     """What is wrong with a file, in words that follow its name."""
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(NamedTuple):
     """What stood in a file. `about` is None where it has none, `sealed` False where it has no checksum."""
 
     about: dict[str, Any] | None
