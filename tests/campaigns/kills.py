@@ -3,9 +3,10 @@
     python tests/campaigns/kills.py
 
 Each kind of file is written in version 1; a child process that writes version 2 over it is killed: by SIGKILL at a
-moment drawn at random (the first 200 seeds, where the child goes on with versions 1 and 2 in turn), before its k-th call of the system for every k there is (`steps`), and by
-the system itself in the middle of a write, after so many bytes (`bytes`). What stands there then must be version 1 or
-2 as a whole; after version 3 is written nothing else may be left in the folder.
+moment drawn at random (the first 200 seeds, where the child goes on with versions 1 and 2 in turn), before its k-th
+call of the system for every k there is (`steps`), and by the system itself in the middle of a write, after so many
+bytes (`bytes`). What stands there then must be one version as a whole; after version 3 is written nothing else may be
+left in the folder.
 
 `between` counts kills between two files of one table and its chart: a reader finds new beside old until the next writer
 in that folder, or `leftovers.settle`, lets the rest follow. It must be new as a whole then.
@@ -33,7 +34,7 @@ from file_kinds import KINDS, Kind
 from pliant.plants.files import leftovers, whole_folders
 
 RANDOM = 200
-CALLS = "open fsync replace rename link unlink rmdir mkdir chmod fchmod fchown".split()
+CALLS = ("open", "fsync", "replace", "rename", "link", "unlink", "rmdir", "mkdir", "chmod", "fchmod", "fchown")
 SIZES = (0, 1, 100, 1000, 4096, 9000)  # bytes after which the system kills
 
 
