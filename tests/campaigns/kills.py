@@ -8,12 +8,14 @@ call of the system for every k there is (`steps`), and by the system itself in t
 bytes (`bytes`). What stands there then must be one version as a whole; after version 3 is written nothing else may be
 left in the folder.
 
-`between` counts kills between two files of one table and its chart: a reader finds new beside old until the next writer
-in that folder, or `leftovers.settle`, lets the rest follow. It must be new as a whole then.
+`between` counts kills between a table and its chart, which are two files of the user's naming, and, where the system
+cannot exchange folders (`without exchange`), between the files of one folder: a reader finds new beside old until the
+next writer there, or `leftovers.settle`, lets the rest follow. All must be of one version then.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import resource
 import signal
@@ -35,6 +37,7 @@ from pliant.plants.files import leftovers, whole_folders
 
 RANDOM = 200
 CALLS = ("open", "fsync", "replace", "rename", "link", "unlink", "rmdir", "mkdir", "chmod", "fchmod", "fchown")
+FOLDERS = ("report", "scoreboard", "paper's figures")
 SIZES = (0, 1, 100, 1000, 4096, 9000)  # bytes after which the system kills
 
 
@@ -87,7 +90,8 @@ class Case:
         self.kind, self.folder = kind, folder
         kind.write(folder, 1)
         self.wanted = files(folder)
-        self.faults: dict[str, Any] = {"kills": 0, "lost": 0, "mixed": 0, "left": 0, "between": 0, "new": 0}
+        self.faults: dict[str, Any] = {"kills": 0, "lost": 0, "mixed": 0, "left": 0}
+        self.faults |= {"between": 0, "absent": 0, "new": 0}
 
     def killed(self, number: int) -> bool:
         """What is found after a child has ended; False where it had come to its end."""
@@ -97,11 +101,11 @@ class Case:
             return False
         self.faults["kills"] += 1
         found = self.found()
-        if self.kind.settles and len(found) > 1:
-            self.faults["between"] += 1
-            leftovers.settle(self.folder)
+        if self.kind.settles and len(found) != 1:
+            self.faults["between" if found else "absent"] += 1
+            for path in (self.folder, *(path for path in self.folder.iterdir() if path.is_dir())):
+                leftovers.settle(path)
             found = self.found()
-            self.faults["mixed"] += len(found) != 1
         self.faults["lost"] += not found
         self.faults["mixed"] += len(found) > 1 or not found <= {1, 2}
         self.faults["new"] += found == {2}
@@ -117,7 +121,8 @@ class Case:
             return set()
 
 
-def run(seed: int, names: tuple[str, ...] = tuple(KINDS)) -> dict[str, Any]:
+def run(seed: int, names: tuple[str, ...] = tuple(KINDS), every: int = 1) -> dict[str, Any]:
+    """One kind killed in one way; `every`: of the steps, for a sample."""
     kind = KINDS[names[seed % len(names)]]
     how = "moment" if seed < RANDOM else ("steps", "bytes", "without exchange")[(seed - RANDOM) // len(names) % 3]
     with tempfile.TemporaryDirectory() as there:
@@ -141,34 +146,25 @@ def run(seed: int, names: tuple[str, ...] = tuple(KINDS)) -> dict[str, Any]:
         elif how == "steps":
             k = 1
             while case.killed(child(write, lambda k=k: at_call(k))):
-                k += 1
-        else:
-            case.faults |= {"absent": 0}
+                k += every
+        elif kind.name in FOLDERS:  # no system without exchange does this in one step: the next writer mends it
+            case.kind = dataclasses.replace(kind, settles=True)
             with patch.object(whole_folders, "exchange", lambda *_: False):
-                if kind.name == "report":  # no system without exchange can do this in one step: it is put back
-                    k = 1
-                    case.found = lambda: _settled(case)  # type: ignore[method-assign]
-                    while case.killed(child(write, lambda k=k: at_call(k))):
-                        k += 1
+                k = 1
+                while case.killed(child(write, lambda k=k: at_call(k))):
+                    k += every
     return {"seed": seed, "kind": kind.name, "how": how, **case.faults}
-
-
-def _settled(case: Case) -> set[int]:
-    """A report after a kill where the system cannot exchange folders: absent, until the next writer puts it back."""
-    if not (case.folder / "report").exists():
-        case.faults["absent"] += 1
-        leftovers.settle(case.folder)
-    return Case.found(case)
 
 
 def summary(rows: list[dict[str, Any]]) -> str:
     def line(own: list[dict[str, Any]]) -> str:
-        total = {name: sum(r[name] for r in own) for name in ("kills", "new", "lost", "mixed", "left", "between")}
-        absent = sum(r.get("absent", 0) for r in own)
+        total = {
+            name: sum(r[name] for r in own) for name in ("kills", "new", "lost", "mixed", "left", "between", "absent")
+        }
         text = f"{total['kills']} kills, {total['new']} of them after the new file stood: {total['lost']} lost, "
         text += f"{total['mixed']} mixed, {total['left']} with leftovers after the next write"
-        text += f"; {total['between']} between two files, which the next writer mended" * bool(total["between"])
-        return text + f"; {absent} times absent until the next writer put it back" * bool(absent)
+        text += f"; {total['between']} between two files until the next writer" * bool(total["between"])
+        return text + f"; {total['absent']} times absent until the next writer put it back" * bool(total["absent"])
 
     text = "all: " + line(rows)
     for name in KINDS:
