@@ -195,8 +195,8 @@ class Trajectory:
         if odd:
             raise ValueError(f"Trajectory.load: {str(path)!r} has arrays {sorted(odd)}, which no motion has")
         try:
-            signals: dict[str, Any] = {kind: tuple(_signal(pair) for pair in about[kind]) for kind in KINDS}
-            return cls(**found.arrays, **signals, stats=dict(about["stats"]), hold=about["hold"])
+            fields: dict[str, Any] = {kind: tuple(_signal(pair) for pair in about[kind]) for kind in KINDS}
+            return cls(**fields, **found.arrays, stats=dict(about["stats"]), hold=about["hold"])
         except KeyError as error:
             raise ValueError(f"Trajectory.load: {str(path)!r} lacks {error}") from None
         except (TypeError, ValueError) as error:

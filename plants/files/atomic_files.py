@@ -88,11 +88,11 @@ class Together:
             file.write(text.encode())
 
     def _take_places(self) -> None:
-        folders = {target.parent for _, target in self._made}
+        folders = sorted({target.parent for _, target in self._made})
         ready = None
         if len(self._made) > 1 and len(folders) == 1:
             with _named(self._made[0][1]):
-                ready = leftovers.announce(*folders, [(part.name, target.name) for part, target in self._made])
+                ready = leftovers.announce(folders[0], [(part.name, target.name) for part, target in self._made])
         try:
             for part, target in self._made:
                 with _named(target):

@@ -3,6 +3,7 @@
 import os
 import time
 
+import kills
 import pytest
 
 from pliant.plants.files import leftovers
@@ -81,6 +82,25 @@ def test_what_was_announced_takes_its_place(tmp_path):
     leftovers.settle(tmp_path)
     assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a": "new a", "b": "new b"}
     leftovers.settle(tmp_path)
+
+
+def test_whoever_finishes_may_be_killed_too(tmp_path):
+    """Before each of its calls of the system: the next one finishes all the same."""
+    k, kills_done = 1, 0
+    while True:
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        for name in "ab":
+            (folder / name).write_text("old")
+        announced(folder, ended(), [("a", "new"), ("b", "new")])
+        number = kills.child(lambda folder=folder: leftovers.settle(folder), lambda k=k: kills.at_call(k))
+        _, status = os.waitpid(number, 0)
+        leftovers.settle(folder)
+        assert {p.name: p.read_text() for p in folder.iterdir()} == {"a": "new", "b": "new"}
+        if os.WIFEXITED(status):
+            break
+        k, kills_done = k + 1, kills_done + 1
+    assert kills_done >= 3
 
 
 def test_what_cannot_take_its_place_is_kept_for_another_time(tmp_path):
