@@ -195,8 +195,9 @@ class Trajectory:
         if odd:
             raise ValueError(f"Trajectory.load: {str(path)!r} has arrays {sorted(odd)}, which no motion has")
         try:
-            fields: dict[str, Any] = {kind: tuple(_signal(pair) for pair in about[kind]) for kind in KINDS}
-            return cls(**fields, **found.arrays, stats=dict(about["stats"]), hold=about["hold"])
+            fields: dict[str, Any] = dict(found.arrays)
+            fields |= {kind: tuple(_signal(pair) for pair in about[kind]) for kind in KINDS}
+            return cls(**fields, stats=dict(about["stats"]), hold=about["hold"])
         except KeyError as error:
             raise ValueError(f"Trajectory.load: {str(path)!r} lacks {error}") from None
         except (TypeError, ValueError) as error:

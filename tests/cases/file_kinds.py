@@ -187,7 +187,8 @@ def _report_write(folder: Path, version: int) -> None:
 
 def _report_read(folder: Path) -> set[int]:
     told = [json.loads(path.read_text())["version"] for path in (folder / "report").glob("*.json")]
-    assert len(told) == 3
+    if len(told) < 3:
+        raise ValueError("the report, or a part of it, is not there")
     return {*told, *_motion_read(folder / "report")}
 
 
