@@ -28,6 +28,8 @@ from pliant.controllers import rl
 from pliant.controllers.learning.policy import FOLDER, Policy
 from pliant.envs import Scene, scenes
 from pliant.envs.environments.env import PlantEnv
+from pliant.plants.files.atomic_files import write_text
+from pliant.plants.files.whole_folders import renewed
 from pliant.studies.commands import console
 from pliant.studies.commands.train import draw, lqr_cost
 from pliant.studies.common import machine
@@ -142,20 +144,20 @@ def run(scene: Scene, seed: int, steps: int, folder: Path) -> dict[str, Any]:
     """One training, or what a former one left in `folder`."""
     words = f"pliant train {scene.name} --algorithm ppo --seed {seed} --steps {steps} --threads 1"
     path = folder / rl.CURVE
-    have = json.loads(path.read_text())["curve"][-1]["steps"] if path.is_file() else -1
+    have = rl.read_curve(path)[-1].steps if path.is_file() else -1
     if have < steps:
         with console.bar(f"train {scene.name}") as tell:
             options = {"seed": seed, "steps": steps, "threads": 1, "folder": folder, "resume": have >= 0}
             found = rl.train(scene, **options, command=words, progress=tell)
         draw(scene, "ppo", found, folder)
-    policy, curve = Policy.load(folder / rl.POLICY), json.loads(path.read_text())["curve"]
+    policy, curve = Policy.load(folder / rl.POLICY), rl.read_curve(path)
     twice = 2 * (lqr_cost(scene) or np.inf)
-    reached = next((p["seconds"] for p in curve if p["cost"] <= twice), None)
+    reached = next((p.seconds for p in curve if p.cost <= twice), None)
     return {
         "seed": seed,
         "cost": policy.made["cost"],
-        "steps": curve[-1]["steps"],
-        "seconds": curve[-1]["seconds"],
+        "steps": curve[-1].steps,
+        "seconds": curve[-1].seconds,
         "seconds_to_twice_lqr": reached,
         "folder": folder.name,
         "command": words,
@@ -250,11 +252,11 @@ def main() -> int:
     rates = rows(quick=False)
     described = {k: v for k, v in machine.describe().items() if k in ("processor", "cores", "system", "python")}
     described |= {name: machine.version(name) for name in PACKAGES}
-    given.out.mkdir(parents=True, exist_ok=True)
     content = {"about": described, "scenes": found, "rates": rates}
-    (given.out / "learning.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
     text = markdown(found, rates, described)
-    (given.out / "learning.md").write_text(text)
+    with renewed(given.out) as made:
+        write_text(made / "learning.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
+        write_text(made / "learning.md", text)
     print(text)
     return 0
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from harness.sampling import RATE, SHARE, Row
+from pliant.plants.files.atomic_files import write_text
+from pliant.plants.files.whole_folders import renewed
 from pliant.studies.figures import style
 
 if TYPE_CHECKING:
@@ -161,7 +163,6 @@ def write(
     extra: Mapping[str, Any],
 ) -> None:
     """benchmark.json, benchmark.md and benchmark.png."""
-    folder.mkdir(parents=True, exist_ok=True)
     content = {
         "about": dict(about),
         "checks": [asdict(c) | {"holds": c.holds} for c in checks],
@@ -169,8 +170,9 @@ def write(
         "notes": list(notes),
         **extra,
     }
-    (folder / "benchmark.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
-    (folder / "benchmark.md").write_text(markdown(rows, checks, about, notes))
     found = {title: b for group, title in WIDE.items() if (b := bars(rows, group))}
-    if found:
-        style.save(chart(found), folder / "benchmark.png")
+    with renewed(folder) as made:
+        write_text(made / "benchmark.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
+        write_text(made / "benchmark.md", markdown(rows, checks, about, notes))
+        if found:
+            style.save(chart(found), made / "benchmark.png")

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pliant.plants.files import sealed_json
+
 from .policy import Policy
+from .settings import CURVE_FORMAT
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import TrainableScene
@@ -31,6 +35,21 @@ class Training:
     seconds: float  # since `train` was called, and what former runs took where this one went on
     rate: float  # environment steps a second of this run, learning and evaluations included
     threads: str  # how many torch used, and why
+
+
+def read_curve(path: str | Path) -> tuple[Evaluation, ...]:
+    """The evaluations of a run, from the curve.json in its folder.
+
+    ValueError, which names the file, where it is damaged or something else.
+    """
+    told = sealed_json.load("read_curve", path, CURVE_FORMAT)
+    try:
+        found = tuple(Evaluation(**point) for point in told["curve"])
+        if not all(isinstance(v, (int, float)) for point in found for v in (point.steps, point.seconds, point.cost)):
+            raise TypeError("an evaluation is steps, seconds and cost")
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"read_curve: {str(path)!r} holds no curve: {error}") from None
+    return found
 
 
 def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:

@@ -4,12 +4,11 @@ Law    u = limits * clip(net(z), -1, 1), or limits * tanh(net(z)) where `squash`
        z = clip((y - goal - mean) / std, -clip, clip),
        net = W_n a(.. a(W_1 z + b_1) ..) + b_n with a = tanh or relu.
 
-A policy is two files, NAME.npz (W1, b1, .., mean, std) and NAME.json (the rest). Neither can run code.
+A policy is NAME.npz (W1, b1, .., mean, std and all words) and NAME.json (the words once more). Neither can run code.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,14 +19,14 @@ import numpy as np
 from pliant.plants.core.parameters import require_choice, require_finite
 from pliant.plants.core.signals import OwnsArrays
 
+from . import policy_files
+
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import TrainableScene
 
-FORMAT = 1
 ACTIVATIONS = ("tanh", "relu")
 FOLDER = Path(__file__).parent / "policies"
 MOST_LAYERS = 100
-WORDS = ("scene", "reads", "goal", "inputs", "limits", "dt", "clip", "activation", "squash", "made")
 
 
 @final
@@ -112,48 +111,20 @@ class Policy(OwnsArrays):
         return self.limits * action
 
     def save(self, path: str | Path) -> None:
-        """Write `path` with the endings .npz and .json."""
-        arrays = {f"W{k}": W for k, W in enumerate(self.weights, 1)}
-        arrays |= {f"b{k}": b for k, b in enumerate(self.biases, 1)}
-        words = {name: getattr(self, name) for name in WORDS}
-        words |= {"goal": self.goal.tolist(), "limits": self.limits.tolist(), "made": dict(self.made)}
-        words["clip"] = None if np.isinf(self.clip) else float(self.clip)
-        arrays_path, words_path = _files(path)
-        arrays_path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez_compressed(arrays_path, mean=self.mean, std=self.std, **arrays)  # type: ignore[arg-type]
-        words_path.write_text(json.dumps({"format": FORMAT, **words}, indent=1, allow_nan=False) + "\n")
+        """Write `path` with the endings .npz and .json: the former policy or this one, whenever the process is killed.
+
+        OSError, which names the file, where it cannot be written.
+        """
+        policy_files.save(self, path)
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """From what `save` wrote. ValueError for files that are damaged, incomplete or of another format."""
-        arrays_path, words_path = _files(path)
+        """From what `save` wrote. ValueError, which names the file, for damaged, incomplete or foreign ones."""
+        fields = policy_files.load(path)
         try:
-            words = json.loads(words_path.read_text(encoding="utf-8"))
-            with np.load(arrays_path, allow_pickle=False) as found:
-                arrays = {name: found[name] for name in found.files}
-        except FileNotFoundError:
-            raise
-        except Exception as error:  # zipfile, json and numpy each have their own
-            raise ValueError(f"policy {arrays_path.stem!r} cannot be read: {error}") from None
-        own = f"policy {words_path.stem!r}"
-        if not isinstance(words, dict) or words.pop("format", None) != FORMAT:
-            raise ValueError(f"{own}: format must be {FORMAT}")
-        layers = sum(name.startswith("W") for name in arrays)
-        wanted = {"mean", "std", *(f"{kind}{k}" for kind in "Wb" for k in range(1, layers + 1))}
-        for what, have, must in (("arrays", set(arrays), wanted), ("words", set(words), set(WORDS))):
-            if have != must:
-                raise ValueError(f"{own}: {what} {sorted(have ^ must)} are missing or unknown")
-        words["clip"] = np.inf if words["clip"] is None else words["clip"]
-        try:
-            return cls(
-                weights=tuple(arrays[f"W{k}"] for k in range(1, layers + 1)),
-                biases=tuple(arrays[f"b{k}"] for k in range(1, layers + 1)),
-                mean=arrays["mean"],
-                std=arrays["std"],
-                **words,
-            )
-        except TypeError as error:
-            raise ValueError(f"{own}: {error}") from None
+            return cls(**fields)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ValueError(f"Policy.load: {str(path)!r} holds no policy: {error}") from None
 
     @classmethod
     def for_scene(cls, name: str) -> Self:
@@ -188,10 +159,3 @@ class Policy(OwnsArrays):
 def shipped() -> Sequence[str]:
     """Scenes for which a policy is shipped."""
     return sorted(path.stem for path in FOLDER.glob("*.npz"))
-
-
-def _files(path: str | Path) -> tuple[Path, Path]:
-    """The two files of a policy from its name, or from either file's."""
-    path = Path(path)
-    stem = path.name.removesuffix(".npz").removesuffix(".json")
-    return path.with_name(stem + ".npz"), path.with_name(stem + ".json")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,11 +65,22 @@ def describe(model: BaseAlgorithm, scene: TrainableScene, statistics: VecNormali
 def read_zip(path: Path, scene: TrainableScene, algorithm: str, statistics: Path | None) -> dict[str, Any]:
     """`describe` for a zip, and a pickled VecNormalize; the caller has said that both may be trusted."""
     require_choice("Policy.from_sb3_zip", "algorithm", algorithm, tuple(ALGORITHMS))
-    model = ALGORITHMS[algorithm].load(path, device="cpu")
-    found = None
+    model: Any = _unpickled(lambda: ALGORITHMS[algorithm].load(path, device="cpu"), path)
+    found: Any = None
     if statistics is not None:
-        found = VecNormalize.load(str(statistics), scene.sb3_env(1))
+        found = _unpickled(lambda: VecNormalize.load(str(statistics), scene.sb3_env(1)), statistics)
     return describe(model, scene, found)
+
+
+def _unpickled(read: Callable[[], Any], path: Path) -> Any:
+    """What `read` gives; ValueError, which names the file, for damaged and foreign ones."""
+    try:
+        return read()
+    except (FileNotFoundError, PermissionError):
+        raise
+    except Exception as error:  # what a damaged pickle raises is anybody's guess
+        words = f"{type(error).__name__}: {error}"
+        raise ValueError(f"Policy.from_sb3_zip: {str(path)!r} cannot be read: {words}") from None
 
 
 def _array(tensor: torch.Tensor) -> np.ndarray:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 Progress = Callable[[float, str], None]
 SECONDS = 300.0  # what a run may take where nothing is said
 CURVE, POLICY = "curve.json", "policy"
+CURVE_FORMAT = 2  # format 1, of version 0.1, has no checksum
 FLOOR = 0.02  # share of the learning rate that is left at the end
 
 

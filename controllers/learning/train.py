@@ -36,9 +36,9 @@ def train(
 ) -> Training:
     """Learn to play `scene` with "ppo" or "sac", for so many `seconds` (300 by default) or `steps` of all lanes.
 
-    folder    gets policy.npz and policy.json (the best so far), curve.json and the checkpoint, all renewed at every
-              evaluation. resume=True goes on from its checkpoint; `seconds` and `steps` count from the first start.
-              Nothing in the folder is a pickle
+    folder    gets the checkpoint, policy.npz and policy.json (the best so far) and curve.json, all renewed at every
+              evaluation, each whole whenever the run is killed. resume=True goes on from the checkpoint and writes the
+              rest from it; `seconds` and `steps` count from the first start. Nothing in the folder is a pickle
     num_envs  lanes; the algorithm's own number where not given
     threads   of torch; where not given, one on a busy machine, else as many as measure fastest
     progress  told a share in [0, 1] and a few words; `pliant train` shows them as a bar

@@ -52,7 +52,7 @@ def learn(
         folder.mkdir(parents=True, exist_ok=True)
         if resume:
             words = checkpoint.read_words(folder)
-        elif (folder / checkpoint.WORDS).exists():
+        elif checkpoint.exists(folder):
             raise ValueError(f"train: folder = {str(folder)!r} holds a run: go on with resume=True, or name another")
     with _as_found():
         count, why = (threads, "as asked") if threads is not None else choose()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,10 +12,12 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecNormalize
 
+from pliant.plants.files import sealed_json
+
 from . import checkpoint, sb3_export
 from .evaluation import Evaluation, evaluate
 from .policy import Policy
-from .settings import CURVE, POLICY, Progress
+from .settings import CURVE, CURVE_FORMAT, POLICY, Progress
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import TrainableScene
@@ -71,7 +72,9 @@ class Run(BaseCallback):
         checkpoint.restore(self.folder, words, model, self.env)
         self.curve = [Evaluation(**point) for point in words["curve"]]
         self.best_cost, self.former = words["best_cost"], words["spent"]
-        self.best = Policy.load(self.folder / POLICY)
+        # The policy's own files may be of another moment: of a run that was killed between them and the checkpoint.
+        self.best = checkpoint.best_of(self.folder) or Policy.load(self.folder / POLICY)
+        self._export()
 
     def judge(self) -> None:
         """Evaluate the policy as it is; keep it if it is the best; save everything."""
@@ -87,17 +90,25 @@ class Run(BaseCallback):
             self.best, self.best_cost = Policy(**words | {"made": made}), cost
         if self.folder is None:
             return
-        if better and self.best is not None:
-            self.best.save(self.folder / POLICY)
-        kept = {
+        assert self.best is not None
+        checkpoint.save(self.folder, self.model, self.env, self._kept(), self.best)
+        self._export(better)
+
+    def _kept(self) -> dict[str, Any]:
+        return {
             "scene": self.made["scene"],
             "algorithm": self.made["algorithm"],
             "best_cost": self.best_cost,
             "spent": self.spent,
             "curve": [dataclasses.asdict(p) for p in self.curve],
         }
-        checkpoint.save(self.folder, self.model, self.env, kept)
-        (self.folder / CURVE).write_text(json.dumps(kept, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+    def _export(self, policy: bool = True) -> None:
+        """What others read of the run; all of it follows from the checkpoint, which is written before."""
+        assert self.folder is not None and self.best is not None
+        if policy:
+            self.best.save(self.folder / POLICY)
+        sealed_json.save(self.folder / CURVE, {"format": CURVE_FORMAT, **self._kept()})
 
     def _on_training_start(self) -> None:
         self.first_steps, self.learning_since = self.model.num_timesteps, time.perf_counter()

@@ -16,6 +16,8 @@ from pathlib import Path
 
 from import_graph import ROOT, between_rooms, imports, modules, room_of, settings
 
+from pliant.plants.files.atomic_files import write_text
+
 OUT = ROOT / "docs" / "architecture.svg"
 BOX, HEIGHT, GAP, THREAD = 178, 74, 22, 16  # [px] a room, the space beside it, the width left to an arrow
 ROW = HEIGHT + 58  # [px] from layer to layer
@@ -256,7 +258,7 @@ def _arrow(edge: Edge, nodes: dict[str, Node], top) -> str:
 
 
 def main(out: Path = OUT) -> None:
-    out.write_text(svg(), encoding="utf-8")
+    write_text(out, svg())
     print(out, file=sys.stderr)
 
 

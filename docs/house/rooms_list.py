@@ -6,6 +6,8 @@ import re
 
 from import_graph import FOLDERS, ROOT, settings
 
+from pliant.plants.files.atomic_files import write_text
+
 PAGE = ROOT / "CONTRIBUTING.md"
 
 
@@ -24,4 +26,4 @@ def written(text: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(written(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    write_text(PAGE, written(PAGE.read_text(encoding="utf-8")))

@@ -17,6 +17,8 @@ from pathlib import Path
 from check import named
 from import_graph import ROOT, imports, modules
 
+from pliant.plants.files.atomic_files import write_text
+
 HEADING = "Modules without a test file"
 PAGE = ROOT / "CONTRIBUTING.md"
 SHOWN = 2  # test files told of a module
@@ -82,7 +84,7 @@ def main() -> int:
     text = PAGE.read_text(encoding="utf-8")
     head, rest = re.split(rf"(?<=## {HEADING}\n)", text)
     said, *_ = rest.split("\n- ", 1)
-    PAGE.write_text(head + said.rstrip() + "\n\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    write_text(PAGE, head + said.rstrip() + "\n\n" + "\n".join(lines) + "\n")
     print(*(f"no test imports from {module}" for module in nothing), sep="\n", file=sys.stderr)
     return 1 if nothing else 0
 

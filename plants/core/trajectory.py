@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.plants.files import sealed_arrays
+
 from .argument_gates import shown
 from .parameters import require_choice, require_finite
 from .signals import OwnsArrays, Signal, as_signals, names, read_only, read_only_times
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     import pandas
 
 KINDS = ("states", "outputs", "inputs", "disturbances")
+ARRAYS = ("t", "x", "u", "y", "dx", "w")
+FILE, FORMAT = "motion", 2  # what a file says of itself; format 1, of version 0.1, has no checksum
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -171,24 +175,34 @@ class Trajectory(OwnsArrays):
         return np.array([np.interp(new, self.t, column) for column in rows.T]).reshape(-1, len(new)).T
 
     def save(self, path: str | Path) -> None:
-        """Write one .npz file: the arrays, and names, units and stats as JSON text."""
-        arrays = {k: getattr(self, k) for k in ("t", "x", "u", "y", "dx", "w") if getattr(self, k) is not None}
+        """Write one .npz file: the arrays, and names, units and stats as JSON text, with a checksum.
+
+        The whole file, or what was there before, also where the process is killed. OSError, which names the file.
+        """
+        arrays = {k: getattr(self, k) for k in ARRAYS if getattr(self, k) is not None}
         about: dict[str, Any] = {kind: [[s.name, s.unit] for s in getattr(self, kind)] for kind in KINDS}
-        about |= {"stats": dict(self.stats), "hold": self.hold, "format": 1}
-        text = json.dumps(about, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
-        with open(path, "wb") as file:
-            np.savez(file, about=np.array(text), **arrays)
+        stats = json.dumps(dict(self.stats), default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
+        sealed_arrays.save(path, FILE, FORMAT, {**about, "stats": json.loads(stats), "hold": self.hold}, arrays)
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read what `save` wrote; ValueError where the file is something else."""
-        with np.load(path, allow_pickle=False) as data:
-            if "about" not in data:
-                raise ValueError(f"Trajectory.load: {str(path)!r} has arrays {sorted(data)}, must have 'about'")
-            about = json.loads(str(data["about"]))
-            arrays = {k: data[k] for k in data if k != "about"}
-        signals: dict[str, Any] = {kind: tuple(Signal(*pair) for pair in about[kind]) for kind in KINDS}
-        return cls(**arrays, **signals, stats=about["stats"], hold=about["hold"])
+        """Read what `save` wrote. ValueError, which names the file, where it is damaged or something else.
+
+        Files of version 0.1 have no checksum: of those only the archive's own CRC-32 is checked.
+        """
+        found = sealed_arrays.load("Trajectory.load", path, FILE, FORMAT)
+        about: dict[str, Any] = found.about or {}
+        odd = set(found.arrays) - set(ARRAYS)
+        if odd:
+            raise ValueError(f"Trajectory.load: {str(path)!r} has arrays {sorted(odd)}, which no motion has")
+        try:
+            fields: dict[str, Any] = dict(found.arrays)
+            fields |= {kind: tuple(_signal(pair) for pair in about[kind]) for kind in KINDS}
+            return cls(**fields, stats=dict(about["stats"]), hold=about["hold"])
+        except KeyError as error:
+            raise ValueError(f"Trajectory.load: {str(path)!r} lacks {error}") from None
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"Trajectory.load: {str(path)!r} holds no motion: {error}") from None
 
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame indexed by time [s], one column per name. pandas is not installed with Pliant."""
@@ -197,3 +211,10 @@ class Trajectory(OwnsArrays):
         except ImportError as error:
             raise ImportError("Trajectory.to_pandas needs pandas: pip install pandas") from error
         return pandas.DataFrame(self._columns(), index=pandas.Index(self.t, name="t"))
+
+
+def _signal(pair: Any) -> Signal:
+    """From [name, unit]. ValueError unless both are text."""
+    if not (isinstance(pair, list) and len(pair) == 2 and all(isinstance(word, str) for word in pair)):
+        raise ValueError(f"{pair!r} must be a name and a unit")
+    return Signal(*pair)

@@ -9,15 +9,17 @@ from __future__ import annotations
 import hashlib
 import os
 import stat
-import tempfile
 from pathlib import Path
 
 import platformdirs
 
 from pliant.plants.core.errors import PliantError
+from pliant.plants.files import leftovers
+from pliant.plants.files.atomic_files import sync_folder
 
 MAGIC = b"pliant-kernel-1\n"
 TRAILER = len(MAGIC) + 32
+BINARY = getattr(os, "O_BINARY", 0)
 
 
 class CacheError(PliantError):
@@ -99,37 +101,54 @@ def read_text(name: str) -> str | None:
 
 
 def write_aside(content: bytes) -> Path:
-    """Write sealed content under a temporary name in the cache folder; `publish` gives it its own."""
-    handle, name = tempfile.mkstemp(prefix="building-", suffix=".so", dir=checked_folder())
-    with os.fdopen(handle, "wb") as file:
-        file.write(seal(content))
-        file.flush()
-        os.fsync(file.fileno())
-    os.chmod(name, 0o700)
-    return Path(name)
+    """Write sealed content under a temporary name in the cache folder; `publish` gives it its own.
+
+    What killed processes have left there goes.
+    """
+    aside = checked_folder() / leftovers.name("part.so")
+    leftovers.settle(aside.parent)
+    for old in aside.parent.glob("building-*.so"):  # version 0.1's name for them, which does not say whose it is
+        if leftovers.is_old(old):
+            old.unlink(missing_ok=True)
+    try:
+        with os.fdopen(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o700), "wb") as file:
+            file.write(seal(content))
+            file.flush()
+            os.fsync(file.fileno())
+    except BaseException:
+        aside.unlink(missing_ok=True)
+        raise
+    return aside
 
 
 def publish(aside: Path, name: str) -> Path:
     """Rename a file written aside into place: other processes see all of it or nothing."""
     path = aside.with_name(name)
     os.replace(aside, path)
+    sync_folder(path.parent)
     return path
 
 
 def write(name: str, content: bytes) -> Path:
     """Write a whole file atomically."""
-    return publish(write_aside(content), name)
+    aside = write_aside(content)
+    try:
+        return publish(aside, name)
+    finally:
+        aside.unlink(missing_ok=True)
 
 
 def entries() -> list[Path]:
-    """All files in the cache."""
+    """All files in the cache but those that are being written."""
     path = checked_folder(create=False)
-    return sorted(p for p in path.iterdir() if p.is_file()) if path.exists() else []
+    found = path.iterdir() if path.exists() else ()
+    return sorted(p for p in found if p.is_file() and not p.name.startswith(leftovers.PREFIX))
 
 
 def clear() -> int:
-    """Remove every file of the cache; returns how many."""
+    """Remove every file of the cache, and what killed processes have left; returns how many of the former."""
     found = entries()
+    leftovers.settle(folder())
     for path in found:
         path.unlink(missing_ok=True)
     return len(found)

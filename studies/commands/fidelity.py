@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from pliant.plants.files.atomic_files import Together
 from pliant.studies.common.formatting import measured
 from pliant.studies.fidelity.choice import choose as climb
 from pliant.studies.fidelity.speed_accuracy import chart as measure
@@ -30,10 +31,11 @@ def chart(
     chosen = scene_with(scene, settings or [])
     with bar(f"chart {chosen.name}") as tell:
         found = measure(chosen, budget=budget, progress=tell)
-    if out is not None:
-        found.save(out)
-    if plot is not None:
-        save_chart(found, plot)
+    with Together() as files:
+        if out is not None:
+            found.save(out, files)
+        if plot is not None:
+            save_chart(found, plot, files)
     if as_json:
         print_json(found.to_json())
         return

@@ -1,56 +1,27 @@
-"""Folders that are written whole or not at all."""
+"""What a study writes: JSON tables and report folders, each by the writer of plants/files."""
 
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from pliant.plants.files import atomic_files, whole_folders
 
 MARK = "report.json"  # a folder that holds this is a former report
 
 
 def check_target(folder: Path) -> None:
     """ValueError unless the folder is absent, empty or a former report."""
-    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise ValueError(f"out = {str(folder)!r} must be a folder, or not exist yet")
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
-        raise ValueError(
-            f"out = {str(folder)!r} holds other files: it must be absent, empty or a former report ({MARK})"
-        )
+    whole_folders.check_target(folder, MARK)
 
 
-@contextmanager
-def whole_folder(folder: Path) -> Iterator[Path]:
+def whole_folder(folder: Path) -> AbstractContextManager[Path]:
     """A temporary folder beside `folder` to write into; it takes the folder's place when all went well."""
-    check_target(folder)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    try:
-        yield made
-        made.chmod(0o777 & ~_umask())
-        check_target(folder)
-        if folder.exists():
-            former = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-            os.replace(folder, former / "former")
-            os.replace(made, folder)
-            shutil.rmtree(former)
-        else:
-            os.replace(made, folder)
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    return whole_folders.whole_folder(folder, MARK)
 
 
 def plain(value: Any) -> Any:
@@ -78,5 +49,5 @@ def dumps(value: Any) -> str:
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Write JSON text and a line end."""
-    path.write_text(dumps(value) + "\n", encoding="utf-8")
+    """Write JSON text and a line end: the whole file, or what was there before. OSError, which names it."""
+    atomic_files.write_text(path, dumps(value) + "\n")

@@ -21,6 +21,7 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError
+from pliant.plants.files.atomic_files import Together, write_text
 from pliant.studies.common import machine
 from pliant.studies.common.formatting import duration
 from pliant.studies.common.reference_motions import TIGHT, Motions, Progress, silent
@@ -105,9 +106,14 @@ class Chart:
         """Settings that the budget left no time for."""
         return sum(row.failure == SPENT for row in self.rows)
 
-    def save(self, table: str | Path) -> None:
-        """Write the table as json; the picture is drawn by `figures.speed_accuracy.save`."""
-        Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+    def save(self, table: str | Path, together: Together | None = None) -> None:
+        """Write the table as json; the picture is drawn by `figures.speed_accuracy.save`, in one with the table
+        where both are told the same `together`. OSError, which names the file."""
+        text = json.dumps(self.to_json(), indent=1) + "\n"
+        if together is None:
+            write_text(table, text)
+        else:
+            together.text(table, text)
 
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[bool]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.plants.files.atomic_files import Together
 from pliant.studies.fidelity.choice import Choice
 from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY, Chart, Row
 
@@ -59,9 +60,9 @@ def speed_accuracy(chart: Chart) -> Figure:
     return figure
 
 
-def save(chart: Chart, path: str | Path) -> None:
-    """Draw a chart into a file, as its ending says. ValueError for an unknown ending."""
-    style.save(speed_accuracy(chart), path)
+def save(chart: Chart, path: str | Path, together: Together | None = None) -> None:
+    """Draw a chart into a file, as its ending says. Errors and `together` as `style.save`."""
+    style.save(speed_accuracy(chart), path, together)
 
 
 @styled

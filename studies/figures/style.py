@@ -12,6 +12,8 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec
 
+from pliant.plants.files.atomic_files import Together, replacing
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -94,16 +96,21 @@ def panels(
     return figure, list(axes.flat)
 
 
-def save(figure: Figure, path: str | Path) -> None:
-    """Write the figure on white, as its ending says (png, svg, pdf). ValueError for an unknown ending."""
+def save(figure: Figure, path: str | Path, together: Together | None = None) -> None:
+    """Write the figure on white, as its ending says (png, svg, pdf): whole, or as the file was before.
+
+    together: the files that take their places at once, of which this is one. ValueError for an unknown ending;
+    OSError, which names the file, where it cannot be written.
+    """
     import matplotlib
 
     ending = Path(path).suffix.lower().lstrip(".")
     known = sorted(figure.canvas.get_supported_filetypes())
     if ending not in known:
         raise ValueError(f"picture {str(path)!r} must end with one of {', '.join(known)}")
-    with matplotlib.rc_context(RC):
-        figure.savefig(path, dpi=DPI, facecolor="white")
+    writing = replacing(path) if together is None else together.file(path)
+    with matplotlib.rc_context(RC), writing as file:
+        figure.savefig(file, format=ending, dpi=DPI, facecolor="white")
     figure.set_layout_engine("none")  # done
 
 

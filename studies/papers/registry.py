@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.files.whole_folders import renewed
 from pliant.studies.common.reference_motions import Progress
 from pliant.studies.figures.style import save
 
@@ -40,13 +41,14 @@ def draw(paper: str) -> dict[str, Figure]:
 
 
 def write(paper: str, folder: Path, progress: Progress) -> list[Path]:
-    """Draw the figures as png files into a folder, made if missing; returns the files."""
+    """Draw the figures as png files into a folder, made if missing; returns the files.
+
+    All take their places at once when all are drawn. OSError, which names the file.
+    """
     progress(0.1, f"figures of {paper}")
     found = draw(paper)
-    folder.mkdir(parents=True, exist_ok=True)
-    files = []
-    for k, (name, figure) in enumerate(found.items()):
-        files.append(folder / f"{name}.png")
-        save(figure, files[-1])
-        progress(0.9 + 0.1 * (k + 1) / len(found), name)
-    return files
+    with renewed(folder) as made:
+        for k, (name, figure) in enumerate(found.items()):
+            save(figure, made / f"{name}.png")
+            progress(0.9 + 0.1 * (k + 1) / len(found), name)
+    return [folder / f"{name}.png" for name in found]

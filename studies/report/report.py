@@ -6,6 +6,7 @@ import time as clock
 from pathlib import Path
 
 from pliant.envs.scenes.scene import Scene
+from pliant.plants.files.atomic_files import write_text
 from pliant.studies.common import atomic_files
 from pliant.studies.common.reference_motions import Progress, share
 from pliant.studies.figures import style
@@ -38,7 +39,7 @@ def report(scene: Scene, out: str | Path, *, progress: Progress | None = None, b
         told(0.7, "page")
         inlined = {name: style.inline(figure) for name, figure in drawn.items()}
         found.seconds = clock.perf_counter() - began
-        (folder / "report.html").write_text(page.build(found, inlined), encoding="utf-8")
+        write_text(folder / "report.html", page.build(found, inlined))
         contents = sorted([p.name for p in folder.iterdir()] + [atomic_files.MARK])
         atomic_files.write_json(
             folder / atomic_files.MARK,

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pliant.plants.files.atomic_files import write_text
+from pliant.plants.files.whole_folders import renewed
 from pliant.studies.closed_loop.scores import Row
 from pliant.studies.common import machine
 from pliant.studies.common.atomic_files import write_json
@@ -65,15 +67,17 @@ def table(board: Results, command: str = "") -> dict[str, Any]:
 
 
 def write(board: Results, folder: Path, command: str = "") -> list[Path]:
-    """scoreboard.json, scoreboard.md and SCENE.png in `folder`, which may hold a former board."""
-    folder.mkdir(parents=True, exist_ok=True)
-    files = [folder / "scoreboard.json", folder / "scoreboard.md"]
-    write_json(files[0], table(board, command))
-    files[1].write_text(markdown(board, command), encoding="utf-8")
-    for entry in board.entries:
-        files.append(folder / f"{entry.scene}.png")
-        save(scene_figure(board, entry.scene), files[-1])
-    return files
+    """scoreboard.json, scoreboard.md and SCENE.png in `folder`, which may hold a former board.
+
+    All take their places at once when all are finished. OSError, which names the file.
+    """
+    names = ["scoreboard.json", "scoreboard.md", *(f"{entry.scene}.png" for entry in board.entries)]
+    with renewed(folder) as made:
+        write_json(made / names[0], table(board, command))
+        write_text(made / names[1], markdown(board, command))
+        for entry, name in zip(board.entries, names[2:]):
+            save(scene_figure(board, entry.scene), made / name)
+    return [folder / name for name in names]
 
 
 def markdown(board: Results, command: str = "") -> str:

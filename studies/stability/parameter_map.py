@@ -19,6 +19,7 @@ import numpy as np
 from pliant.plants import Plant, Trajectory
 from pliant.plants.core.parameters import require_choice, require_finite
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.files.atomic_files import Together
 from pliant.plants.stability import assess
 from pliant.studies.common.reference_motions import Progress, silent
 from pliant.studies.fidelity.mode_count import ModeCount, ModesNeeded, modes_needed
@@ -68,11 +69,15 @@ class StabilityMap(OwnsArrays):
         }
 
     def save(self, table: str | Path | None = None, picture: str | Path | None = None, **options: Any) -> None:
-        """Write the table as json and the picture as its ending says; options as in `figures.stability.chart`."""
-        if table is not None:
-            Path(table).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
-        if picture is not None:
-            style.save(chart(self, **options), picture)
+        """Write the table as json and the picture as its ending says; options as in `figures.stability.chart`.
+
+        Both take their places at once when both are finished. OSError, which names the file.
+        """
+        with Together() as files:
+            if table is not None:
+                files.text(table, json.dumps(self.to_json(), indent=1) + "\n")
+            if picture is not None:
+                style.save(chart(self, **options), picture, files)
 
 
 def map_stability(

@@ -51,3 +51,19 @@ def test_zip_of_another_scene_is_refused(stable_baselines, tmp_path):
     PPO("MlpPolicy", SCENE.sb3_env(1), device="cpu").save(tmp_path / "model.zip")
     with pytest.raises(ValueError, match="network from 4 to 1 numbers must be from 8 to 2"):
         Policy.from_sb3_zip(tmp_path / "model.zip", scenes.get("two-link-reach"), trust=True)
+
+
+def test_damaged_and_foreign_zips_are_refused_by_name(stable_baselines, tmp_path):
+    from stable_baselines3 import PPO
+
+    PPO("MlpPolicy", SCENE.sb3_env(1), device="cpu").save(tmp_path / "model.zip")
+    whole = (tmp_path / "model.zip").read_bytes()
+    for content in (b"", b"no zip", whole[: len(whole) // 2], whole.replace(b"policy.pth", b"policy.xxx")):
+        (tmp_path / "bad.zip").write_bytes(content)
+        with pytest.raises(ValueError, match=r"Policy\.from_sb3_zip: '.*bad\.zip' cannot be read"):
+            Policy.from_sb3_zip(tmp_path / "bad.zip", SCENE, trust=True)
+    (tmp_path / "statistics.pkl").write_bytes(b"no pickle")
+    with pytest.raises(ValueError, match=r"statistics\.pkl' cannot be read"):
+        Policy.from_sb3_zip(tmp_path / "model.zip", SCENE, statistics=tmp_path / "statistics.pkl", trust=True)
+    with pytest.raises(FileNotFoundError):
+        Policy.from_sb3_zip(tmp_path / "none.zip", SCENE, trust=True)

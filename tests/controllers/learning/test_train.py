@@ -13,7 +13,7 @@ from pliant.envs import scenes
 SCENE = scenes.get("single-link-slew")
 SMALL = rl.PPOSettings(num_envs=32, n_steps=16, batch_size=128, n_epochs=2, width=8)
 SMALL_SAC = rl.SACSettings(num_envs=8, learning_starts=64, gradient_steps=1, buffer_size=1000, batch_size=32, width=8)
-NAMES = {"policy.npz", "policy.json", "curve.json", "checkpoint.npz", "checkpoint.json"}
+NAMES = {"policy.npz", "policy.json", "curve.json", "checkpoint.npz"}
 
 
 @pytest.mark.parametrize(
@@ -86,8 +86,8 @@ def test_training_writes_what_it_should(trained):
     folder, found, told = trained
     assert {path.name for path in folder.iterdir()} == NAMES
     assert found.steps == 2048 and found.rate > 0 and found.seconds > 0
-    curve = json.loads((folder / "curve.json").read_text())["curve"]
-    assert [rl.Evaluation(**point) for point in curve] == list(found.curve)
+    assert rl.read_curve(folder / "curve.json") == found.curve
+    assert json.loads((folder / "curve.json").read_text())["scene"] == SCENE.name
     assert found.curve[0].steps == 0 and found.curve[-1].steps == 2048
     assert found.cost == min(point.cost for point in found.curve)
     saved = Policy.load(folder / "policy")
@@ -174,12 +174,43 @@ def test_checkpoint_restores_everything(trained, stable_baselines):
     env.close()
 
 
+def test_policy_and_curve_follow_from_the_checkpoint(trained, tmp_path):
+    """As a kill between the files leaves them: the checkpoint is new, the rest of another moment or missing."""
+    folder, before, _ = trained
+    goes_on = copy(folder, tmp_path)
+    other = dataclasses.replace(before.policy, dt=2 * before.policy.dt)
+    other.save(goes_on / "policy")
+    (goes_on / "curve.json").unlink()
+    same = rl.train(SCENE, steps=2048, seed=3, folder=goes_on, resume=True, settings=SMALL, threads=1)
+    assert same.policy.dt == Policy.load(goes_on / "policy").dt == before.policy.dt
+    assert rl.read_curve(goes_on / "curve.json") == before.curve
+
+
+def test_checkpoint_of_version_0_1_goes_on(trained, tmp_path):
+    """Two files, arrays and words, no checksum; the best policy stands in its own files only."""
+    folder = copy(trained[0], tmp_path)
+    with np.load(folder / "checkpoint.npz") as found:
+        words = json.loads(str(found["about"]))
+        arrays = {name: found[name] for name in found.files if name != "about" and not name.startswith("best/")}
+    np.savez(folder / "checkpoint.npz", **arrays)
+    for name in ("kind", "format", "best"):
+        del words[name]
+    (folder / "checkpoint.json").write_text(json.dumps(words))
+    assert rl.train(SCENE, steps=2048, folder=folder, resume=True, settings=SMALL, threads=1).curve == trained[1].curve
+    rl.train(SCENE, steps=2560, folder=folder, resume=True, settings=SMALL, threads=1)
+    assert {path.name for path in folder.iterdir()} == NAMES
+    (folder / "checkpoint.json").write_text(json.dumps({**words, "stamp": 1}))
+    np.savez(folder / "checkpoint.npz", **arrays)
+    with pytest.raises(ValueError, match="of different moments"):
+        rl.train(SCENE, steps=4096, folder=folder, resume=True, settings=SMALL, threads=1)
+
+
 @pytest.mark.parametrize(
     ("damage", "words"),
     [
-        (lambda f: (f / "checkpoint.json").unlink(), "holds no checkpoint"),
-        (lambda f: (f / "checkpoint.json").write_text("{"), "cannot be read"),
-        (lambda f: (f / "checkpoint.npz").write_bytes(b"no zip"), "does not fit"),
+        (lambda f: (f / "checkpoint.npz").unlink(), "holds no checkpoint"),
+        (lambda f: (f / "checkpoint.npz").write_bytes(b"no zip"), r"checkpoint\.npz' cannot be read"),
+        (lambda f: (f / "checkpoint.npz").write_bytes((f / "policy.npz").read_bytes()), "is a policy, must be a check"),
     ],
 )
 def test_damaged_checkpoints_are_refused(trained, tmp_path, damage, words):

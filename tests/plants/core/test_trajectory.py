@@ -1,12 +1,14 @@
 """Trajectory: columns by name, resampling at its order, round trip through a file, bad input."""
 
 import builtins
+import json
 
 import numpy as np
 import pytest
 
 from pliant.plants.core.signals import Signal
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.files import sealed_arrays
 
 
 def swing(n=21, *, exact=True, **kwargs):
@@ -96,6 +98,62 @@ def test_save_and_load(tmp_path):
     np.savez(tmp_path / "other.npz", a=np.zeros(2))
     with pytest.raises(ValueError, match=r"has arrays \['a'\], must have 'about'"):
         Trajectory.load(tmp_path / "other.npz")
+
+
+def test_a_file_of_version_0_1_is_read(tmp_path):
+    """Written as 0.1 did: no checksum, and a format that says no kind."""
+    pairs = {"states": [["a", "rad"]], "inputs": [["u", "N m"]], "outputs": [], "disturbances": []}
+    about = json.dumps({**pairs, "stats": {"steps": 7}, "hold": "linear", "format": 1})
+    t = np.arange(3.0)
+    np.savez(tmp_path / "run.npz", about=np.array(about), t=t, x=t[:, None], u=t[:, None], y=np.zeros((3, 0)))
+    back = Trajectory.load(tmp_path / "run.npz")
+    assert back.states == (Signal("a", "rad"),) and back.stats == {"steps": 7} and back["u"].tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"states": None}, "lacks 'states'"),
+        ({"stats": None}, "lacks 'stats'"),
+        ({"stats": 3}, "holds no motion"),
+        ({"states": [["a"]]}, "must be a name and a unit"),
+        ({"states": [["a", 1]]}, "must be a name and a unit"),
+        ({"states": 5}, "holds no motion"),
+        ({"states": [["a", ""], ["b", ""]]}, r"Trajectory\.x has shape \(3, 1\), must be \(3, 2\)"),
+        ({"hold": "spline"}, "Trajectory.hold = 'spline'"),
+        ({"t": np.zeros(3)}, "times must be strictly increasing"),
+        ({"x": np.full((3, 1), np.nan)}, r"Trajectory\.x\[0, 0\] = nan must be finite"),
+        ({"x": np.zeros(3)}, "Trajectory.x has shape"),
+        ({"y": None}, "holds no motion"),
+        ({"z": np.zeros(3)}, r"has arrays \['z'\], which no motion has"),
+    ],
+)
+def test_a_whole_file_that_holds_no_motion_is_refused_by_name(tmp_path, changes, words):
+    t = np.arange(3.0)
+    parts = {"t": t, "x": t[:, None], "u": t[:, None], "y": np.zeros((3, 0))}
+    about = {"states": [["a", "rad"]], "inputs": [["u", "N m"]], "outputs": [], "disturbances": []}
+    about |= {"stats": {}, "hold": "linear"}
+    for name, value in changes.items():
+        (about if name in about else parts)[name] = value
+    about, parts = ({k: v for k, v in given.items() if v is not None} for given in (about, parts))
+    sealed_arrays.save(tmp_path / "run.npz", "motion", 2, about, parts)
+    with pytest.raises(ValueError, match=r"Trajectory\.load: '.*run\.npz' .*" + words):
+        Trajectory.load(tmp_path / "run.npz")
+
+
+def test_another_kind_a_folder_and_no_path_are_refused(tmp_path):
+    sealed_arrays.save(tmp_path / "p.npz", "policy", 2, {}, {})
+    for path, words in (
+        (tmp_path / "p.npz", "is a policy, must be a motion"),
+        (tmp_path, "but a folder"),
+        (3, "a path"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            Trajectory.load(path)
+    with pytest.raises(FileNotFoundError):
+        Trajectory.load(tmp_path / "none.npz")
+    with pytest.raises(FileNotFoundError, match="does not exist: not written"):
+        swing().save(tmp_path / "none" / "run.npz")
 
 
 def test_from_arrays_of_another_program():

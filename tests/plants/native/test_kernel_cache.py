@@ -68,6 +68,22 @@ def test_clear_removes_everything(folder: Path) -> None:
     assert kernel_cache.entries() == []
 
 
+def test_what_killed_builds_leave_goes_with_the_next(folder: Path) -> None:
+    kernel_cache.write("a", b"1")
+    child = os.fork()
+    if child == 0:
+        kernel_cache.write_aside(b"half")
+        os._exit(0)
+    os.waitpid(child, 0)
+    young, old = folder / "building-young.so", folder / "building-old.so"  # as version 0.1 named them
+    for path in (young, old):
+        path.write_bytes(b"half")
+    os.utime(old, (0, 0))
+    assert len(list(folder.iterdir())) == 4 and len(kernel_cache.entries()) == 3
+    kernel_cache.write("b", b"2")
+    assert sorted(path.name for path in folder.iterdir()) == ["a", "b", "building-young.so"]
+
+
 STEP = """
 import sys
 import numpy as np
