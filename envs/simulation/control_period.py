@@ -139,14 +139,16 @@ def parts(scene: Scene) -> tuple[ca.Function, ca.Function, ca.Function]:
     return drive, score, ca.Function("sense", symbols, ca.cse([seen, margin]))
 
 
-def on_virtual_machine(scene: Scene) -> Callable[..., Sequence[Array]]:
-    """The whole period without compiled code, rows of lanes in and out: what the kernel is compared with.
+def on_virtual_machine(
+    scene: Scene, numeric: Callable[..., Any] = NumericFunction
+) -> Callable[..., Sequence[Array]]:
+    """The whole period without compiled code, rows of lanes in and out: as `numeric` has it, what the kernel must give.
 
     The input is the action, clipped to [-1, 1], times the limits, held over the substeps. cost is what Scene.cost sums
     for this period, at its start; obs, reach and margin are those of x_next; sound is 0 where anything is not finite.
     """
-    drive, score, sense = (NumericFunction(f) for f in parts(scene))
-    substep = NumericFunction(substep_function(scene))
+    drive, score, sense = (numeric(f) for f in parts(scene))
+    substep = numeric(substep_function(scene))
 
     def compute(
         t: np.ndarray,

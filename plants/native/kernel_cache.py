@@ -10,7 +10,9 @@ import hashlib
 import os
 import stat
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import platformdirs
 
@@ -18,6 +20,7 @@ from pliant.plants.core.errors import PliantError
 
 MAGIC = b"pliant-kernel-1\n"
 TRAILER = len(MAGIC) + 32
+T = TypeVar("T")
 
 
 class CacheError(PliantError):
@@ -98,6 +101,11 @@ def read_text(name: str) -> str | None:
     return content.decode() if content is not None else None
 
 
+def remove(name: str) -> None:
+    """Take a file out of the cache, if it is there."""
+    (folder() / name).unlink(missing_ok=True)
+
+
 def write_aside(content: bytes) -> Path:
     """Write sealed content under a temporary name in the cache folder; `publish` gives it its own."""
     handle, name = tempfile.mkstemp(prefix="building-", suffix=".so", dir=checked_folder())
@@ -119,6 +127,27 @@ def publish(aside: Path, name: str) -> Path:
 def write(name: str, content: bytes) -> Path:
     """Write a whole file atomically."""
     return publish(write_aside(content), name)
+
+
+def kept(name: str, make: Callable[[], bytes], load: Callable[[Path], T], check: Callable[[Path], Any] | None = None) -> T:
+    """What `load` makes of a file of the cache; where there is none that can be loaded, `make` gives its content.
+
+    It is published once `check` has let it pass. A whole file that cannot be loaded is another machine's.
+    """
+    path = path_of(name)
+    if path is not None:
+        try:
+            return load(path)
+        except (OSError, AttributeError):
+            path.unlink(missing_ok=True)
+    aside = write_aside(make())
+    try:
+        if check is not None:
+            check(aside)
+        path = publish(aside, name)
+    finally:
+        aside.unlink(missing_ok=True)
+    return load(path)
 
 
 def entries() -> list[Path]:
