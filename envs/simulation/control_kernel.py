@@ -18,6 +18,7 @@ from .control_period import LARGEST, on_virtual_machine, parts, reference, refer
 Array = np.ndarray
 T, X, ACTION, REF, W, P = range(6)  # inputs of the kernel
 X_NEXT, OBS, COST, MARGIN, SOUND = range(5)  # its outputs
+INSTANT = 1e-30  # [s] in which one state that has diverged takes no other with it
 
 
 @lru_cache(maxsize=32)
@@ -39,9 +40,17 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
         t, x, action, _, w, p = draw(rng)
         return [t, x, action * np.reshape(limits, (-1, 1)), w, p]
 
+    def draw_unsound(rng: np.random.Generator) -> list[Array]:
+        points = draw(rng)
+        for lane in range(points[X].shape[1]):  # one state after the other, too large or no number
+            points[X][lane % len(points[X]), lane] = np.nan if lane % 2 else 4 * LARGEST
+        return points
+
     def trials() -> list[Trial]:
-        period = Trial(partial(on_virtual_machine, scene), draw, (scene.dt / scene.substeps,), 2)
-        return [Trial(of_function(rate), draw_rates, entry="rates"), period]
+        written = partial(on_virtual_machine, scene)
+        period = Trial(written, draw, (scene.dt / scene.substeps,), 2)
+        unsound = Trial(written, draw_unsound, (INSTANT,), outputs=(SOUND,))
+        return [Trial(of_function(rate), draw_rates, entry="rates"), period, unsound]
 
     return BatchKernel(
         lambda: kernel_templates.control_step_source(rate, drive, score, sense, dtype, LARGEST),

@@ -53,7 +53,8 @@ class BatchKernel:
         made: tuple[Callable[..., BatchKernel], tuple[Any, ...]],
         lanes: int | None = None,
     ) -> None:
-        self.dtype, self.rows, self.written, self.trials, self.name = dtype, rows, written, trials, name
+        self.dtype, self.rows, self.written, self.trials = dtype, rows, written, trials
+        self.source, self.name = source, name
         self.lanes = kernel_templates.LANES[dtype] if lanes is None else lanes
         self._made = made
         self.kernel = None

@@ -253,7 +253,7 @@ def digest(source: str, tools: Toolchain) -> str:
     return hashlib.sha256(f"{source}\n{tools.key}\n{_flags_for(source, tools)}".encode()).hexdigest()[:32]
 
 
-def build(source: str, flags: tuple[str, ...] = (), name: str = "a kernel") -> bytes:
+def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
     """The shared library made from C source, as bytes. CompileError, also at once where as much took too long before."""
     tools = toolchain()
     if slow := _slow(tools.command, len(source)):
@@ -261,7 +261,7 @@ def build(source: str, flags: tuple[str, ...] = (), name: str = "a kernel") -> b
     try:
         return _built(tools, source, flags)
     except CompilerTimeout as late:
-        why = f"{late} for {name} of {len(source) / 1e3:.0f} kB of C; a smaller model compiles faster"
+        why = f"{late} for {len(source) / 1e3:.0f} kB of C; a smaller model compiles faster"
         try:
             _built(tools, PROBE, limit=ANSWER)
             _remember(tools.command, len(source) // 2, why)

@@ -144,7 +144,7 @@ def load(
             if key not in _loaded:
                 made = kernel_cache.kept(
                     f"kernel-{key}.so",
-                    lambda: compiler.build(source, name=name),
+                    lambda: compiler.build(source),
                     lambda path: Kernel(path, dtype, lanes),
                     lambda path: check(path, trials(), dtype, lanes, name),
                 )

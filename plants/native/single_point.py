@@ -45,7 +45,7 @@ def compiled(function: ca.Function) -> ca.Function:
             if key not in _made:
                 _made[key] = kernel_cache.kept(
                     f"point-{key}.so",
-                    lambda: compiler.build(source, PLAIN, name),
+                    lambda: compiler.build(source, PLAIN),
                     lambda path: _load(function.name(), path),
                     lambda path: check(_load(function.name(), path), function, name),
                 )

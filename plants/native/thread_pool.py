@@ -96,7 +96,7 @@ def spreader() -> Any:
         name = f"threads-{compiler.digest(SOURCE, tools)}.so"
         spread = kernel_cache.kept(
             name,
-            lambda: compiler.build(SOURCE, ("-pthread",), "the thread pool"),
+            lambda: compiler.build(SOURCE, ("-pthread",)),
             lambda path: ctypes.CDLL(str(path)).spread,
         )
     except (compiler.CompileError, kernel_cache.CacheError, OSError):
