@@ -13,12 +13,11 @@ from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import BatchKernel, random_points
 from pliant.plants.rounding.agreement import Trial, of_function
 
-from .control_period import LARGEST, on_virtual_machine, parts, reference, reference_drift
+from .control_period import LARGEST, on_virtual_machine, parts, reference, reference_drift, require_time_shown
 
 Array = np.ndarray
 T, X, ACTION, REF, W, P = range(6)  # inputs of the kernel
 X_NEXT, OBS, COST, MARGIN, SOUND = range(5)  # its outputs
-INSTANT = 1e-30  # [s] in which one state that has diverged takes no other with it
 
 
 @lru_cache(maxsize=32)
@@ -26,6 +25,7 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
     """(t, x, action, ref, w, p) -> (x_next, [obs; reach], cost, margin, sound), called with scalars (h,) and the
     substeps.
     """
+    require_time_shown(scene)
     rate = rate_function(scene.varied_plant)
     drive, score, sense = parts(scene)
     ref = reference(scene)
@@ -49,14 +49,16 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
     def trials() -> list[Trial]:
         written = partial(on_virtual_machine, scene)
         period = Trial(written, draw, (scene.dt / scene.substeps,), 2)
-        unsound = Trial(written, draw_unsound, (INSTANT,), outputs=(SOUND,))
+        unsound = Trial(written, draw_unsound, period.scalars, 0, outputs=(SOUND,))  # before any step
         return [Trial(of_function(rate), draw_rates, entry="rates"), period, unsound]
 
     return BatchKernel(
         lambda: kernel_templates.control_step_source(rate, drive, score, sense, dtype, LARGEST),
         partial(on_virtual_machine, scene),
-        ([1, rate.nnz_in(1), scene.plant.nu, len(ref), rate.nnz_in(3), rate.nnz_in(4)],
-         [rate.nnz_in(1), sense.nnz_out(0), 1, 1, 1]),
+        (
+            [1, rate.nnz_in(1), scene.plant.nu, len(ref), rate.nnz_in(3), rate.nnz_in(4)],
+            [rate.nnz_in(1), sense.nnz_out(0), 1, 1, 1],
+        ),
         trials,
         dtype,
         name=f"the control period of scene {scene.name!r}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.parameters import LONGEST, SHORTEST, require_choice, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
-from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
+from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
@@ -35,8 +36,8 @@ def step_reference(plant: PlantLike, method: str = "rk4", numeric: Callable[...,
     """count steps of scalars[0] seconds, on the virtual machine or as `numeric` has it."""
     if numeric is NumericFunction:
         step = stepper(plant, method)
-    elif tableau := METHODS[method].tableau:
-        step = _explicit(plant, tableau, numeric)
+    elif METHODS[method].tableau is not None:
+        step = explicit_step(plant, method, numeric)
     else:
         step = numeric(step_map(plant, method))
     taken = len(METHODS[method].input_times)
@@ -51,9 +52,12 @@ def step_reference(plant: PlantLike, method: str = "rk4", numeric: Callable[...,
     return reference
 
 
-def _explicit(plant: PlantLike, tableau: Tableau, numeric: Callable[..., Any]) -> Callable[..., list[Array]]:
-    """An explicit method's step map of a plant, the input held."""
-    rate, moved, nu = numeric(rate_function(plant)), mover(numeric), plant.nu
+def explicit_step(plant: PlantLike, method: str, numeric: Callable[..., Any]) -> Callable[..., list[Array]]:
+    """An explicit method's step map (t, x, u, w, p, h) -> x of a plant, the input held, from its numeric rate.
+
+    Columns of `u` past the plant's inputs, the same again, are left out.
+    """
+    rate, moved, nu, tableau = numeric(rate_function(plant)), mover(numeric), plant.nu, TABLEAUS[method]()
 
     def step(t: Array, x: Array, us: Array, w: Array, p: Array, h: Array, batch: int) -> list[Array]:
         slopes: list[Array] = []
@@ -143,8 +147,10 @@ class Stepper:
         self._last: Array | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the addresses that its last call used in place: a copy goes on as this would, in memory of its own."""
-        return self.__dict__ | {"_direct": None}
+        """A copy of any kind goes on as this would, in memory of its own."""
+        last = None if self._last is None else self._last.copy(order="K")
+        own = {"work": copy.copy(self.work), "guard": copy.copy(self.guard), "_last": last, "_direct": None}
+        return self.__dict__ | own
 
     @property
     def native(self) -> bool:

@@ -144,7 +144,7 @@ def _toolchain_file(command: tuple[str, ...]) -> str:
 
 
 def _stored(command: tuple[str, ...]) -> Toolchain | None:
-    """What an earlier process found out of a compiler; None where that is not in the cache, or was not written by us."""
+    """What an earlier process found out of a compiler; None where the cache has nothing, or nothing of ours."""
     name = _toolchain_file(command)
     try:
         fields = json.loads(kernel_cache.read_text(name) or "null")
@@ -182,7 +182,7 @@ _memories: dict[str, tuple[float, int, str]] = {}  # when, from which length of 
 
 
 def _slow(command: tuple[str, ...], length: int) -> str | None:
-    """Why a source of this length is not given to a compiler: it took too long within the hour; None where it did not."""
+    """Why a source of this length is not given to a compiler, which took too long within the hour; or None."""
     name = _memory(command)
     if name not in _memories:
         try:
@@ -254,7 +254,7 @@ def digest(source: str, tools: Toolchain) -> str:
 
 
 def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
-    """The shared library made from C source, as bytes. CompileError, also at once where as much took too long before."""
+    """The shared library made from C source, as bytes. CompileError, at once where as much took too long before."""
     tools = toolchain()
     if slow := _slow(tools.command, len(source)):
         raise CompileError(slow)
@@ -272,7 +272,9 @@ def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
     except CompileError:
         if (renewed := _probe(tools.command)) == tools:
             raise
-        kernel_cache.write(_toolchain_file(tools.command), json.dumps(asdict(renewed)).encode())  # what changed with it?
+        kernel_cache.write(
+            _toolchain_file(tools.command), json.dumps(asdict(renewed)).encode()
+        )  # what changed with it?
         toolchain.cache_clear()
         return _built(renewed, source, flags)
 

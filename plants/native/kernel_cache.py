@@ -129,7 +129,9 @@ def write(name: str, content: bytes) -> Path:
     return publish(write_aside(content), name)
 
 
-def kept(name: str, make: Callable[[], bytes], load: Callable[[Path], T], check: Callable[[Path], Any] | None = None) -> T:
+def kept(
+    name: str, make: Callable[[], bytes], load: Callable[[Path], T], check: Callable[[Path], Any] | None = None
+) -> T:
     """What `load` makes of a file of the cache; where there is none that can be loaded, `make` gives its content.
 
     It is published once `check` has let it pass. A whole file that cannot be loaded is another machine's.

@@ -38,7 +38,8 @@ typedef {word} BITS;
 #define FABS fabs{f}
 #define POW pow{f}
 typedef const T (*restrict in_t)[W];
-#define ENTRY(name) void name(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
+#define ENTRY(name) \\
+  void name(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
 #define RUN ENTRY(run)
 #define EACH_BLOCK for (long b = first; b < last; b += W)
 #define LOAD(block, a, count) for (int k = 0; k < (count); k++) memcpy(block[k], in[a] + k * ld + b, sizeof block[k])

@@ -96,8 +96,12 @@ def truth(trial: Trial, dtype: np.dtype, lanes: int, name: str) -> Truth:
             "its values finite; it is not used"
         )
     take = np.arange(lanes) % count  # the same ones again where some tell nothing
-    joined = [[np.concatenate(parts, axis=axis) for parts in zip(*group)] for group, axis in zip(zip(*found), (1, 0, 0))]
-    return Truth([np.ascontiguousarray(a[:, take]) for a in joined[0]], *[[a[take] for a in group] for group in joined[1:]])
+    joined = [
+        [np.concatenate(parts, axis=axis) for parts in zip(*group)] for group, axis in zip(zip(*found), (1, 0, 0))
+    ]
+    return Truth(
+        [np.ascontiguousarray(a[:, take]) for a in joined[0]], *[[a[take] for a in group] for group in joined[1:]]
+    )
 
 
 def _tells(values: Array, spread: Array, dtype: np.dtype) -> Array:
@@ -141,15 +145,17 @@ def require_agreement(
             if not have.size or i not in trial.compared(len(results)):
                 continue
             z = ratios(have.T, true, spread, dtype)
-            most, together = z.max(axis=0), np.sqrt((z**2).mean(axis=0))
-            if not (most.max() <= MOST and together.max() <= TOGETHER):  # NaN disagrees
-                where = int(np.nanargmax(np.where(np.isfinite(together), together, np.inf)))
-                error, size = np.abs(have.T - true)[:, where], np.abs(true[:, where])
+            with np.errstate(over="ignore", invalid="ignore"):
+                most, together = z.max(axis=0), np.sqrt((z**2).mean(axis=0))
+            measure = np.nan_to_num(np.maximum(most / MOST, together / TOGETHER), nan=np.inf)  # NaN disagrees
+            if measure.max() > 1.0:
+                row = int(measure.argmax())
+                share = np.abs(have.T - true)[:, row].max() / max(np.abs(true[:, row]).max(), np.finfo(dtype).tiny)
+                part = "" if trial.entry == "run" else f" of its {trial.entry}"
                 raise KernelMismatch(
-                    f"compiled code of {name} disagrees with the virtual machine by "
-                    f"{float(error.max() / max(size.max(), np.finfo(dtype).tiny)):.2g} in output {i}, row {where}"
-                    f"{'' if trial.entry == 'run' else ' of its ' + trial.entry}: {most[where]:.3g} times what rounding "
-                    "explains; it is not used (another compiler, CC=..., may do better)"
+                    f"compiled code of {name} disagrees with the virtual machine by {float(share):.2g} in output {i}, "
+                    f"row {row}{part}, {most[row]:.3g} times what rounding explains; it is not used (another compiler, "
+                    "CC=..., may do better)"
                 )
             worst = [max(worst[0], float(most.max())), max(worst[1], float(together.max()))]
     if not said:

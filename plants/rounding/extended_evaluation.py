@@ -88,7 +88,7 @@ BY_LIBRARY: dict[int, Callable[..., Array]] = {
 
 
 class Arithmetic:
-    """The columns' number format and noise, for kernels of `dtype` at `lanes` points; called, it makes functions of them."""
+    """The columns' number format and noise, for kernels of `dtype` at `lanes` points; called, it makes functions."""
 
     def __init__(self, dtype: np.dtype, lanes: int, seed: int = 0) -> None:
         self.format = np.dtype(np.float64 if dtype == np.float32 else WIDEST)

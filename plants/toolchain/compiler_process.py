@@ -34,7 +34,9 @@ def words(variable: str) -> tuple[str, ...]:
     try:
         return tuple(shlex.split(value))
     except ValueError as wrong:
-        raise CompilerSettingError(f"{variable}={value!r} cannot be split into words as a shell does: {wrong}") from wrong
+        raise CompilerSettingError(
+            f"{variable}={value!r} cannot be split into words as a shell does: {wrong}"
+        ) from wrong
 
 
 def run(command: tuple[str, ...], *args: str, text: str = "", limit: float) -> subprocess.CompletedProcess[str]:
@@ -45,7 +47,13 @@ def run(command: tuple[str, ...], *args: str, text: str = "", limit: float) -> s
     pipe, group = subprocess.PIPE, os.name == "posix"
     try:
         child = subprocess.Popen(
-            [*command, *args], stdin=pipe, stdout=pipe, stderr=pipe, text=True, errors="replace", start_new_session=group
+            [*command, *args],
+            stdin=pipe,
+            stdout=pipe,
+            stderr=pipe,
+            text=True,
+            errors="replace",
+            start_new_session=group,
         )
     except (OSError, ValueError) as missing:
         raise CompileError(f"{command[0]} cannot be run: {missing}") from missing
@@ -68,5 +76,3 @@ def program(command: tuple[str, ...]) -> tuple[str, int, int]:
     path = os.path.realpath(shutil.which(command[0]) or command[0])
     info = os.stat(path)
     return path, info.st_mtime_ns, info.st_size
-
-

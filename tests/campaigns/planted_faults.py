@@ -3,9 +3,9 @@
     python tests/campaigns/planted_faults.py --count 1000
 
 Kernels and faults are tests/cases/kernels.py and planted.py, single and double precision in turn. A fault is real where
-it moves a result of the compiled code, at any of POINTS points in the plant's range that the check does not see, by more
-than rounding moves any sound kernel there (SOUND); else it is equivalent at this precision, by that evaluation. The
-campaign fails where fewer than 95 % of the real ones are caught in either precision, or a sound kernel is refused.
+it moves a result of the compiled code, at any of POINTS points in the plant's range that the check does not see, by
+more than rounding moves any sound kernel there (SOUND); else it is equivalent at this precision, by that evaluation.
+The campaign fails where fewer than 95 % of the real ones are caught in either precision, or a sound kernel is refused.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def run(seed: int) -> dict[str, Any]:
     state = "caught" if said else "equivalent" if error <= SOUND else "missed"
     if said and error <= SOUND:
         state = "caught, though equivalent"
-    where = [b.strip() for a, b in zip(source.split("\n"), wrong.split("\n")) if a != b][0]
+    where = next(b.strip() for a, b in zip(source.split("\n"), wrong.split("\n")) if a != b)
     return row | {"state": state, "error": error, "line": where[:160]}
 
 
@@ -166,8 +166,11 @@ def summary(rows: list[dict[str, Any]]) -> str:
             f"{n.get('sound', 0):8d} {n.get('refused', 0):6d}"
         )
     refused = sum(r["state"] == "refused" for r in rows)
-    lines += [f"missed: {r['seed']} {r['kernel']} {r['precision']} {r['fault']} {r['error']:.3g} {r['line']}" for r in rows
-              if r["state"] == "missed"]  # fmt: skip
+    for r in rows:
+        if r["state"] == "missed":
+            lines.append(
+                f"missed: {r['seed']} {r['kernel']} {r['precision']} {r['fault']} {r['error']:.3g} {r['line']}"
+            )
     _failed.append(refused > 0 or min(shares(rows).values()) < SHARE)
     return "\n".join(lines)
 

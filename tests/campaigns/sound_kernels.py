@@ -2,9 +2,9 @@
 
     python tests/campaigns/sound_kernels.py
 
-Every kind of kernel of every scene (tests/cases/kernels.py) in both precisions, and what steps and rates have as functions
-of one point, by gcc, by clang, and for x86-64-v3, as far as they are there. The campaign fails where a sound kernel is
-refused; `z` is the largest error in what rounding explains, at a point and over the points: agreement.py's MOST and
+Every kind of kernel of every scene (tests/cases/kernels.py) in both precisions, and rates and step maps as functions of
+one point, by gcc, by clang, and for x86-64-v3, as far as they are there. The campaign fails where a sound kernel is
+refused; z is the largest error in what rounding explains, at a point and over the points: agreement.py's MOST and
 TOGETHER stand well above.
 """
 
@@ -38,7 +38,9 @@ SINGLES = ("rates", "rk4 map", "rosenbrock map")
 def names() -> list[tuple[str, str]]:
     """Kernel and precision, those of one point in double precision alone."""
     once = ("observations", "newton")
-    many = [(n, p) for n in kernels.of_scenes() for p in ("float64", "float32") if p == "float64" or not n.endswith(once)]
+    many = [
+        (n, p) for n in kernels.of_scenes() for p in ("float64", "float32") if p == "float64" or not n.endswith(once)
+    ]
     return many + [(f"{scene} point {kind}", "float64") for scene in scenes.names() for kind in SINGLES]
 
 
@@ -84,7 +86,9 @@ def run(seed: int) -> dict[str, Any]:
 
 def summary(rows: list[dict[str, Any]]) -> str:
     """By compiler and precision."""
-    lines = ["by                         precision  sound  refused  not compiled  z at a point  together  check/compile"]
+    lines = [
+        "by                         precision  sound  refused  not compiled  z at a point  together  check/compile"
+    ]
     for by in sorted({r["by"] for r in rows}):
         for precision in ("float64", "float32"):
             mine = [r for r in rows if r["by"] == by and r["precision"] == precision]
@@ -92,10 +96,11 @@ def summary(rows: list[dict[str, Any]]) -> str:
             most, together = np.max([r["z"] for r in sound], axis=0) if sound else (np.nan, np.nan)
             share = sum(r["check"] for r in sound) / max(1e-9, sum(r["compile"] for r in sound))
             refused, other = (sum(r["state"] == s for r in mine) for s in ("refused", "not compiled"))
-            lines.append(
-                f"{by:26s} {precision}   {len(sound):5d} {refused:8d} {other:13d} {most:13.2f} {together:9.2f} {share:14.2f}"
-            )
-    lines += [f"refused: {r['kernel']} {r['precision']} by {r['by']}: {r['why']}" for r in rows if r["state"] == "refused"]
+            counts = f"{len(sound):5d} {refused:8d} {other:13d}"
+            lines.append(f"{by:26s} {precision}   {counts} {most:13.2f} {together:9.2f} {share:14.2f}")
+    lines += [
+        f"refused: {r['kernel']} {r['precision']} by {r['by']}: {r['why']}" for r in rows if r["state"] == "refused"
+    ]
     return "\n".join(lines)
 
 

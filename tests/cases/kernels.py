@@ -1,4 +1,4 @@
-"""Kernels of every kind that Pliant compiles: of all scenes, all steppers, Jacobians, environments and single points."""
+"""Kernels of every kind that Pliant compiles: of scenes' plants by all steppers, Jacobians, of environments."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from pliant.envs import scenes
@@ -16,7 +15,6 @@ from pliant.plants import LargeDeflectionBeam, SingleLinkArm, SliderCrank, TwoLi
 from pliant.plants.integration.batch_stepper import rate_function, step_kernel
 from pliant.plants.integration.step_sensitivities import sensitivity_kernel
 from pliant.plants.native.batch_kernels import BatchKernel, map_kernel, random_points
-from pliant.plants.native.scalar_codegen import LONGEST
 
 DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
 Maker = Callable[[np.dtype], BatchKernel]
@@ -79,8 +77,3 @@ def small() -> dict[str, Maker]:
         every = of_scenes()
         made |= {k: every[k] for k in (f"{name} control", f"{name} observations", f"{name} newton") if k in every}
     return made
-
-
-def too_long(maker_or_function: ca.Function) -> bool:
-    """Whether a function is longer than what is compiled."""
-    return maker_or_function.n_instructions() > LONGEST

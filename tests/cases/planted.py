@@ -1,4 +1,4 @@
-"""Faults planted into generated C: one small change of one line, as a wrong code generator or compiler would make it."""
+"""Faults planted into generated C: one small change of one line, as a wrong generator or compiler would make it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,9 @@ def _index(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
 
 
 def _lane(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
-    return _put(line, m, str(rng.choice(["[0]", "[(l + 1) % W]", "[l ^ 1]"])) if "#define W 1\n" not in source else "[0]")
+    return _put(
+        line, m, str(rng.choice(["[0]", "[(l + 1) % W]", "[l ^ 1]"])) if "#define W 1\n" not in source else "[0]"
+    )
 
 
 def _stale(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
@@ -86,7 +88,9 @@ def plant(source: str, kind: str, rng: Rng) -> str | None:
     """The source with one fault of a kind, at a place by chance; None where it has no place for one."""
     pattern, change = FAULTS[kind]
     lines = source.split("\n")
-    places = [(i, m) for i, line in enumerate(lines) if not line.startswith(("#", "typedef")) for m in pattern.finditer(line)]
+    places = [
+        (i, m) for i, line in enumerate(lines) if not line.startswith(("#", "typedef")) for m in pattern.finditer(line)
+    ]
     for k in rng.permutation(len(places))[:20]:
         i, match = places[k]
         changed = change(lines[i], match, rng, source)
