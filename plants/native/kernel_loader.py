@@ -25,6 +25,7 @@ from .scalar_codegen import TooLong
 from .thread_pool import pool, spreader
 
 Array = np.ndarray
+CHECKED_AT = {np.dtype(np.float64): 16, np.dtype(np.float32): 64}  # points: two whole vectors, or more where cheap
 SLOWER = "5 to 40"  # times that the virtual machine takes longer, a state and step: docs/methods.md
 ON, OFF, EVERY = ("", "1", "true", "yes", "on"), ("0", "false", "no", "off"), "*"
 generating = threading.Lock()  # CasADi's symbolics and code generation are not thread-safe
@@ -163,4 +164,4 @@ def check(path: Path, trials: Sequence[Trial], dtype: np.dtype, lanes: int, name
     def run(trial: Trial, inputs: list[Array], results: list[Array]) -> None:
         Kernel(path, dtype, lanes, trial.entry)(inputs, results, trial.scalars, trial.count)
 
-    return require_agreement(run, trials, dtype, 2 * LANES[dtype], name)
+    return require_agreement(run, trials, dtype, CHECKED_AT[dtype], name)

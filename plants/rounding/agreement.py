@@ -160,8 +160,8 @@ def require_agreement(
             worst = [max(worst[0], float(most.max())), max(worst[1], float(together.max()))]
     if not said:
         raise KernelMismatch(
-            f"{name} could not be compared with the virtual machine: rounding in {dtype.name} leaves no digit of any of "
-            "its values; it is not used"
+            f"{name} could not be compared with the virtual machine: rounding in {dtype.name} leaves no digit of any "
+            "of its values; it is not used"
         )
     return worst[0], worst[1]
 

@@ -27,8 +27,7 @@ import planted
 from pliant.plants.native import compiler
 from pliant.plants.native.batch_kernels import BatchKernel
 from pliant.plants.native.compiler import CompileError
-from pliant.plants.native.kernel_loader import Kernel
-from pliant.plants.native.kernel_templates import LANES
+from pliant.plants.native.kernel_loader import CHECKED_AT, Kernel
 from pliant.plants.rounding import agreement
 from pliant.plants.rounding.agreement import KernelMismatch, Trial, Truth
 
@@ -100,7 +99,7 @@ def largest(found: list[list[np.ndarray]], name: str, precision: str, exact: boo
 def refusal(path: Path, name: str, precision: str) -> str:
     """What the check says of compiled code; nothing where it lets it pass. The truth is computed once a kernel."""
     kernel, _, trials = made(name, precision)
-    lanes = 2 * LANES[kernel.dtype]
+    lanes = 2 * CHECKED_AT[kernel.dtype]
     known = iter(truths(name, precision, lanes, 0))
 
     def run(trial: Trial, inputs: list[np.ndarray], results: list[np.ndarray]) -> None:
