@@ -21,6 +21,7 @@ from .compiler import CompileError
 PLAIN = ("-O0", "-fno-fast-math", "-ffp-contract=off")  # after the kernels' own flags, so that they win
 SCALES = (1.0, 1e-2, 1e-4)  # of the points at which a compiled function is compared, in turn
 POINTS = 8
+SLOWER = "4 to 6 times slower"
 START, PER_OPERATION, SAVED = 0.06, 5e-5, 6e-9  # [s] to compile, for each operation of it, and saved by it a call
 _made: dict[str, ca.Function] = {}
 
@@ -51,9 +52,9 @@ def compiled(function: ca.Function) -> ca.Function:
                 )
             return _made[key]
     except compiler.NoCompiler as missing:
-        kernel_loader.tell(str(missing), name, every=True)
+        kernel_loader.tell(str(missing), name, every=True, slower=SLOWER)
     except (CompileError, NotImplementedError, kernel_cache.CacheError, KernelMismatch, OSError) as failure:
-        kernel_loader.tell(str(failure), name)
+        kernel_loader.tell(str(failure), name, slower=SLOWER)
     return function
 
 
