@@ -113,7 +113,7 @@ def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | Non
         lambda: step_trials(plant, method, rate),
         dtype,
         name=f"{method} steps of {type(plant).__name__} ({plant.label})",
-        made=(step_kernel, (plant, method, dtype, lanes)),
+        made=(step_kernel, (plant, method, dtype) if lanes is None else (plant, method, dtype, lanes)),
         lanes=lanes,
     )
 
