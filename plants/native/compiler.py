@@ -33,6 +33,7 @@ import tempfile
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from pliant.plants.toolchain import compiler_process
 from pliant.plants.toolchain.compiler_process import (
@@ -147,7 +148,7 @@ def _stored(command: tuple[str, ...]) -> Toolchain | None:
     """What an earlier process found out of a compiler; None where the cache has nothing, or nothing of ours."""
     name = _toolchain_file(command)
     try:
-        fields = json.loads(kernel_cache.read_text(name) or "null")
+        fields: dict[str, Any] | None = json.loads(kernel_cache.read_text(name) or "null")
         if fields is None:
             return None
         found = Toolchain(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})

@@ -85,7 +85,8 @@ def truth(trial: Trial, dtype: np.dtype, lanes: int, name: str) -> Truth:
             outputs = reference(*[arithmetic.spread(a.T) for a in inputs], scalars, trial.count)
             values, spread = map(list, zip(*[arithmetic.statistics(np.asarray(o)) for o in outputs]))
             compared = trial.compared(len(values))
-            tells = _tells(*[np.concatenate([v[i] for i in compared], axis=1) for v in (values, spread)], dtype)
+            all_values, all_spread = (np.concatenate([v[i] for i in compared], axis=1) for v in (values, spread))
+            tells = _tells(all_values, all_spread, dtype)
         found.append(([a[:, tells] for a in inputs], [v[tells] for v in values], [s[tells] for s in spread]))
         count += int(tells.sum())
         if count >= lanes // 2:

@@ -87,13 +87,17 @@ BY_LIBRARY: dict[int, Callable[..., Array]] = {
 }
 
 
+def _eps(dtype: np.dtype[Any]) -> float:
+    return float(np.finfo(dtype).eps)
+
+
 class Arithmetic:
     """The columns' number format and noise, for kernels of `dtype` at `lanes` points; called, it makes functions."""
 
     def __init__(self, dtype: np.dtype, lanes: int, seed: int = 0) -> None:
-        self.format = np.dtype(np.float64 if dtype == np.float32 else WIDEST)
+        self.format: np.dtype[Any] = np.dtype(np.float64 if dtype == np.float32 else WIDEST)
         self.precision, self.lanes, self.columns = dtype, lanes, lanes * (1 + SAMPLES)
-        self.eps = float(np.finfo(dtype).eps)
+        self.eps = _eps(dtype)
         draw = np.random.default_rng(seed)
         noise = draw.choice([-1.0, 1.0], (ROWS, self.columns)) * draw.uniform(0.5, 1.0, (ROWS, self.columns))
         noise[:, :lanes] = 0.0
@@ -104,7 +108,7 @@ class Arithmetic:
     @property
     def exact(self) -> bool:
         """Whether the exact columns are free of what rounds a kernel."""
-        return float(np.finfo(self.format).eps) < 1e-2 * self.eps
+        return _eps(self.format) < 1e-2 * self.eps
 
     def spread(self, points: Array) -> Array:
         """Points (lanes, n), or a value for all, as columns (all columns, n)."""

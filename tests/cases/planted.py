@@ -15,7 +15,7 @@ SIGN = re.compile(r"(?<= )[-+](?= )|\+=(?= )")
 DIFFERENCE = re.compile(r"= ([\w.\[\]()]+) - ([\w.\[\]()]+);")
 INDEX = re.compile(r"\b([iogkj]\w*)\[(\d+)\](?=\[)")
 LANE = re.compile(r"\[l\]")
-LOOP = re.compile(r"(?<= < )\d+(?=;)")
+LOOP = re.compile(r"(?<= < )\d+(?=;)|(?<=, )\d+(?=\);)")
 CALL = re.compile(r"\b(SIN|COS)\b")
 
 
@@ -55,7 +55,9 @@ def _lane(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
 def _stale(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
     """An operand that an earlier line computed, in place of the right one."""
     before = [v for v in re.findall(r"const T (v\d+) =", source[: source.index(line)]) if v != m[0]]
-    return _put(line, m, before[-1 - int(rng.integers(min(5, len(before))))]) if before and m.start() > 10 else line
+    if not before or "=" not in line[: m.start()]:
+        return line
+    return _put(line, m, before[-1 - int(rng.integers(min(5, len(before))))])
 
 
 def _single(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
