@@ -50,7 +50,8 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
         written = partial(on_virtual_machine, scene)
         period = Trial(written, draw, (scene.dt / scene.substeps,), 2)
         unsound = Trial(written, draw_unsound, period.scalars, 0, outputs=(SOUND,))  # before any step
-        return [Trial(of_function(rate), draw_rates, entry="rates"), period, unsound]
+        start = Trial(written, draw, period.scalars, 0, times=8)  # of a period, before any step: no rates to wait for
+        return [Trial(of_function(rate), draw_rates, entry="rates"), period, start, unsound]
 
     return BatchKernel(
         lambda: kernel_templates.control_step_source(rate, drive, score, sense, dtype, LARGEST),

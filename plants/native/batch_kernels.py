@@ -22,6 +22,7 @@ from .thread_pool import available
 Array = np.ndarray
 P = TypeVar("P", bound=PlantLike)
 FEW = 512  # lanes below which a second thread costs more than it brings
+QUICK = 2400  # operations of a function that is compared at the usual number of points, a shorter one at more
 CHECKED = 64  # random points that a new kernel is compared at are drawn at a time
 
 
@@ -183,7 +184,7 @@ def map_kernel(
         lambda: kernel_templates.map_source(function, dtype, lanes),
         written,
         kernel_templates._sizes(function),
-        lambda: [Trial(written, drawn(points))],
+        lambda: [Trial(written, drawn(points), times=max(1, min(8, QUICK // function.n_instructions())))],
         dtype,
         name=f"the function {function.name()!r} of {function.n_instructions()} operations",
         made=(map_kernel, (function, points, dtype, lanes)),

@@ -39,7 +39,10 @@ class KernelMismatch(PliantError):
 
 @dataclass(frozen=True)
 class Trial:
-    """A way to call a kernel: its `entry`, what it should compute, inputs, scalars, count; outputs compared, () all."""
+    """A way to call a kernel: its `entry`, what it should compute, inputs, scalars, count; outputs compared, () all.
+
+    At `times` as many points as others: what is quickly computed, and has branches that few points take.
+    """
 
     written: Written
     draw: Draw
@@ -47,6 +50,7 @@ class Trial:
     count: int = 1
     entry: str = "run"
     outputs: tuple[int, ...] = ()
+    times: int = 1
 
     def compared(self, count: int) -> tuple[int, ...]:
         """Which of `count` outputs are compared."""
@@ -72,12 +76,10 @@ def truth(trial: Trial, dtype: np.dtype, lanes: int, name: str) -> Truth:
     arithmetic, rng = Arithmetic(dtype, lanes), np.random.default_rng(0)
     reference = trial.written(arithmetic)
     found: list[tuple[list[Array], list[Array], list[Array]]] = []  # of each round, what tells something
-    count, pool, at = 0, list[Array](), 0
+    count, pool, at = 0, _points(trial, rng, lanes), 0
     for _ in range(ROUNDS):
-        if not pool or at + lanes > pool[0].shape[1]:
-            pool, at = [np.asarray(a) for a in trial.draw(rng)], 0
-            if pool[0].shape[1] < lanes:  # few points: again from the first
-                pool = [np.resize(a.T, (lanes, len(a))).T for a in pool]
+        if at + lanes > pool[0].shape[1]:
+            pool, at = _points(trial, rng, lanes), 0
         inputs = [np.ascontiguousarray(a[:, at : at + lanes], dtype=dtype) for a in pool]
         at += lanes
         scalars = [float(dtype.type(s)) for s in trial.scalars]
@@ -103,6 +105,14 @@ def truth(trial: Trial, dtype: np.dtype, lanes: int, name: str) -> Truth:
     return Truth(
         [np.ascontiguousarray(a[:, take]) for a in joined[0]], *[[a[take] for a in group] for group in joined[1:]]
     )
+
+
+def _points(trial: Trial, rng: np.random.Generator, lanes: int) -> list[Array]:
+    """Inputs (n, at least lanes) of a trial."""
+    drawn = [trial.draw(rng)]
+    while sum(points[0].shape[1] for points in drawn) < lanes:
+        drawn.append(trial.draw(rng))
+    return [np.concatenate(parts, axis=1) for parts in zip(*drawn)]
 
 
 def _tells(values: Array, spread: Array, dtype: np.dtype) -> Array:
@@ -138,9 +148,9 @@ def require_agreement(
     """
     worst, said = [0.0, 0.0], False
     for trial in trials:
-        known = known_truth(trial, dtype, lanes, name)
+        known = known_truth(trial, dtype, trial.times * lanes, name)
         said |= known.says_something
-        results = [np.zeros((v.shape[1], lanes), dtype=dtype) for v in known.values]
+        results = [np.zeros((v.shape[1], trial.times * lanes), dtype=dtype) for v in known.values]
         run(trial, known.inputs, results)
         for i, (have, true, spread) in enumerate(zip(results, known.values, known.spread)):
             if not have.size or i not in trial.compared(len(results)):

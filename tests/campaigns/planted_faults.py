@@ -50,17 +50,11 @@ def truths(name: str, precision: str, lanes: int, seed: int) -> list[Truth]:
     kernel, _, trials = made(name, precision)
 
     def again(trial: Trial) -> Trial:
-        return dataclasses.replace(trial, draw=lambda rng: _many(trial, seed, lanes)) if seed else trial
+        other = np.random.default_rng(seed)
+        return dataclasses.replace(trial, draw=lambda rng: trial.draw(other)) if seed else trial
 
-    return [agreement.truth(again(trial), kernel.dtype, lanes, name) for trial in trials]
-
-
-def _many(trial: Trial, seed: int, lanes: int) -> list[np.ndarray]:
-    drawn, have, rng = [], 0, np.random.default_rng(seed)
-    while have < lanes:
-        drawn.append([np.asarray(a) for a in trial.draw(rng)])
-        have += drawn[-1][0].shape[1]
-    return [np.concatenate(parts, axis=1) for parts in zip(*drawn)]
+    many = [lanes if seed else trial.times * lanes for trial in trials]
+    return [agreement.truth(again(trial), kernel.dtype, n, name) for trial, n in zip(trials, many)]
 
 
 def results(path: Path, name: str, precision: str) -> list[list[np.ndarray]]:

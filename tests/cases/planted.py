@@ -16,6 +16,7 @@ DIFFERENCE = re.compile(r"= ([\w.\[\]()]+) - ([\w.\[\]()]+);")
 INDEX = re.compile(r"\b([iogkj]\w*)\[(\d+)\](?=\[)")
 LANE = re.compile(r"\[l\]")
 LOOP = re.compile(r"(?<= < )\d+(?=;)|(?<=, )\d+(?=\);)")
+ADDRESS = re.compile(r"memcpy|ROW\[|COLUMN\[|\bvoid ")  # what would write where nothing is its own, and end the process
 CALL = re.compile(r"\b(SIN|COS)\b")
 
 
@@ -90,9 +91,8 @@ def plant(source: str, kind: str, rng: Rng) -> str | None:
     """The source with one fault of a kind, at a place by chance; None where it has no place for one."""
     pattern, change = FAULTS[kind]
     lines = source.split("\n")
-    places = [
-        (i, m) for i, line in enumerate(lines) if not line.startswith(("#", "typedef")) for m in pattern.finditer(line)
-    ]
+    free = [i for i, line in enumerate(lines) if not line.startswith(("#", "typedef")) and not ADDRESS.search(line)]
+    places = [(i, m) for i in free for m in pattern.finditer(lines[i])]
     for k in rng.permutation(len(places))[:20]:
         i, match = places[k]
         changed = change(lines[i], match, rng, source)

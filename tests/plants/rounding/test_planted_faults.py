@@ -1,4 +1,4 @@
-"""A sample of tests/campaigns/planted_faults.py and sound_kernels.py, of small kernels; the whole by `make campaign`."""
+"""A sample of tests/campaigns/planted_faults.py and sound_kernels.py; the whole is run by `make campaign`."""
 
 import planted_faults
 import pytest
