@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 from harness.sampling import TIME, Case, Sampler, rate_of, time_of
@@ -29,9 +30,9 @@ def kernel(name: str) -> BatchKernel:
     if name != MACHINE:
         single = np.dtype(np.float32)
         return step_kernel(arm, "rk4", single if name == SINGLE else double, lanes=1 if name == SCALAR else None)
-    points = random_points(arm, np.random.default_rng(0))
-    rows = [len(a) for a in points], [arm.nx]
-    return BatchKernel(None, step_reference(arm), rows, points, double, lanes=1)
+    rows = [len(a) for a in random_points(arm, np.random.default_rng(0))], [arm.nx]
+    written = partial(step_reference, arm, "rk4")
+    return BatchKernel(None, written, rows, list, double, name=name, made=(kernel, (name,)), lanes=1)
 
 
 def steps(name: str, lanes: int, threads: int) -> Sampler:

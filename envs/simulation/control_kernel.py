@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,9 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants.integration.batch_stepper import rate_function
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import BatchKernel, random_points
+from pliant.plants.rounding.agreement import Trial, of_function
 
-from .control_period import LARGEST, on_virtual_machine, parts, reference, reference_drift
+from .control_period import LARGEST, on_virtual_machine, parts, reference, reference_drift, require_time_shown
 
 Array = np.ndarray
 T, X, ACTION, REF, W, P = range(6)  # inputs of the kernel
@@ -24,20 +25,45 @@ def control_kernel(scene: Scene, dtype: np.dtype) -> BatchKernel:
     """(t, x, action, ref, w, p) -> (x_next, [obs; reach], cost, margin, sound), called with scalars (h,) and the
     substeps.
     """
+    require_time_shown(scene)
     rate = rate_function(scene.varied_plant)
     drive, score, sense = parts(scene)
     ref = reference(scene)
-    t, x, _, w, p = random_points(scene.varied_plant, rng := np.random.default_rng(0))
-    lanes = t.shape[1]
-    action = rng.uniform(-1.5, 1.5, (scene.plant.nu, lanes))
-    rows_in = [1, rate.nnz_in(1), scene.plant.nu, len(ref), rate.nnz_in(3), rate.nnz_in(4)]
+    limits = scene.limits
+
+    def draw(rng: np.random.Generator) -> list[Array]:
+        t, x, _, w, p = random_points(scene.varied_plant, rng)
+        action = rng.uniform(-1.5, 1.5, (scene.plant.nu, t.shape[1]))
+        return [t, x, action, np.tile(ref[:, None], t.shape[1]), w, p]
+
+    def draw_rates(rng: np.random.Generator) -> list[Array]:
+        t, x, action, _, w, p = draw(rng)
+        return [t, x, action * np.reshape(limits, (-1, 1)), w, p]
+
+    def draw_unsound(rng: np.random.Generator) -> list[Array]:
+        points = draw(rng)
+        for lane in range(points[X].shape[1]):  # one state after the other, too large or no number
+            points[X][lane % len(points[X]), lane] = np.nan if lane % 2 else 4 * LARGEST
+        return points
+
+    def trials() -> list[Trial]:
+        written = partial(on_virtual_machine, scene)
+        period = Trial(written, draw, (scene.dt / scene.substeps,), 2)
+        unsound = Trial(written, draw_unsound, period.scalars, 0, outputs=(SOUND,))  # before any step
+        start = Trial(written, draw, period.scalars, 0, times=8)  # of a period, before any step: no rates to wait for
+        return [Trial(of_function(rate), draw_rates, entry="rates"), period, start, unsound]
+
     return BatchKernel(
         lambda: kernel_templates.control_step_source(rate, drive, score, sense, dtype, LARGEST),
-        on_virtual_machine(scene),
-        (rows_in, [rate.nnz_in(1), sense.nnz_out(0), 1, 1, 1]),
-        [t, x, action, np.tile(ref[:, None], lanes), w, p],
+        partial(on_virtual_machine, scene),
+        (
+            [1, rate.nnz_in(1), scene.plant.nu, len(ref), rate.nnz_in(3), rate.nnz_in(4)],
+            [rate.nnz_in(1), sense.nnz_out(0), 1, 1, 1],
+        ),
+        trials,
         dtype,
-        scalars=(scene.dt / scene.substeps,),
+        name=f"the control period of scene {scene.name!r}",
+        made=(control_kernel, (scene, dtype)),
     )
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene, once_per_scene
 from pliant.plants.core.casadi_functions import NumericFunction
+from pliant.plants.integration.batch_stepper import explicit_step
 from pliant.plants.integration.step_maps import check_step, step_map
 from pliant.plants.validity.ranges import reach
 
@@ -73,16 +74,19 @@ def _check_substep(scene: Scene, factors: Iterable[tuple[float, ...]]) -> None:
         check_step(scene.varied_plant, x, "rk4", scene.dt / scene.substeps, u=u, p=p)
 
 
-@once_per_scene
-def substep_function(scene: Scene) -> ca.Function:
-    """(t, x, u, w, p) -> x after one RK4 step of dt / substeps with u held.
-
-    ValueError where the plant depends on time and no goal moves with it: an environment would not show that.
-    """
+def require_time_shown(scene: Scene) -> None:
+    """ValueError where the plant depends on time and no goal moves with it: an environment would not show that."""
     plant = scene.varied_plant
     rate, output = (ca.depends_on(e, plant.symbols[0]) for e in plant.expressions)
     if output or (rate and not scene.goal_rates):
         raise ValueError(f"scene {scene.name!r}: the plant depends on time, which an environment does not show")
+
+
+@once_per_scene
+def substep_function(scene: Scene) -> ca.Function:
+    """(t, x, u, w, p) -> x after one RK4 step of dt / substeps with u held; ValueError as `require_time_shown`."""
+    require_time_shown(scene)
+    plant = scene.varied_plant
     t, (x, u, _, w, p) = ca.SX.sym("t"), _symbols(scene)
     rk4 = step_map(plant, "rk4")
     after = rk4(t, x, ca.repmat(u, 1, 3), w, p, scene.dt / scene.substeps)
@@ -139,14 +143,17 @@ def parts(scene: Scene) -> tuple[ca.Function, ca.Function, ca.Function]:
     return drive, score, ca.Function("sense", symbols, ca.cse([seen, margin]))
 
 
-def on_virtual_machine(scene: Scene) -> Callable[..., Sequence[Array]]:
-    """The whole period without compiled code, rows of lanes in and out: what the kernel is compared with.
+def on_virtual_machine(scene: Scene, numeric: Callable[..., Any] = NumericFunction) -> Callable[..., Sequence[Array]]:
+    """The whole period without compiled code, rows of lanes in and out: as `numeric` has it, what the kernel must give.
 
     The input is the action, clipped to [-1, 1], times the limits, held over the substeps. cost is what Scene.cost sums
     for this period, at its start; obs, reach and margin are those of x_next; sound is 0 where anything is not finite.
     """
-    drive, score, sense = (NumericFunction(f) for f in parts(scene))
-    substep = NumericFunction(substep_function(scene))
+    drive, score, sense = (numeric(f) for f in parts(scene))
+    if numeric is NumericFunction:
+        substep = numeric(substep_function(scene))
+    else:
+        substep = explicit_step(scene.varied_plant, "rk4", numeric)
 
     def compute(
         t: np.ndarray,
@@ -161,8 +168,9 @@ def on_virtual_machine(scene: Scene) -> Callable[..., Sequence[Array]]:
         n = len(x)
         u = drive(action, batch=n)[0]
         cost = score(x, u, ref, w, p, batch=n)[0]
+        lengths = () if numeric is NumericFunction else scalars[:1]  # the substep knows its own
         for k in range(count):
-            x = substep(t + k * scalars[0], x, u, w, p, batch=n)[0]
+            x = substep(t + k * scalars[0], x, u, w, p, *lengths, batch=n)[0]
         obs, margin = sense(x, u, ref, w, p, batch=n)
         whole = (np.abs(np.concatenate([x, obs, cost, margin], axis=1)) < LARGEST).all(axis=1, keepdims=True)
         return [x, obs, cost, margin, whole.astype(float)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, cast
 
 import casadi as ca
@@ -113,9 +114,12 @@ def _ranges(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @once_per_scene
 def _observing(scene: Scene) -> Rows:
-    _, x, u, w, p = random_points(scene.varied_plant, np.random.default_rng(0))
-    ref = np.tile(reference(scene)[:, None], x.shape[1])
-    return Rows(observe_function(scene), [x, u, ref, w, p])
+    return Rows(observe_function(scene), partial(_observed_points, scene))
+
+
+def _observed_points(scene: Scene, rng: np.random.Generator) -> list[np.ndarray]:
+    _, x, u, w, p = random_points(scene.varied_plant, rng)
+    return [x, u, np.tile(reference(scene)[:, None], x.shape[1]), w, p]
 
 
 @once_per_scene
@@ -131,7 +135,11 @@ def _newton(scene: Scene) -> Iteration:
     at_rest = ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw))
     force = ca.substitute(force, ca.vertcat(t, x, u, w), at_rest)
     newton = ca.Function("newton", [z, start, p], ca.cse([-ca.solve(ca.jacobian(force, z), force)]))
-    rng = np.random.default_rng(0)
+    return Iteration(newton, partial(_starting_points, scene))
+
+
+def _starting_points(scene: Scene, rng: np.random.Generator) -> list[np.ndarray]:
+    free = _split(scene)[1]
     own = np.concatenate([scene.initial[0][free], scene.initial[1]])[:, None]
     starts, _, ps = draw(scene, rng, CHECKED)
-    return Iteration(newton, [own + 0.01 * rng.uniform(-1, 1, (len(own), CHECKED)), starts.T, ps.T])
+    return [own + 0.01 * rng.uniform(-1, 1, (len(own), CHECKED)), starts.T, ps.T]

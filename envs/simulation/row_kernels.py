@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import casadi as ca
@@ -10,8 +10,9 @@ import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.native import kernel_templates
-from pliant.plants.native.batch_kernels import FEW, BatchKernel, Workspace, map_kernel
+from pliant.plants.native.batch_kernels import FEW, BatchKernel, Workspace, drawn, map_kernel
 from pliant.plants.native.thread_pool import available
+from pliant.plants.rounding.agreement import Draw, Reference, Trial
 
 Array = np.ndarray
 
@@ -21,12 +22,16 @@ class Rows:
 
     CHUNK = 64  # rows of a call where there are few; many are one call on all processors
 
-    def __init__(self, function: ca.Function, points: Sequence[Array]) -> None:
+    def __init__(self, function: ca.Function, points: Draw | Sequence[Array]) -> None:
+        self._from = function, points
         self._made = self._kernel(function, points)
         self._few = self._made.workspace(self.CHUNK)
         self._many: Workspace | None = None
 
-    def _kernel(self, function: ca.Function, points: Sequence[Array]) -> BatchKernel:
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), self._from
+
+    def _kernel(self, function: ca.Function, points: Draw | Sequence[Array]) -> BatchKernel:
         return map_kernel(function, points)
 
     def __call__(self, *arrays: Array, count: int = 1) -> list[Array]:
@@ -50,18 +55,33 @@ class Rows:
 class Iteration(Rows):
     """z <- z + change(z, ...), `count` times: (z, ...) -> (z, last change)."""
 
-    def _kernel(self, function: ca.Function, points: Sequence[Array]) -> BatchKernel:
-        numeric = NumericFunction(function)
+    def _kernel(self, function: ca.Function, points: Draw | Sequence[Array]) -> BatchKernel:
+        return iteration_kernel(function, points)
+
+
+def iteration_kernel(function: ca.Function, points: Draw | Sequence[Array]) -> BatchKernel:
+    """`Iteration`'s, in double precision."""
+
+    def written(numeric: Callable[..., Any] = NumericFunction) -> Reference:
+        change_of = numeric(function)
 
         def compute(z: Array, *others: Any) -> Sequence[Array]:
             *fixed, _, count = others
             change = np.zeros_like(z)
             for _ in range(count):
-                change = numeric(z, *fixed, batch=len(z))[0]
+                change = change_of(z, *fixed, batch=len(z))[0]
                 z = z + change
             return [z, change]
 
-        dtype, (inputs, (nz,)) = np.dtype(float), kernel_templates._sizes(function)
-        return BatchKernel(
-            lambda: kernel_templates.iteration_source(function, dtype), compute, (inputs, [nz, nz]), points, dtype
-        )
+        return compute
+
+    dtype, (inputs, (nz,)) = np.dtype(float), kernel_templates._sizes(function)
+    return BatchKernel(
+        lambda: kernel_templates.iteration_source(function, dtype),
+        written,
+        (inputs, [nz, nz]),
+        lambda: [Trial(written, drawn(points), count=count) for count in (1, 2)],
+        dtype,
+        name=f"the iteration {function.name()!r} of {function.n_instructions()} operations",
+        made=(iteration_kernel, (function, points)),
+    )

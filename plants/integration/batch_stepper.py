@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core.argument_gates import real_array, require_flag, require_number
+from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.parameters import LONGEST, SHORTEST, require_choice, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
-from pliant.plants.native import kernel_loader, kernel_templates
+from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
 from pliant.plants.native.thread_pool import available
+from pliant.plants.rounding.agreement import Reference, Trial, of_function
+from pliant.plants.rounding.extended_evaluation import mover
 
 from .step_guard import StepGuard, sound
 from .step_maps import METHODS, step_map, stepper
+
+POWERS, SMALL, LONGEST_TRIED = 6, 1e-6, 0.1  # finite differences that find the fastest mode, their size; a step [s]
 
 
 def rate_function(plant: PlantLike) -> ca.Function:
@@ -27,9 +33,15 @@ def rate_function(plant: PlantLike) -> ca.Function:
     return ca.Function("rate", list(plant.symbols), [ca.densify(ca.cse([plant.expressions[0]])[0])])
 
 
-def step_reference(plant: PlantLike, method: str = "rk4") -> kernel_loader.Reference:
-    """count steps of scalars[0] seconds on the virtual machine."""
-    step, taken = stepper(plant, method), len(METHODS[method].input_times)
+def step_reference(plant: PlantLike, method: str = "rk4", numeric: Callable[..., Any] = NumericFunction) -> Reference:
+    """count steps of scalars[0] seconds, on the virtual machine or as `numeric` has it."""
+    if numeric is NumericFunction:
+        step = stepper(plant, method)
+    elif METHODS[method].tableau is not None:
+        step = explicit_step(plant, method, numeric)
+    else:
+        step = numeric(step_map(plant, method))
+    taken = len(METHODS[method].input_times)
 
     def reference(t: Array, x: Array, u: Array, w: Array, p: Array, scalars: Any, count: int) -> Sequence[Array]:
         us, h = np.tile(u, (1, taken)), scalars[0]
@@ -39,6 +51,50 @@ def step_reference(plant: PlantLike, method: str = "rk4") -> kernel_loader.Refer
         return [x]
 
     return reference
+
+
+def explicit_step(plant: PlantLike, method: str, numeric: Callable[..., Any]) -> Callable[..., list[Array]]:
+    """An explicit method's step map (t, x, u, w, p, h) -> x of a plant, the input held, from its numeric rate.
+
+    Columns of `u` past the plant's inputs, the same again, are left out.
+    """
+    rate, moved, nu, tableau = numeric(rate_function(plant)), mover(numeric), plant.nu, TABLEAUS[method]()
+
+    def step(t: Array, x: Array, us: Array, w: Array, p: Array, h: Array, batch: int) -> list[Array]:
+        slopes: list[Array] = []
+        for i in range(len(tableau.b) + 1):
+            at = x
+            for j, a in tableau.stage(i).items():
+                at = moved(at + moved(h * a * slopes[j]))
+            if i < len(tableau.b):
+                slopes.append(rate(t + float(tableau.c[i]) * h, at, us[:, :nu], w, p, batch=batch)[0])
+        return [at]
+
+    return step
+
+
+def telling_step(rate: ca.Function, points: Sequence[Array]) -> float:
+    """A step [s] that shows what every stage adds: half over the fastest mode, as a few finite differences find it."""
+    numeric = NumericFunction(rate)
+    t, x, *rest = (np.asarray(a, dtype=float).T for a in points)
+    n = len(x)
+    f = numeric(t, x, *rest, batch=n)[0]
+    size = np.abs(x).max(axis=0) + 1e-3
+    fastest, along = 0.0, f
+    for _ in range(POWERS):
+        length = np.linalg.norm(along / size, axis=1, keepdims=True)
+        along = along / np.where(length > 0, length, 1.0)
+        along = (numeric(t, x + SMALL * along, *rest, batch=n)[0] - f) / SMALL
+        fastest = np.nanmedian(np.linalg.norm(along / size, axis=1))
+    return float(np.clip(0.5 / fastest, 1e-9, LONGEST_TRIED)) if np.isfinite(fastest) and fastest > 0 else LONGEST_TRIED
+
+
+def step_trials(plant: PlantLike, method: str, rate: ca.Function) -> list[Trial]:
+    """How a kernel of steps is checked: its rates where it has them, and two steps of which each stage matters."""
+    draw = partial(random_points, plant)
+    h = telling_step(rate, draw(np.random.default_rng(0)))
+    steps = Trial(partial(step_reference, plant, method), draw, (h,), 2)
+    return [steps] if METHODS[method].tableau is None else [Trial(of_function(rate), draw, entry="rates"), steps]
 
 
 @lru_cache(maxsize=64)
@@ -53,12 +109,12 @@ def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | Non
     }
     return BatchKernel(
         sources.get(method),
-        step_reference(plant, method),
+        partial(step_reference, plant, method),
         (kernel_templates._sizes(rate)[0], [plant.nx]),
-        random_points(plant, np.random.default_rng(0)),
+        lambda: step_trials(plant, method, rate),
         dtype,
-        scalars=(1e-4,),
-        count=2,
+        name=f"{method} steps of {type(plant).__name__} ({plant.label})",
+        made=(step_kernel, (plant, method, dtype) if lanes is None else (plant, method, dtype, lanes)),
         lanes=lanes,
     )
 
@@ -98,6 +154,12 @@ class Stepper:
         self.work.set(4, plant.nominal_parameters)
         self._direct: tuple[tuple[int, int], Bound] | None = None
         self._last: Array | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy of any kind goes on as this would, in memory of its own."""
+        last = None if self._last is None else self._last.copy(order="K")
+        own = {"work": copy.copy(self.work), "guard": copy.copy(self.guard), "_last": last, "_direct": None}
+        return self.__dict__ | own
 
     @property
     def native(self) -> bool:

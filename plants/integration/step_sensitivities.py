@@ -12,8 +12,8 @@ states). Directional derivatives of the rate, one for every column of S, would t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
 from typing import Any
 
 import casadi as ca
@@ -22,11 +22,14 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.parameters import LONGEST, SHORTEST, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
-from pliant.plants.native import kernel_loader, kernel_templates
+from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import Array, BatchKernel, as_dtype, random_points
 from pliant.plants.native.compiler import CompileError
 from pliant.plants.native.scalar_codegen import block_function, operations
+from pliant.plants.rounding.agreement import Reference, Trial
+from pliant.plants.rounding.extended_evaluation import mover
 
+from .batch_stepper import rate_function, telling_step
 from .step_guard import StepGuard
 
 LONG = 10_000  # operations of one C function: 2 s for gcc, where twice that takes 15 s
@@ -126,29 +129,37 @@ def _pieces(slopes: ca.Function) -> list[tuple[str, ca.Function]]:
     return [("k", ca.Function("rate", inputs, ca.cse([rate]))), *halved(0, J.nnz())]
 
 
-def sensitivity_reference(slopes: ca.Function) -> kernel_loader.Reference:
-    """The same on the virtual machine."""
-    numeric = NumericFunction(
+def sensitivity_reference(slopes: ca.Function, numeric_function: Callable[..., Any] = NumericFunction) -> Reference:
+    """The same on the virtual machine, or as `numeric_function` has it."""
+    numeric = numeric_function(
         ca.Function("slopes", slopes.sx_in(), [ca.densify(e) for e in slopes.call(slopes.sx_in())]), matrices=True
     )
+
+    moved = mover(numeric_function)
 
     def rates(t: Array, x: Array, S: Array, *rest: Array) -> tuple[Array, Array]:
         rate, J = numeric(t, x, *rest, batch=len(x))
         nx = x.shape[1]
-        change = J[:, :, :nx] @ S
+        change = moved(J[:, :, :nx] @ S)
         change[:, :, nx:] += J[:, :, nx:]
         return rate[:, :, 0], change
 
     def reference(t: Array, x: Array, u: Array, w: Array, p: Array, scalars: Any, count: int) -> Sequence[Array]:
         (batch, nx), h = x.shape, scalars[0]
+
+        def ahead(y: Array, *parts: tuple[float, Array]) -> Array:
+            for part, k in parts:
+                y = moved(y + moved(h * part * k))
+            return y
+
         S = np.tile(np.eye(nx, nx + u.shape[1]), (batch, 1, 1))
         for _ in range(count):
             k1, s1 = rates(t, x, S, u, w, p)
-            k2, s2 = rates(t + h / 2, x + h / 2 * k1, S + h / 2 * s1, u, w, p)
-            k3, s3 = rates(t + h / 2, x + h / 2 * k2, S + h / 2 * s2, u, w, p)
-            k4, s4 = rates(t + h, x + h * k3, S + h * s3, u, w, p)
-            x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-            S = S + h / 6 * (s1 + 2 * s2 + 2 * s3 + s4)
+            k2, s2 = rates(t + h / 2, ahead(x, (0.5, k1)), ahead(S, (0.5, s1)), u, w, p)
+            k3, s3 = rates(t + h / 2, ahead(x, (0.5, k2)), ahead(S, (0.5, s2)), u, w, p)
+            k4, s4 = rates(t + h, ahead(x, (1.0, k3)), ahead(S, (1.0, s3)), u, w, p)
+            x = ahead(x, (1 / 6, k1), (1 / 3, k2), (1 / 3, k3), (1 / 6, k4))
+            S = ahead(S, (1 / 6, s1), (1 / 3, s2), (1 / 3, s3), (1 / 6, s4))
             t = t + h
         return [x, S.reshape(batch, -1)]
 
@@ -160,14 +171,20 @@ def sensitivity_kernel(plant: PlantLike, dtype: np.dtype) -> BatchKernel:
     """n RK4 steps of a plant with their derivatives: (t, x, u, w, p) -> (x+, [dx+/dx, dx+/du])."""
     slopes = slopes_function(plant)
     sizes = [slopes.nnz_in(k) for k in range(5)]
+
+    def trials() -> list[Trial]:
+        draw = partial(random_points, plant)
+        h = telling_step(rate_function(plant), draw(np.random.default_rng(0)))
+        return [Trial(partial(sensitivity_reference, slopes), draw, (h,), 2)]
+
     return BatchKernel(
         lambda: sensitivity_source(slopes, dtype),
-        sensitivity_reference(slopes),
+        partial(sensitivity_reference, slopes),
         (sizes, [plant.nx, plant.nx * (plant.nx + plant.nu)]),
-        random_points(plant, np.random.default_rng(0)),
+        trials,
         dtype,
-        scalars=(1e-4,),
-        count=2,
+        name=f"rk4 steps of {type(plant).__name__} ({plant.label}) with their derivatives",
+        made=(sensitivity_kernel, (plant, dtype)),
     )
 
 

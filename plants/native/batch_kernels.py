@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import threading
 from collections.abc import Callable, Sequence
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import casadi as ca
@@ -13,6 +14,7 @@ import numpy as np
 from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.plant_protocol import PlantLike
+from pliant.plants.rounding.agreement import Draw, Reference, Trial, Written, of_function
 
 from . import kernel_loader, kernel_templates
 from .thread_pool import available
@@ -20,7 +22,8 @@ from .thread_pool import available
 Array = np.ndarray
 P = TypeVar("P", bound=PlantLike)
 FEW = 512  # lanes below which a second thread costs more than it brings
-CHECKED = 64  # random points at which a new kernel is compared with the virtual machine
+QUICK = 2400  # operations of a function that is compared at the usual number of points, a shorter one at more
+CHECKED = 64  # random points that a new kernel is compared at are drawn at a time
 
 
 def as_dtype(dtype: Any) -> np.dtype:
@@ -37,30 +40,40 @@ def as_dtype(dtype: Any) -> np.dtype:
 class BatchKernel:
     """A kernel with its fall-back. `native` says which of the two runs.
 
-    source() writes the C (None: the virtual machine always); reference(inputs (B, n) ..., scalars, count) computes the
-    same on the virtual machine; rows gives n of every input and output; points the inputs (n, B) at which both are
-    compared.
+    source() writes the C (None: the virtual machine always); written(NumericFunction) gives what computes the same on
+    the virtual machine, of inputs (B, n) .., scalars, count, and written(arithmetic) its true value; rows gives n of
+    every input and output; trials() how both are compared. A copy, here or in another process, is what `made`, a
+    function and its arguments, makes there.
     """
 
     def __init__(
         self,
         source: Callable[[], str] | None,
-        reference: kernel_loader.Reference,
+        written: Written,
         rows: tuple[Sequence[int], Sequence[int]],
-        points: Sequence[Array],
+        trials: Callable[[], Sequence[Trial]],
         dtype: np.dtype,
         *,
-        scalars: Sequence[float] = (),
-        count: int = 1,
+        name: str,
+        made: tuple[Callable[..., BatchKernel], tuple[Any, ...]],
         lanes: int | None = None,
     ) -> None:
-        self.dtype, self.rows, self.reference = dtype, rows, reference
+        self.dtype, self.rows, self.written, self.trials = dtype, rows, written, trials
+        self.source, self.name = source, name
         self.lanes = kernel_templates.LANES[dtype] if lanes is None else lanes
+        self._made = made
         self.kernel = None
         if source is not None:
-            self.kernel = kernel_loader.load(
-                source, dtype, reference, points, rows[1], scalars=scalars, count=count, lanes=self.lanes
-            )
+            name = name if dtype == np.float64 else f"{name} in single precision"
+            self.kernel = kernel_loader.load(source, dtype, trials, name=name, lanes=self.lanes)
+
+    @cached_property
+    def reference(self) -> Reference:
+        """The same on the virtual machine."""
+        return self.written(NumericFunction)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._made
 
     @property
     def native(self) -> bool:
@@ -109,16 +122,29 @@ class Workspace:
         for out, value in zip(self.outputs, found):
             out[:] = np.asarray(value).reshape(self.padded, -1).T
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _workspace, (self.kernel, self.batch, [a.copy() for a in (*self.inputs, *self.outputs)])
+
     def get(self, k: int) -> Array:
         """Output k as rows (B, n); a view."""
         return self.outputs[k][:, : self.batch].T
+
+
+def _workspace(kernel: BatchKernel, batch: int, arrays: Sequence[Array]) -> Workspace:
+    """A workspace with these inputs and outputs, where the kernel may have other lanes than where they come from."""
+    made = Workspace(kernel, batch)
+    for array, value in zip((*made.inputs, *made.outputs), arrays):
+        array[:, :batch] = value[:, :batch]
+        array[:, batch:] = array[:, :1]
+    return made
 
 
 def random_points(plant: PlantLike, rng: np.random.Generator, batch: int = CHECKED) -> list[Array]:
     """States, inputs, disturbances and parameters (n, batch) at which a kernel is compared: moderate motions.
 
     The plant's `small_states` stay within centimetres, so that mass matrices stay definite, and within less where a
-    plant is so small that its equations end there.
+    plant is so small that its equations end there. At every other point, and at another time than 0, each value is
+    smaller by up to a thousand: what is small where all are large shows there.
     """
     small = plant.small_states
     lengths = np.array([s.name in small for s in plant.states])
@@ -126,6 +152,9 @@ def random_points(plant: PlantLike, rng: np.random.Generator, batch: int = CHECK
     u, w = rng.uniform(-1.0, 1.0, (plant.nu, batch)), rng.uniform(-0.1, 0.1, (plant.nw, batch))
     p = plant.nominal_parameters[:, None] * rng.uniform(0.9, 1.1, (len(plant.varied), batch))
     t = np.zeros((1, batch))
+    for a in (x, u, w):
+        a[:, 1::2] *= 10.0 ** -rng.uniform(0.0, 3.0, a[:, 1::2].shape)
+    t[:, 1::2] = rng.uniform(0.0, 1.0, t[:, 1::2].shape)
     if not _finite(plant, t, x, u, w, p):
         for _ in range(10):
             x[lengths] /= 2
@@ -140,29 +169,39 @@ def _finite(plant: PlantLike, *points: Array) -> bool:
     return bool(np.isfinite(plant._dynamics(*values, batch=points[0].shape[1])[0]).all())
 
 
+def drawn(points: Draw | Sequence[Array]) -> Draw:
+    """Points (n, m) as what draws points."""
+    return points if callable(points) else partial(_given, points)
+
+
+def _given(points: Sequence[Array], rng: np.random.Generator) -> Sequence[Array]:
+    order = rng.permutation(points[0].shape[1])
+    return [a[:, order] for a in points]
+
+
 def map_kernel(
-    function: ca.Function, points: Sequence[Array], dtype: Any = np.float64, lanes: int | None = None
+    function: ca.Function, points: Draw | Sequence[Array], dtype: Any = np.float64, lanes: int | None = None
 ) -> BatchKernel:
-    """An SX function once a lane."""
-    dtype = as_dtype(dtype)
-    numeric = NumericFunction(function)
-
-    def reference(*values: Any) -> Sequence[Array]:
-        arrays = values[:-2]
-        return [v.transpose(0, 2, 1) if v.ndim == 3 else v for v in numeric(*arrays, batch=len(arrays[0]))]
-
-    rows = kernel_templates._sizes(function)
+    """An SX function once a lane, compared at points [(n, m) ..] or what draws them."""
+    dtype, written = as_dtype(dtype), of_function(function)
     return BatchKernel(
-        lambda: kernel_templates.map_source(function, dtype, lanes), reference, rows, points, dtype, lanes=lanes
+        lambda: kernel_templates.map_source(function, dtype, lanes),
+        written,
+        kernel_templates._sizes(function),
+        lambda: [Trial(written, drawn(points), times=max(1, min(8, QUICK // function.n_instructions())))],
+        dtype,
+        name=f"the function {function.name()!r} of {function.n_instructions()} operations",
+        made=(map_kernel, (function, points, dtype, lanes)),
+        lanes=lanes,
     )
 
 
 class NativeFunction(NumericFunction):
     """A NumericFunction whose single points and batches run on a native kernel."""
 
-    def __init__(self, function: ca.Function, points: Sequence[Array], *, matrices: bool = False) -> None:
+    def __init__(self, function: ca.Function, points: Draw | Sequence[Array], *, matrices: bool = False) -> None:
         super().__init__(function, matrices=matrices)
-        self._kernel = map_kernel(function, points)
+        self._kernel, self._points = map_kernel(function, points), points
         self._used = [k for k in range(function.n_in()) if function.numel_in(k)]
         self._work: dict[int, Workspace] = {}
         self._lock = threading.Lock()  # the workspaces are shared
@@ -175,6 +214,9 @@ class NativeFunction(NumericFunction):
     def native(self) -> bool:
         """Whether compiled code runs."""
         return self._kernel.native
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(NativeFunction, matrices=self.matrices), (self._function, self._points)
 
     def __call__(self, *values: Array | float, batch: int | None = None) -> list[Array]:
         if not self._kernel.native:
@@ -202,7 +244,7 @@ class NativeFunction(NumericFunction):
 def compiled(plant: P, names: Sequence[str]) -> P:
     """A copy of a plant with these NumericFunctions, attributes by name, on native kernels."""
     fast = dataclasses.replace(plant)  # type: ignore[type-var]
-    points = random_points(plant, np.random.default_rng(0))
+    points = partial(random_points, plant)
     for name in names:
         slow = getattr(plant, name)
         fast.__dict__[name] = NativeFunction(slow.function, points, matrices=slow.matrices)

@@ -7,6 +7,10 @@ scenes). clang keeps the calls apart by itself, finds their vector forms only wh
 unroll the lanes before it looks at them: else it leaves the loop scalar, at a third of the speed. -ffast-math is on the
 compile step only: on the link step gcc would add crtfastmath.o, which sets flush-to-zero for the whole process.
 
+A compiler that takes longer than TIMEOUT is asked once: its process and what that started are ended, and that it hangs,
+or from which length of source on it takes too long, is remembered for an hour, also by later processes, under its path,
+age and size: a repaired one is asked again.
+
 Environment: CC names the compiler. PLIANT_CFLAGS adds flags after Pliant's own, so that they win, to the compile step
 alone: PLIANT_CFLAGS=-mno-avx512f, or -march=x86-64-v3 for kernels that all of a cluster's processors run. Both are part
 of a kernel's key in the cache, and are read once a process.
@@ -14,6 +18,7 @@ of a kernel's key in the cache, and are read once a process.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import importlib.util
@@ -25,15 +30,25 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from pliant.plants.core.errors import PliantError
+from pliant.plants.toolchain import compiler_process
+from pliant.plants.toolchain.compiler_process import (
+    CompileError,
+    CompilerSettingError,
+    CompilerTimeout,
+    NoCompiler,
+    program,
+    words,
+)
 
 from . import kernel_cache
 
 TIMEOUT = 60.0  # [s] for one compilation; past it the virtual machine serves
+ANSWER, REMEMBERED = 10.0, 3600.0  # [s] for a few lines after a time-out, and how long a time-out is remembered
 REQUIRED = ("-fPIC", "-std=gnu11")
 OPTIONAL = (
     "-march=native",
@@ -44,6 +59,9 @@ OPTIONAL = (
 MATH_APART = tuple(f"-fno-builtin-{name}{suffix}" for name in ("sin", "cos") for suffix in ("", "f"))
 GCC = ("-O2", "-ftree-vectorize", "-fvect-cost-model=dynamic", *MATH_APART)
 CLANG = ("-O3", "-fno-unroll-loops", "-fveclib=libmvec")
+WIDE = "-mprefer-vector-width=512"
+WIDTHS = ((512, "__AVX512F__"), (256, "__AVX__"), (128, "__SSE2__"), (128, "__ARM_NEON"))  # [bit], and its macro
+LINKS = (("-lmvec", "-lm"), ("-lm",), ())
 LONG_SOURCE, QUICK = 100_000, ("-O1", "-ftree-vectorize")  # half the time to compile, a twentieth more to run
 PROBE = """#include <math.h>
 void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = sin(x[l]) + cos(x[l]); }
@@ -51,12 +69,8 @@ void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = s
 
 
 def extra_flags() -> tuple[str, ...]:
-    """The flags that $PLIANT_CFLAGS adds, split as a shell does."""
-    return tuple(shlex.split(os.environ.get("PLIANT_CFLAGS", "")))
-
-
-class CompileError(PliantError):
-    """The compiler failed, took too long or is missing."""
+    """The flags that $PLIANT_CFLAGS adds."""
+    return words("PLIANT_CFLAGS")
 
 
 @dataclass(frozen=True)
@@ -79,53 +93,117 @@ class Toolchain:
 def candidates() -> list[tuple[str, ...]]:
     """Compiler commands to try, best first: $CC alone where it is set."""
     if os.environ.get("CC"):
-        return [tuple(shlex.split(os.environ["CC"]))]
+        if not (command := words("CC")):
+            raise CompilerSettingError(f"CC={os.environ['CC']!r} names no compiler; unset it, or say CC=gcc")
+        return [command]
     found: list[tuple[str, ...]] = [(path,) for name in ("cc", "gcc", "clang") if (path := shutil.which(name))]
     if importlib.util.find_spec("ziglang"):
         found.append((sys.executable, "-m", "ziglang", "cc"))
     return found
 
 
-def _run(command: tuple[str, ...], *args: str, text: str = "") -> subprocess.CompletedProcess[str]:
-    try:
-        return subprocess.run([*command, *args], input=text, capture_output=True, text=True, timeout=TIMEOUT)
-    except subprocess.TimeoutExpired as late:
-        raise CompileError(f"{command[0]} took more than {TIMEOUT:.0f} s; a smaller model compiles faster") from late
-    except OSError as missing:
-        raise CompileError(f"{command[0]} cannot be run: {missing}") from missing
+def _run(
+    command: tuple[str, ...], *args: str, text: str = "", limit: float | None = None
+) -> subprocess.CompletedProcess[str]:
+    return compiler_process.run(command, *args, text=text, limit=TIMEOUT if limit is None else limit)
 
 
 def _stamp(command: tuple[str, ...]) -> str:
     """Changes when the compiler or the CPU does; costs no process."""
-    path = shutil.which(command[0]) or command[0]
-    info = os.stat(path)
     cpu = platform.processor() + platform.machine()
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():
         lines = cpuinfo.read_text().splitlines()
         cpu += "".join(sorted({s for s in lines if s.startswith(("model name", "flags", "Features"))}))
     tried = OPTIONAL, GCC, CLANG, PROBE, extra_flags()
-    parts = (*command, os.path.realpath(path), info.st_mtime_ns, info.st_size, cpu, *tried)
+    parts = (*command, *program(command), cpu, *tried)
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]
 
 
 @functools.cache
 def toolchain() -> Toolchain:
-    """The first compiler that works, remembered between processes; CompileError where there is none."""
+    """The first compiler that works, remembered between processes; NoCompiler where there is none."""
     tried = []
     for command in candidates():
         try:
-            name = f"toolchain-{_stamp(command)}.json"
-            if stored := kernel_cache.read_text(name):
-                fields: dict[str, Any] = json.loads(stored)
-                fields = {k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()}
-                return Toolchain(**fields)
-            found = _probe(command)
-            kernel_cache.write(name, json.dumps(asdict(found)).encode())
-            return found
+            if slow := _slow(command, 0):
+                raise CompilerTimeout(slow)
+            stored = _stored(command)
+            if stored is None:
+                stored = _probe(command)
+                kernel_cache.write(_toolchain_file(command), json.dumps(asdict(stored)).encode())
+            return stored
         except (CompileError, OSError) as failure:
-            tried.append(f"{' '.join(command)}: {failure}")
-    raise CompileError("no working C compiler: " + ("; ".join(tried) or "install gcc or clang, or set CC"))
+            if isinstance(failure, CompilerTimeout) and not _slow(command, 0):
+                _remember(command, 0, str(failure))
+            tried.append(f"{'CC=' if os.environ.get('CC') else ''}{shlex.join(command)}: {failure}")
+    raise NoCompiler("no working C compiler: " + ("; ".join(tried) or "install gcc or clang, or set CC"))
+
+
+def _toolchain_file(command: tuple[str, ...]) -> str:
+    return f"toolchain-{_stamp(command)}.json"
+
+
+def _stored(command: tuple[str, ...]) -> Toolchain | None:
+    """What an earlier process found out of a compiler; None where the cache has nothing, or nothing of ours."""
+    name = _toolchain_file(command)
+    try:
+        fields: dict[str, Any] | None = json.loads(kernel_cache.read_text(name) or "null")
+        if fields is None:
+            return None
+        found = Toolchain(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
+        if _plausible(found, command):
+            return found
+    except (ValueError, TypeError, AttributeError):  # no JSON, no text, other fields
+        pass
+    kernel_cache.remove(name)
+    return None
+
+
+def _plausible(found: Toolchain, command: tuple[str, ...]) -> bool:
+    """Whether a toolchain read from a file is one that `_probe` could have written for this command."""
+    extra = extra_flags()
+    own = found.compile_flags[len(REQUIRED) : len(found.compile_flags) - len(extra)]
+    return (
+        found.command == command
+        and isinstance(found.version, str)
+        and isinstance(found.target, str)
+        and found.width in (64, *(bits for bits, _ in WIDTHS))
+        and found.compile_flags == (*REQUIRED, *own, *extra)
+        and set(own) <= {*OPTIONAL, WIDE, *GCC, *CLANG}
+        and found.link_flags in LINKS
+    )
+
+
+def _memory(command: tuple[str, ...]) -> str:
+    return f"slow-{hashlib.sha256(repr((*command[1:], *program(command))).encode()).hexdigest()[:24]}.json"
+
+
+_memories: dict[str, tuple[float, int, str]] = {}  # when, from which length of source on, and what was said
+
+
+def _slow(command: tuple[str, ...], length: int) -> str | None:
+    """Why a source of this length is not given to a compiler, which took too long within the hour; or None."""
+    name = _memory(command)
+    if name not in _memories:
+        try:
+            when, start, why = json.loads(kernel_cache.read_text(name) or '[0, 0, ""]')
+            _memories[name] = float(when), int(start), str(why)
+        except (ValueError, TypeError):  # not written by us
+            kernel_cache.remove(name)
+            _memories[name] = 0.0, 0, ""
+    when, start, why = _memories[name]
+    if not (0 <= time.time() - when < REMEMBERED) or length < start:
+        return None
+    return f"{why}; it is asked again an hour later, when it changes, or after `pliant cache clear` in a new process"
+
+
+def _remember(command: tuple[str, ...], start: int, why: str) -> None:
+    """Keep in mind that a compiler takes too long for sources from a length on; 0: for all."""
+    name = _memory(command)
+    _memories[name] = time.time(), start, why
+    with contextlib.suppress(OSError, kernel_cache.CacheError):  # this process knows; later ones will find out
+        kernel_cache.write(name, json.dumps(_memories[name]).encode())
 
 
 def _probe(command: tuple[str, ...]) -> Toolchain:
@@ -133,7 +211,7 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
     native = _run(command, "-march=native", *extra, "-dM", "-E", "-x", "c", "-").stdout
     macros = native or _run(command, *extra, "-dM", "-E", "-x", "c", "-").stdout
     flags = list(REQUIRED)
-    wide = ("-mprefer-vector-width=512",) if "__AVX512F__" in macros else ()
+    wide = (WIDE,) if "__AVX512F__" in macros else ()
     own = CLANG if "__clang__" in macros else GCC
     with tempfile.TemporaryDirectory() as folder:
         source, output = Path(folder, "probe.c"), Path(folder, "probe.o")
@@ -151,15 +229,15 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
         flags += extra
         takes()  # the object with all flags, for the link probe
         link = []
-        for libraries in (("-lmvec", "-lm"), ("-lm",), ()):
+        for libraries in LINKS:
             done = _run(command, "-shared", str(output), "-o", str(Path(folder, "probe.so")), *libraries)
             if done.returncode == 0:
                 link = list(libraries)
                 break
         else:
-            raise CompileError(f"does not link a shared library: {done.stderr.strip()[:200]}")
-    widths = ((512, "__AVX512F__"), (256, "__AVX__"), (128, "__SSE2__"), (128, "__ARM_NEON"))
-    width = next((bits for bits, macro in widths if macro in macros), 64)
+            added = f" with PLIANT_CFLAGS={shlex.join(extra)}" if extra else ""
+            raise CompileError(f"does not link a shared library{added}: {done.stderr.strip()[:200]}")
+    width = next((bits for bits, macro in WIDTHS if macro in macros), 64)
     target = hashlib.sha256(macros.encode()).hexdigest()[:24]
     return Toolchain(command, version[0] if version else "", target, width, tuple(flags), tuple(link))
 
@@ -177,8 +255,32 @@ def digest(source: str, tools: Toolchain) -> str:
 
 
 def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
-    """The shared library made from C source, as bytes."""
+    """The shared library made from C source, as bytes. CompileError, at once where as much took too long before."""
     tools = toolchain()
+    if slow := _slow(tools.command, len(source)):
+        raise CompileError(slow)
+    try:
+        return _built(tools, source, flags)
+    except CompilerTimeout as late:
+        why = f"{late} for {len(source) / 1e3:.0f} kB of C; a smaller model compiles faster"
+        try:
+            _built(tools, PROBE, limit=ANSWER)
+            _remember(tools.command, len(source) // 2, why)
+        except CompileError:
+            _remember(tools.command, 0, why)
+            toolchain.cache_clear()  # another compiler may work
+        raise CompilerTimeout(why) from late
+    except CompileError:
+        if (renewed := _probe(tools.command)) == tools:
+            raise
+        kernel_cache.write(
+            _toolchain_file(tools.command), json.dumps(asdict(renewed)).encode()
+        )  # what changed with it?
+        toolchain.cache_clear()
+        return _built(renewed, source, flags)
+
+
+def _built(tools: Toolchain, source: str, flags: tuple[str, ...] = (), limit: float | None = None) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         c, o, so = (str(Path(folder, f"kernel.{end}")) for end in ("c", "o", "so"))
         Path(c).write_text(source)
@@ -186,7 +288,7 @@ def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
             (*_flags_for(source, tools), *flags, "-c", c, "-o", o),
             ("-shared", o, "-o", so, *tools.link_flags, *flags),
         ):
-            done = _run(tools.command, *arguments)
+            done = _run(tools.command, *arguments, limit=limit)
             if done.returncode:
                 raise CompileError(f"{tools.command[0]} failed: {done.stderr.strip()[:500]}")
         return Path(so).read_bytes()

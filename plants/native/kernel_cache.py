@@ -9,7 +9,9 @@ from __future__ import annotations
 import hashlib
 import os
 import stat
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import platformdirs
 
@@ -20,6 +22,7 @@ from pliant.plants.files.atomic_files import sync_folder
 MAGIC = b"pliant-kernel-1\n"
 TRAILER = len(MAGIC) + 32
 BINARY = getattr(os, "O_BINARY", 0)
+T = TypeVar("T")
 
 
 class CacheError(PliantError):
@@ -100,6 +103,11 @@ def read_text(name: str) -> str | None:
     return content.decode() if content is not None else None
 
 
+def remove(name: str) -> None:
+    """Take a file out of the cache, if it is there."""
+    (folder() / name).unlink(missing_ok=True)
+
+
 def write_aside(content: bytes) -> Path:
     """Write sealed content under a temporary name in the cache folder; `publish` gives it its own.
 
@@ -136,6 +144,29 @@ def write(name: str, content: bytes) -> Path:
         return publish(aside, name)
     finally:
         aside.unlink(missing_ok=True)
+
+
+def kept(
+    name: str, make: Callable[[], bytes], load: Callable[[Path], T], check: Callable[[Path], Any] | None = None
+) -> T:
+    """What `load` makes of a file of the cache; where there is none that can be loaded, `make` gives its content.
+
+    It is published once `check` has let it pass. A whole file that cannot be loaded is another machine's.
+    """
+    path = path_of(name)
+    if path is not None:
+        try:
+            return load(path)
+        except (OSError, AttributeError):
+            path.unlink(missing_ok=True)
+    aside = write_aside(make())
+    try:
+        if check is not None:
+            check(aside)
+        path = publish(aside, name)
+    finally:
+        aside.unlink(missing_ok=True)
+    return load(path)
 
 
 def entries() -> list[Path]:

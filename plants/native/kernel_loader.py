@@ -1,7 +1,8 @@
 """Batch kernels: CasADi SX functions as vectorised C over structure-of-arrays lanes, or its virtual machine instead.
 
-A kernel is compiled once, compared with the virtual machine at random points, and only then published to the cache.
-Without a compiler, or with PLIANT_NATIVE=0, the same calls run on the virtual machine: slower, the same to rounding.
+A kernel is compiled once, compared at random points with what the virtual machine's operations give in extended
+precision, and only then published to the cache. Without a compiler, or with PLIANT_NATIVE=0, the same calls run on the
+virtual machine: slower, the same to rounding.
 """
 
 from __future__ import annotations
@@ -15,46 +16,53 @@ from pathlib import Path
 
 import numpy as np
 
-from pliant.plants.core.errors import PliantError
+from pliant.plants.rounding.agreement import KernelMismatch, Trial, require_agreement
 
 from . import compiler, kernel_cache
-from .compiler import CompileError
+from .compiler import CompileError, NoCompiler
 from .kernel_templates import LANES
 from .scalar_codegen import TooLong
 from .thread_pool import pool, spreader
 
 Array = np.ndarray
-Reference = Callable[..., Sequence[Array]]  # (inputs (B, n) ..., scalars, count) -> outputs (B, m)
-AGREEMENT = {np.dtype(np.float64): 1e-7, np.dtype(np.float32): 2e-2}  # of kernel and virtual machine, by the largest
+CHECKED_AT = {np.dtype(np.float64): 16, np.dtype(np.float32): 64}  # points: two whole vectors, or more where cheap
+SLOWER = "20 times slower at one state and 100 to 300 times at many"  # steps of four scenes' plants, one thread
+ON, OFF, EVERY = ("", "1", "true", "yes", "on"), ("0", "false", "no", "off"), "*"
 generating = threading.Lock()  # CasADi's symbolics and code generation are not thread-safe
 _spreading = threading.Lock()
-_told = False
+_told: set[str] = set()  # kernels that were warned of; EVERY for all
 
 
 class NativeWarning(UserWarning):
-    """Native code is not used, and why; said once a process."""
+    """Native code is not used for a kernel, and why; said once a kernel."""
 
 
 def wanted() -> bool:
-    """False where PLIANT_NATIVE=0 asks for the virtual machine."""
-    return os.environ.get("PLIANT_NATIVE", "1") != "0"
+    """False where PLIANT_NATIVE=0 asks for the virtual machine. CompilerSettingError where it says something else."""
+    asked = os.environ.get("PLIANT_NATIVE", "").strip().lower()
+    if asked not in (*ON, *OFF):
+        raise compiler.CompilerSettingError(
+            f"PLIANT_NATIVE={os.environ['PLIANT_NATIVE']!r} must be 0 (the virtual machine alone) or 1 (compiled code)"
+        )
+    return asked not in OFF
 
 
-def tell(why: str) -> None:
-    """Warn, once a process, that native code is not used."""
-    global _told
-    if not _told:
-        _told = True
-        message = f"native code is off where this holds, and the slower virtual machine runs: {why}"
+def tell(why: str, name: str, *, every: bool = False, slower: str = SLOWER) -> None:
+    """Warn, once a kernel, that native code is not used for it; once a process where that holds for every kernel."""
+    key = EVERY if every else name
+    if key not in _told and EVERY not in _told:
+        _told.add(key)
+        which = f"{name} and every other kernel" if every else name
+        message = f"native code is off for {which}; the virtual machine runs, typically {slower}: {why}"
         warnings.warn(message, NativeWarning, stacklevel=4)
 
 
 class Kernel:
-    """One compiled `run`, called with lists of (n, B) arrays; see kernel_templates.py."""
+    """One compiled `run`, or what `entry` names, called with lists of (n, B) arrays; see kernel_templates.py."""
 
-    def __init__(self, path: Path, dtype: np.dtype, lanes: int) -> None:
+    def __init__(self, path: Path, dtype: np.dtype, lanes: int, entry: str = "run") -> None:
         self.dtype, self.lanes, self.path = dtype, lanes, path
-        self._run = ctypes.CDLL(str(path)).run
+        self._run = getattr(ctypes.CDLL(str(path)), entry)
         pointer = ctypes.c_void_p
         self._run.argtypes = [ctypes.c_long] * 3 + [pointer] * 3 + [ctypes.c_long]
         self._run.restype = None
@@ -118,18 +126,14 @@ _loaded: dict[str, Kernel] = {}
 def load(
     write_source: Callable[[], str],
     dtype: np.dtype,
-    reference: Reference,
-    points: Sequence[Array],
-    outputs: Sequence[int],
+    trials: Callable[[], Sequence[Trial]],
     *,
-    scalars: Sequence[float] = (),
-    count: int = 1,
+    name: str = "a kernel",
     lanes: int | None = None,
 ) -> Kernel | None:
-    """The kernel from the cache, or compiled, checked against `reference` at `points` (n, B) and published.
+    """The kernel from the cache, or compiled, checked by `trials` and published.
 
     None where native code is not wanted or not to be had: the caller then uses the virtual machine.
-    outputs: rows of each output.
     """
     if not wanted():
         return None
@@ -138,47 +142,26 @@ def load(
         with generating:
             source = write_source()
             key = compiler.digest(source, compiler.toolchain())
-            if key in _loaded:
-                return _loaded[key]
-            name = f"kernel-{key}.so"
-            path = kernel_cache.path_of(name)
-            if path is None:
-                aside = kernel_cache.write_aside(compiler.build(source))
-                try:
-                    _agree(Kernel(aside, dtype, lanes), reference, points, outputs, scalars, count)
-                    path = kernel_cache.publish(aside, name)
-                finally:
-                    aside.unlink(missing_ok=True)
-            _loaded[key] = Kernel(path, dtype, lanes)
+            if key not in _loaded:
+                made = kernel_cache.kept(
+                    f"kernel-{key}.so",
+                    lambda: compiler.build(source),
+                    lambda path: Kernel(path, dtype, lanes),
+                    lambda path: check(path, trials(), dtype, lanes, name),
+                )
+                _loaded[key] = made
             return _loaded[key]
-    except (CompileError, TooLong, kernel_cache.CacheError, KernelMismatch, OSError) as failure:
-        tell(str(failure))
-        return None
+    except NoCompiler as missing:
+        tell(str(missing), name, every=True)
+    except (CompileError, TooLong, NotImplementedError, kernel_cache.CacheError, KernelMismatch, OSError) as failure:
+        tell(str(failure), name)
+    return None
 
 
-class KernelMismatch(PliantError):
-    """A compiled kernel disagrees with the virtual machine; it was not published."""
+def check(path: Path, trials: Sequence[Trial], dtype: np.dtype, lanes: int, name: str) -> tuple[float, float]:
+    """Largest error at a point and over the points of a sound kernel, in what rounding explains; or KernelMismatch."""
 
+    def run(trial: Trial, inputs: list[Array], results: list[Array]) -> None:
+        Kernel(path, dtype, lanes, trial.entry)(inputs, results, trial.scalars, trial.count)
 
-def _agree(
-    kernel: Kernel,
-    reference: Reference,
-    points: Sequence[Array],
-    outputs: Sequence[int],
-    scalars: Sequence[float],
-    count: int,
-) -> None:
-    inputs = [np.ascontiguousarray(a, dtype=kernel.dtype) for a in points]
-    results = [np.zeros((rows, inputs[0].shape[1]), dtype=kernel.dtype) for rows in outputs]
-    kernel(inputs, results, scalars, count)
-    wanted_ = reference(*[a.T.astype(float) for a in inputs], scalars, count)
-    for i, (have, want) in enumerate(zip(results, wanted_)):
-        want = np.asarray(want, dtype=float).reshape(have.shape[1], have.shape[0]).T
-        size = np.abs(want)  # of a lane, but not so small that only the rounding of its inputs is compared
-        scale = size.max(axis=0, keepdims=True, initial=0.0) + 1e-6 * size.max(initial=0.0) + 1e-9
-        worst = float(np.max(np.abs(have - want) / scale, initial=0.0))
-        if not worst < AGREEMENT[kernel.dtype]:
-            raise KernelMismatch(
-                f"compiled code disagrees with the virtual machine by {worst:.2g} in output {i}; "
-                "it is not used (another compiler, CC=..., may do better)"
-            )
+    return require_agreement(run, trials, dtype, CHECKED_AT[dtype], name)

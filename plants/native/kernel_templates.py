@@ -2,6 +2,7 @@
 
 All kernels share one signature, `run(first, last, ld, in, out, s, n)`: lanes first..last-1 in blocks of W, arrays of
 structure-of-arrays layout with leading dimension ld (element k of lane b at in[a][k * ld + b]), scalars s, count n.
+Kernels that step a rate have a second one, `rates`, that gives it on its own: a step hides what it adds to the state.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ typedef {word} BITS;
 #define FABS fabs{f}
 #define POW pow{f}
 typedef const T (*restrict in_t)[W];
-#define RUN void run(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
+#define ENTRY(name) \\
+  void name(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
+#define RUN ENTRY(run)
 #define EACH_BLOCK for (long b = first; b < last; b += W)
 #define LOAD(block, a, count) for (int k = 0; k < (count); k++) memcpy(block[k], in[a] + k * ld + b, sizeof block[k])
 #define STORE(block, a, count) for (int k = 0; k < (count); k++) memcpy(out[a] + k * ld + b, block[k], sizeof block[k])
@@ -134,13 +137,24 @@ static void rk4(T (*restrict x)[W], T (*restrict t)[W], in_t u, in_t w, in_t p, 
 
 
 def _rate(function: ca.Function, dtype: np.dtype, lanes: int | None = None) -> str:
-    """The rate function (t, x, u, w, p) -> dx/dt and RK4 steps with it."""
-    return f"#define NX {function.nnz_in(1)}\n" + _function("rate", function, dtype, lanes) + _RK4
+    """The rate function (t, x, u, w, p) -> dx/dt, alone as `rates`."""
+    _, nx, nu, nw, np_ = _sizes(function)[0]
+    alone = f"""
+ENTRY(rates) {{
+  BLOCK(t, 1); BLOCK(x, {nx}); BLOCK(u, {nu}); BLOCK(w, {nw}); BLOCK(p, {np_}); BLOCK(dx, {nx});
+  EACH_BLOCK {{
+    LOAD(t, 0, 1); LOAD(x, 1, {nx}); LOAD(u, 2, {nu}); LOAD(w, 3, {nw}); LOAD(p, 4, {np_});
+    rate((in_t)t, (in_t)x, (in_t)u, (in_t)w, (in_t)p, dx);
+    STORE(dx, 0, {nx});
+  }}
+}}
+"""
+    return f"#define NX {nx}\n" + _function("rate", function, dtype, lanes) + alone
 
 
 def rk4_source(rate: ca.Function, dtype: np.dtype, lanes: int | None = None) -> str:
     """n RK4 steps of s[0] seconds with the input held: (t, x, u, w, p) -> x."""
-    return head(dtype, lanes) + _rate(rate, dtype, lanes) + _steps(rate, "rk4")
+    return head(dtype, lanes) + _rate(rate, dtype, lanes) + _RK4 + _steps(rate, "rk4")
 
 
 def explicit_source(rate: ca.Function, tableau: Tableau, dtype: np.dtype, lanes: int | None = None) -> str:
@@ -164,8 +178,7 @@ def explicit_source(rate: ca.Function, tableau: Tableau, dtype: np.dtype, lanes:
             )
             marching.append(f"    rate((in_t)now, (in_t)y, u, w, p, (T (*)[W])k[{i}]);")
     marching += ["    LANES for (int l = 0; l < W; l++) t[0][l] += h;", "  }", "}", ""]
-    rates = _function("rate", rate, dtype, lanes)
-    return "\n".join([head(dtype, lanes) + f"#define NX {rate.nnz_in(1)}", rates, *marching]) + _steps(rate, "march")
+    return "\n".join([head(dtype, lanes) + _rate(rate, dtype, lanes), *marching]) + _steps(rate, "march")
 
 
 def _steps(rate: ca.Function, by: str) -> str:
@@ -248,4 +261,4 @@ RUN {{
   }}
 }}
 """
-    return head(dtype) + _rate(rate, dtype) + "\n".join(functions) + body
+    return head(dtype) + _rate(rate, dtype) + _RK4 + "\n".join(functions) + body

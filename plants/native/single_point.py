@@ -13,12 +13,15 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import LONG, NumericFunction
+from pliant.plants.rounding.agreement import KernelMismatch, Trial, of_function, require_agreement
 
 from . import compiler, kernel_cache, kernel_loader
 from .compiler import CompileError
 
 PLAIN = ("-O0", "-fno-fast-math", "-ffp-contract=off")  # after the kernels' own flags, so that they win
-SCALES = (1.0, 1e-2, 1e-4)  # of the point at which a compiled function is compared
+SCALES = (1.0, 1e-2, 1e-4)  # of the points at which a compiled function is compared, in turn
+POINTS = 8
+SLOWER = "4 to 6 times slower"
 START, PER_OPERATION, SAVED = 0.06, 5e-5, 6e-9  # [s] to compile, for each operation of it, and saved by it a call
 _made: dict[str, ca.Function] = {}
 
@@ -33,6 +36,7 @@ def compiled(function: ca.Function) -> ca.Function:
     """The same function as native code, from the cache or compiled; itself where that is not to be had."""
     if not kernel_loader.wanted() or function.n_instructions() > LONG:
         return function
+    name = f"the function {function.name()!r} of {function.n_instructions()} operations at one point"
     try:
         with kernel_loader.generating:
             writer = ca.CodeGenerator("point")
@@ -40,20 +44,18 @@ def compiled(function: ca.Function) -> ca.Function:
             source = writer.dump()
             key = compiler.digest(source, compiler.toolchain())
             if key not in _made:
-                name = f"point-{key}.so"
-                path = kernel_cache.path_of(name)
-                if path is None:
-                    aside = kernel_cache.write_aside(compiler.build(source, PLAIN))
-                    try:
-                        _agree(_load(function.name(), aside), function)
-                        path = kernel_cache.publish(aside, name)
-                    finally:
-                        aside.unlink(missing_ok=True)
-                _made[key] = _load(function.name(), path)
+                _made[key] = kernel_cache.kept(
+                    f"point-{key}.so",
+                    lambda: compiler.build(source, PLAIN),
+                    lambda path: _load(function.name(), path),
+                    lambda path: check(_load(function.name(), path), function, name),
+                )
             return _made[key]
-    except (CompileError, kernel_cache.CacheError, kernel_loader.KernelMismatch, OSError) as failure:
-        kernel_loader.tell(str(failure))
-        return function
+    except compiler.NoCompiler as missing:
+        kernel_loader.tell(str(missing), name, every=True, slower=SLOWER)
+    except (CompileError, NotImplementedError, kernel_cache.CacheError, KernelMismatch, OSError) as failure:
+        kernel_loader.tell(str(failure), name, slower=SLOWER)
+    return function
 
 
 class OftenCalled(NumericFunction):
@@ -82,19 +84,20 @@ def _load(name: str, path: Path) -> ca.Function:
         raise OSError(f"{path.name} cannot be loaded: {str(refused)[:200]}") from refused
 
 
-def _agree(made: ca.Function, function: ca.Function) -> None:
-    """At a point by chance, closer to zero where the function is not finite there."""
-    draw = np.random.default_rng(1).uniform
-    at = [draw(0.1, 1.0, function.size_in(i)) for i in range(function.n_in())]
-    for scale in SCALES:
-        point = [scale * values for values in at]
-        wanted = [np.array(found) for found in function.call(point)]
-        if all(np.isfinite(want).all() for want in wanted):
-            break
-    for i, (found, want) in enumerate(zip(made.call(point), wanted)):
-        have, known = np.array(found), np.isfinite(want)
-        worst = np.max(np.abs(have[known] - want[known]) / (1e-9 + np.abs(want[known])), initial=0.0)
-        if not worst < 1e-7 or (np.isfinite(have) != known).any():
-            raise kernel_loader.KernelMismatch(
-                f"a compiled function disagrees with the virtual machine by {worst:.2g} in output {i}; it is not used"
-            )
+def check(made: ca.Function, function: ca.Function, name: str) -> tuple[float, float]:
+    """Largest error at a point and over the points of a sound function, in what rounding explains; or KernelMismatch.
+
+    At points by chance, in turn closer to zero, where a function may be finite alone.
+    """
+
+    def draw(rng: np.random.Generator) -> list[np.ndarray]:
+        scales = np.resize(SCALES, POINTS * len(SCALES))
+        return [scales * rng.uniform(0.1, 1.0, (function.numel_in(i), len(scales))) for i in range(function.n_in())]
+
+    def run(trial: Trial, inputs: list[np.ndarray], results: list[np.ndarray]) -> None:
+        for lane in range(inputs[0].shape[1]):
+            point = [a[:, lane].reshape(function.size_in(i), order="F") for i, a in enumerate(inputs)]
+            for out, found in zip(results, made.call(point)):
+                out[:, lane] = np.array(found).ravel(order="F")
+
+    return require_agreement(run, [Trial(of_function(function), draw)], np.dtype(float), POINTS, name)

@@ -94,8 +94,11 @@ def spreader() -> Any:
     try:
         tools = compiler.toolchain()
         name = f"threads-{compiler.digest(SOURCE, tools)}.so"
-        path = kernel_cache.path_of(name) or kernel_cache.write(name, compiler.build(SOURCE, ("-pthread",)))
-        spread = ctypes.CDLL(str(path)).spread
+        spread = kernel_cache.kept(
+            name,
+            lambda: compiler.build(SOURCE, ("-pthread",)),
+            lambda path: ctypes.CDLL(str(path)).spread,
+        )
     except (compiler.CompileError, kernel_cache.CacheError, OSError):
         return None  # the pool is a convenience: kernel_loader.load has told why nothing compiles
     pointer = ctypes.c_void_p

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import typer
 
 from pliant.plants import SingleLinkArm
+from pliant.plants.integration.batch_stepper import step_kernel
 from pliant.plants.native import compiler, kernel_cache, kernel_loader, thread_pool
 
 from .console import print_json, say, show
@@ -15,13 +19,14 @@ from .options import AsJson
 
 def findings() -> dict[str, Any]:
     """Compiler, flags, vector width, cache and a trial kernel; `advice` says what to do where something is missing."""
-    found: dict[str, Any] = {
-        "native wanted": kernel_loader.wanted(),
-        "processors": thread_pool.available(),
-        "advice": [],
-    }
+    found: dict[str, Any] = {"native wanted": None, "processors": thread_pool.available(), "advice": []}
+    try:
+        found["native wanted"], _ = kernel_loader.wanted(), (compiler.candidates(), compiler.extra_flags())
+    except compiler.CompilerSettingError as wrong:
+        found["advice"].append(str(wrong))
+        return found
     found["cache folder"] = str(kernel_cache.folder())
-    if not kernel_loader.wanted():
+    if not found["native wanted"]:
         found["advice"].append("PLIANT_NATIVE=0 turns native code off; unset it to use compiled kernels")
     try:
         kernel_cache.checked_folder()
@@ -31,7 +36,7 @@ def findings() -> dict[str, Any]:
         found["advice"].append(str(refused))
     try:
         tools = compiler.toolchain()
-    except (compiler.CompileError, kernel_cache.CacheError) as missing:
+    except (compiler.CompileError, kernel_cache.CacheError, OSError) as missing:
         found["compiler"] = None
         found["advice"].append(f"{missing}. Install gcc or clang (or `pip install ziglang`), or set CC")
         return found
@@ -43,13 +48,31 @@ def findings() -> dict[str, Any]:
     found["vector math"] = "libmvec" if "-lmvec" in tools.link_flags else "none: sin and cos are not vectorised"
     if "-lmvec" not in tools.link_flags:
         found["advice"].append("no libmvec: kernels with sin and cos run slower; glibc with gcc or clang has it")
-    found["thread pool"] = "compiled" if thread_pool.spreader() is not None else "Python's"
-    found["trial kernel"] = "compiled, agrees with the virtual machine" if _trial() else "not used"
+    pooled = thread_pool.spreader() is not None
+    found["thread pool"] = "compiled" if pooled else "Python's"
+    if not pooled:
+        found["advice"].append("the pool of threads in C cannot be built, so that small batches gain less from threads")
+    why = _trial()
+    found["trial kernel"] = f"not used: {why}" if why else "compiled, agrees with the virtual machine"
+    if why and found["native wanted"]:
+        found["advice"].append(f"a trial kernel cannot be used, so that others may not be either: {why}")
     return found
 
 
-def _trial() -> bool:
-    return SingleLinkArm.textbook().stepper(0.001, batch=8).native
+def _trial() -> str:
+    """Why a small kernel, compiled and checked afresh, is not used; nothing where it is."""
+    if not kernel_loader.wanted():
+        return "PLIANT_NATIVE=0"
+    kernel = step_kernel.__wrapped__(SingleLinkArm.textbook().ladder()[0], "rk4", np.dtype(float))
+    assert kernel.source is not None
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "trial.so")
+            path.write_bytes(compiler.build(kernel.source()))
+            kernel_loader.check(path, kernel.trials(), kernel.dtype, kernel.lanes, "a trial kernel")
+    except (compiler.CompileError, kernel_loader.KernelMismatch, OSError) as failure:
+        return str(failure)
+    return "" if kernel.native else "it is sound, but could not be kept in the cache"
 
 
 def _size() -> int:
@@ -79,7 +102,7 @@ def manage_cache(action: str, as_json: bool) -> bool:
     else:
         names = [path.name for path in kernel_cache.entries()]
         result["bytes"] = _size()
-        for kind in ("kernel", "point", "threads", "toolchain", "building"):
+        for kind in ("kernel", "point", "threads", "toolchain", "slow", "building"):
             result[f"{kind} files"] = sum(name.startswith(kind) for name in names)
     if as_json:
         print_json(result)

@@ -1,11 +1,14 @@
-"""The compiler: flags that a user adds come after Pliant's own, and part in the cache what is compiled with them."""
+"""The compiler: flags that a user adds, one that hangs, and what an earlier process or another machine left of it."""
 
 import ctypes
+import dataclasses
+import json
 import subprocess
+from pathlib import Path
 
 import pytest
 
-from pliant.plants.native import compiler, kernel_loader
+from pliant.plants.native import compiler, kernel_cache, kernel_loader
 
 pytestmark = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
 SOURCE = "int answer(void) { return ANSWER; }\n"
@@ -69,3 +72,140 @@ def test_the_link_step_has_no_added_flags(toolchain, monkeypatch):
     compiler.build(SOURCE)
     compiled, linked = asked
     assert "-DANSWER=42" in compiled and "-DANSWER=42" not in linked and "-ffast-math" not in linked
+
+
+HANGS = '#!/bin/sh\necho asked >> {count}\ncase "$*" in *{on}*) exec sleep 30 ;; *) exec {real} "$@" ;; esac\n'
+
+
+@pytest.fixture
+def hanging(monkeypatch, tmp_path):
+    """A compiler that hangs where `on` is among its arguments, given up after a second; how often it was started."""
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PLIANT_CFLAGS", "")
+    monkeypatch.setattr(compiler, "TIMEOUT", 1.0)
+    monkeypatch.setattr(compiler, "ANSWER", 1.0)
+    command, count = tmp_path / "slow-cc", tmp_path / "count"
+    real = compiler.candidates()[0][0]
+
+    def made(on):
+        command.write_text(HANGS.format(count=count, on=on, real=real))
+        command.chmod(0o755)
+        monkeypatch.setenv("CC", str(command))
+        again()
+        return lambda: len(count.read_text().split()) if count.exists() else 0
+
+    def again():
+        """As a new process has it."""
+        compiler.toolchain.cache_clear()
+        compiler._memories.clear()
+
+    yield made, again
+    compiler.toolchain.cache_clear()
+
+
+def test_a_compiler_that_hangs_is_asked_once_also_by_the_next_process(hanging, tmp_path):
+    made, again = hanging
+    started = made("version")
+    for _ in range(3):
+        with pytest.raises(compiler.NoCompiler, match=r"CC=.*slow-cc: .* took more than 1 s"):
+            compiler.toolchain()
+    again()
+    with pytest.raises(compiler.NoCompiler, match="asked again an hour later"):
+        compiler.toolchain()
+    assert started() == 1
+    (tmp_path / "slow-cc").write_text((tmp_path / "slow-cc").read_text().replace("version", "nothing"))
+    assert compiler.toolchain().width >= 64  # a repaired one is found at once
+
+
+def test_a_time_out_is_forgotten_after_an_hour(hanging, monkeypatch):
+    made, again = hanging
+    started = made("version")
+    with pytest.raises(compiler.NoCompiler):
+        compiler.toolchain()
+    again()
+    later = compiler.time.time() + compiler.REMEMBERED + 1
+    monkeypatch.setattr(compiler.time, "time", lambda: later)
+    with pytest.raises(compiler.NoCompiler):
+        compiler.toolchain()
+    assert started() == 2
+
+
+def test_a_compiler_that_hangs_on_kernels_alone_is_given_up_for_all_of_them(hanging):
+    """Its probes pass; the second source waits no longer, nor does the next process."""
+    made, again = hanging
+    started, before = made("kernel.c"), 0
+    for number in range(3):
+        with pytest.raises(compiler.CompileError, match="took more than 1 s"):
+            compiler.build(f"int answer(void) {{ return {number}; }}\n")
+        before = before or started()
+        assert started() == before
+    again()
+    with pytest.raises(compiler.CompileError, match="took more than 1 s"):
+        compiler.build(SOURCE)
+    assert started() == before
+
+
+def test_one_source_that_takes_too_long_stops_no_shorter_ones(monkeypatch, tmp_path):
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(compiler, "_memories", {})
+    run = compiler._run
+
+    def limited(command, *args, **options):
+        if "kernel.c" in " ".join(args) and "long" in next(Path(a) for a in args if a.endswith(".c")).read_text():
+            raise compiler.CompilerTimeout("cc took more than 1 s")
+        return run(command, *args, **options)
+
+    compiler.toolchain.cache_clear()
+    monkeypatch.setattr(compiler, "_run", limited)
+    source = "/* long */\n" + 40 * SOURCE.replace("ANSWER", "1")
+    for _ in range(2):
+        with pytest.raises(compiler.CompileError, match=r"took more than 1 s for 1 kB of C"):
+            compiler.build(source)
+    with pytest.raises(compiler.CompileError, match="took more than"):
+        compiler.build(source[: len(source) * 3 // 4])  # more than half as long
+    assert compiler.build(SOURCE.replace("ANSWER", "1"))
+    compiler.toolchain.cache_clear()
+
+
+FOREIGN = {
+    "truncated": lambda text: text[: len(text) // 2],
+    "a list": lambda text: "[1, 2]",
+    "a string": lambda text: '"gcc"',
+    "no text": lambda text: "\udcff",
+    "another field": lambda text: text.replace('"width"', '"breadth"'),
+    "another flag": lambda text: text.replace('"-fPIC"', '"-fplugin=/tmp/other.so"'),
+    "another compiler": lambda text: text.replace(json.loads(text)["command"][0], "/opt/elsewhere/cc"),
+    "another machine": lambda text: text.replace('"-fopenmp-simd"', '"-mcpu=other"'),
+}
+
+
+def test_a_toolchain_file_that_is_not_ours_is_written_anew(toolchain, monkeypatch):
+    right = toolchain("")
+    (path,) = [p for p in kernel_cache.entries() if p.name.startswith("toolchain")]
+    text = kernel_cache.read_text(path.name)
+    probed = []
+    monkeypatch.setattr(compiler, "_probe", lambda command: probed.append(command) or right)
+    for count, (what, change) in enumerate(FOREIGN.items(), start=1):
+        assert change(text) != text
+        kernel_cache.write(path.name, change(text).encode("utf-8", "surrogateescape"))
+        assert toolchain("") == right and len(probed) == count, what
+        assert json.loads(kernel_cache.read_text(path.name)) == json.loads(text)
+
+
+def test_flags_that_no_longer_serve_are_found_anew(toolchain, monkeypatch):
+    """A compiler that lost a feature under the same file: its stored flags fail, and it is asked for others."""
+    plain = toolchain("")
+    monkeypatch.setattr(compiler, "OPTIONAL", (*compiler.OPTIONAL, "-flost"))
+    stale = dataclasses.replace(plain, compile_flags=(*plain.compile_flags, "-flost"))
+    kernel_cache.write(compiler._toolchain_file(plain.command), json.dumps(dataclasses.asdict(stale)).encode())
+    compiler.toolchain.cache_clear()
+    assert compiler.toolchain() == stale
+    assert compiler.build("int one(void) { return 1; }\n")
+    assert "-flost" not in compiler.toolchain().compile_flags
+
+
+@pytest.mark.parametrize(("name", "value"), [("CC", "  "), ("CC", 'gcc "'), ("PLIANT_CFLAGS", "-O1 'x")])
+def test_nonsense_in_the_environment_is_an_error_that_names_it(toolchain, monkeypatch, name, value):
+    monkeypatch.setenv(name, value)
+    with pytest.raises(compiler.CompilerSettingError, match=f"{name}="):
+        toolchain(value if name == "PLIANT_CFLAGS" else "")

@@ -84,6 +84,31 @@ def test_what_killed_builds_leave_goes_with_the_next(folder: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["a", "b", "building-young.so"]
 
 
+def test_what_is_kept_is_checked_before_it_is_published(folder: Path) -> None:
+    """A file that cannot be loaded is made again; one that is refused leaves nothing."""
+    made: list[bytes] = []
+
+    def load(path: Path) -> bytes:
+        content = kernel_cache.unseal(path.read_bytes())
+        if content == b"foreign":
+            raise OSError("of another machine")
+        return content or b""
+
+    def make() -> bytes:
+        made.append(b"x")
+        return b"good"
+
+    kernel_cache.write("a", b"foreign")
+    assert [kernel_cache.kept("a", make, load) for _ in range(2)] == [b"good", b"good"] and len(made) == 1
+
+    def refuse(path: Path) -> None:
+        raise ValueError("wrong")
+
+    with pytest.raises(ValueError, match="wrong"):
+        kernel_cache.kept("b", make, load, refuse)
+    assert [p.name for p in kernel_cache.entries()] == ["a"]
+
+
 STEP = """
 import sys
 import numpy as np

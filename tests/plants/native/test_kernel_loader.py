@@ -1,12 +1,14 @@
 """Native kernels against the virtual machine and integration; layout, threads, fall-back, refusal of a bad one."""
 
 import ctypes
+import math
 import os
 import subprocess
 import sys
 import warnings
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -193,14 +195,55 @@ def test_a_compiler_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPa
 @needs_compiler
 def test_a_kernel_that_disagrees_is_not_published(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(kernel_loader, "_told", False)
+    monkeypatch.setattr(kernel_loader, "_told", set())
     right = kernel_templates.rk4_source
-    monkeypatch.setattr(kernel_templates, "rk4_source", lambda *a: right(*a).replace("h / 6", "h / 6.001"))
+    monkeypatch.setattr(kernel_templates, "rk4_source", lambda *a: right(*a).replace("h / 6", "h / 5"))
     arm = TwoLinkArm.textbook()
-    with pytest.warns(kernel_loader.NativeWarning, match="disagrees with the virtual machine"):
+    with pytest.warns(kernel_loader.NativeWarning) as said:
         kernel = step_kernel.__wrapped__(arm, "rk4", as_dtype("float64"))
-    assert not kernel.native
+        step_kernel.__wrapped__(arm, "rk4", as_dtype("float64"))
+        step_kernel.__wrapped__(arm, "rk4", as_dtype("float32"))
+    words = [str(w.message) for w in said]  # once a kernel: which, what it costs, and why
+    assert len(words) == 2 and "in single precision" in words[1] and not kernel.native
+    for line in words:
+        assert line.startswith("native code is off for rk4 steps of TwoLinkArm (linear, clamped-free 2+2)")
+        assert "times slower" in line and "disagrees with the virtual machine by" in line
     assert [p.name for p in kernel_cache.entries() if p.name.startswith(("kernel", "building"))] == []
+
+
+@needs_compiler
+def test_an_operation_without_a_c_form_is_said_and_the_virtual_machine_runs(monkeypatch) -> None:
+    monkeypatch.setattr(kernel_loader, "_told", set())
+    x = ca.SX.sym("x", 2)
+    with pytest.warns(kernel_loader.NativeWarning, match="the function 'odd'.*has no C form"):
+        kernel = map_kernel(ca.Function("odd", [x], [ca.erf(x)]), [np.ones((2, 4))])
+    work = kernel.workspace(1)
+    work.set(0, np.array([0.5, 0.0]))
+    work.run()
+    np.testing.assert_allclose(work.get(0)[0], [math.erf(0.5), 0.0], rtol=1e-15)
+
+
+@pytest.mark.parametrize(("value", "want"), [("0", False), ("off", False), ("1", True), ("", True), ("TRUE", True)])
+def test_native_code_is_asked_for_in_words(monkeypatch, value, want) -> None:
+    monkeypatch.setenv("PLIANT_NATIVE", value)
+    assert kernel_loader.wanted() is want
+    monkeypatch.setenv("PLIANT_NATIVE", "banana")
+    with pytest.raises(ValueError, match=r"PLIANT_NATIVE='banana' must be 0 .* or 1"):
+        kernel_loader.wanted()
+
+
+@needs_compiler
+def test_a_library_of_another_machine_is_built_anew(monkeypatch, tmp_path) -> None:
+    """Whole files, by their digest, that this machine cannot load, or that lack what a kernel has."""
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / "cache"))
+    link, dtype = SingleLinkArm.textbook().ladder()[0], as_dtype("float64")
+    first = step_kernel.__wrapped__(link, "rk4", dtype)
+    for content in (b"\x7fELF of another machine", compiler.build("int nothing(void) { return 0; }")):
+        monkeypatch.setattr(kernel_loader, "_loaded", {})
+        kernel_cache.write(first.kernel.path.name, content)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert step_kernel.__wrapped__(link, "rk4", dtype).native
 
 
 @needs_compiler

@@ -48,7 +48,7 @@ def test_a_function_that_disagrees_is_not_used(monkeypatch, tmp_path, shape) -> 
     machine = ca.Function("rate", [x], [shape(x) * 1.25])
     writes = compiler.build
     monkeypatch.setattr(compiler, "build", lambda source, flags: writes(source.replace("1.25", "1.5"), flags))
-    monkeypatch.setattr(kernel_loader, "_told", False)
+    monkeypatch.setattr(kernel_loader, "_told", set())
     with pytest.warns(kernel_loader.NativeWarning, match="disagrees with the virtual machine by 0.2"):
         assert single_point.compiled(machine) is machine
     monkeypatch.setattr(compiler, "build", writes)

@@ -2,8 +2,10 @@
 
 import json
 
+import pytest
 from typer.testing import CliRunner
 
+from pliant.plants.native import compiler, kernel_loader, kernel_templates
 from pliant.studies.commands.cli import app
 
 
@@ -11,6 +13,41 @@ def test_doctor_says_what_serves():
     done = CliRunner().invoke(app, ["doctor", "--json"])
     found = json.loads(done.stdout)
     assert done.exit_code == 0 and found["processors"] >= 1 and isinstance(found["advice"], list)
+
+
+def doctor():
+    """Status, findings and the words at the end."""
+    said = CliRunner().invoke(app, ["doctor"])
+    done = CliRunner().invoke(app, ["doctor", "--json"])
+    return json.loads(done.stdout), " ".join(said.stdout.split())
+
+
+@pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: no trial kernel")
+@pytest.mark.parametrize("fails", ["wrong code", "no code"])
+def test_doctor_never_says_that_nothing_is_missing_beside_a_trial_kernel_that_failed(monkeypatch, tmp_path, fails):
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / "cache"))
+    right, builds = kernel_templates.rk4_source, compiler.build
+
+    def no_code(source, flags=()):
+        if "rate" in source:
+            raise compiler.CompileError("cc failed: internal compiler error")
+        return builds(source, flags)
+
+    if fails == "wrong code":
+        monkeypatch.setattr(kernel_templates, "rk4_source", lambda *a: right(*a).replace("h / 6", "h / 6.001"))
+    else:
+        monkeypatch.setattr(compiler, "build", no_code)
+    found, words = doctor()
+    assert "Nothing is missing" not in words and found["trial kernel"].startswith("not used: ")
+    assert any("a trial kernel cannot be used" in line for line in found["advice"])
+
+
+@pytest.mark.parametrize(("name", "value"), [("CC", 'gcc "'), ("PLIANT_CFLAGS", "'"), ("PLIANT_NATIVE", "banana")])
+def test_doctor_names_nonsense_in_the_environment(monkeypatch, name, value):
+    monkeypatch.setenv(name, value)
+    found, words = doctor()
+    assert f"{name}=" in words and any(f"{name}=" in line for line in found["advice"])
+    assert "Nothing is missing" not in words
 
 
 def test_cache_is_shown_emptied_and_checked(tmp_path, monkeypatch):
