@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pliant.plants import Plant
+from pliant.plants.core.argument_gates import shown
 
 Pairs = tuple[tuple[str, float], ...]
 
@@ -78,3 +79,11 @@ class TrainableScene(Protocol):
     def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> Any: ...
     def vector_env(self, num_envs: int, *, threads: int | None) -> Any: ...
     def sb3_env(self, num_envs: int, *, randomise: bool = False, threads: int | None = None) -> Any: ...
+
+
+def require_scene(owner: str, scene: Any, protocol: type = CostedScene) -> None:
+    """ValueError unless `scene` has all that the protocol asks of one; nothing of it is computed for that."""
+    wanted = [name for name in vars(protocol) if not name.startswith("_")]
+    own = getattr(scene, "__dict__", {})
+    if isinstance(scene, type) or not all(name in own or hasattr(type(scene), name) for name in wanted):
+        raise ValueError(f"{owner}.scene = {shown(scene)} must be a Scene, not {type(scene).__name__}")

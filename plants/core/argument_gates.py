@@ -10,6 +10,10 @@
     require_all      a tuple of objects of a type
     as_tuple         a tuple from what is meant as one
     unit_vector      three numbers of length 1
+    require_by_name  numbers by name; require_mapping: anything by name
+    require_text     words
+    require_function what can be called
+    require_path     a file or a folder
 
 Each raises ValueError with the name of the argument, its value and what it must be.
 """
@@ -18,8 +22,10 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 import sys
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -183,6 +189,51 @@ def require_all(name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
     for i, item in enumerate(found):
         require_instance(f"{name}[{i}]", item, kind)
     return found
+
+
+def require_by_name(
+    name: str, value: Any, known: Collection[str] | None = None, kind: str = "name", allowed: str = "finite"
+) -> dict[str, float]:
+    """Numbers within RANGES[allowed] by name, as a dict; `known`: names that there are, each a `kind`."""
+    found = require_mapping(name, value, known, kind)
+    return {key: require_number(f"{name}[{key!r}]", number, allowed) for key, number in found.items()}
+
+
+def require_mapping(
+    name: str, value: Any, known: Collection[str] | None = None, kind: str = "name"
+) -> dict[str, Any]:
+    """Anything by name, as a dict; ValueError where it is no mapping, or a name is not `known`."""
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{name} = {shown(value)} must be values by name, not {_type(value)}")
+    for key in value:
+        if not isinstance(key, str):
+            raise ValueError(f"{name} has the key {shown(key)}, must be names")
+        if known is not None and key not in known:
+            raise ValueError(f"{name}: {kind} {key!r} must be one of {', '.join(known) or '(there are none)'}")
+    return {str(key): one for key, one in value.items()}
+
+
+def require_text(name: str, value: Any, *, empty: bool = False) -> str:
+    """`value` as a str; ValueError unless it is words, `empty` where none are words too."""
+    if not isinstance(value, str) or not (value or empty):
+        raise ValueError(f"{name} = {shown(value)} must be words")
+    return str(value)
+
+
+def require_function(name: str, value: Any) -> Callable[..., Any]:
+    """`value` itself; ValueError unless it can be called."""
+    if not callable(value):
+        raise ValueError(f"{name} = {shown(value)} must be a function, not {_type(value)}")
+    return value  # type: ignore[no-any-return]
+
+
+def require_path(name: str, value: Any) -> Path:
+    """`value` as a Path; ValueError unless it is one, or words that can be one."""
+    if not isinstance(value, (str, os.PathLike)) or not isinstance(text := os.fspath(value), str):
+        raise ValueError(f"{name} = {shown(value)} must be a path, not {_type(value)}")
+    if not text or "\0" in text:
+        raise ValueError(f"{name} = {shown(value)} must be the name of a file or a folder")
+    return Path(text)
 
 
 def nested(value: Any) -> Any:
