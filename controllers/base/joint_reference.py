@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, final
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_finite, require_instance, require_seconds, shown
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.minimum_jerk import minimum_jerk
-from pliant.plants.core.argument_gates import require_finite, require_instance, require_seconds, shown
 from pliant.plants.core.signals import index, read_only
 from pliant.plants.dynamics.plant import Plant
 
@@ -99,6 +99,12 @@ class Follow:
         k = min(max(round(moment("Follow", t) / self.dt), 0), last)
         late = t - k * self.dt if k == last else 0.0
         return self.positions[k] + late * self.rates[k], self.rates[k], self.accelerations[k]
+
+
+def require_reference(owner: str, reference: Any) -> None:
+    """ValueError unless it is a motion of joints."""
+    if not isinstance(reference, (RestToRest, Follow)):
+        raise ValueError(f"{owner}.reference = {shown(reference)} must be a RestToRest or a Follow")
 
 
 class Joints(NamedTuple):

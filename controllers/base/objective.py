@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Self
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.argument_gates import (
     require_by_name,
     require_finite,
@@ -24,6 +23,7 @@ from pliant.plants.core.argument_gates import (
     require_number,
     require_seconds,
 )
+from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.signals import index, names
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear.quadratic_cost import QuadraticCost, following, require_still, squares

@@ -81,9 +81,9 @@ class TrainableScene(Protocol):
     def sb3_env(self, num_envs: int, *, randomise: bool = False, threads: int | None = None) -> Any: ...
 
 
-def require_scene(owner: str, scene: Any, protocol: type = CostedScene) -> None:
-    """ValueError unless `scene` has all that the protocol asks of one; nothing of it is computed for that."""
-    wanted = [name for name in vars(protocol) if not name.startswith("_")]
+def require_scene(owner: str, scene: Any, asked: type | tuple[str, ...] = CostedScene) -> None:
+    """ValueError unless `scene` has all that a protocol, or names, ask of one; nothing of it is computed for that."""
+    wanted = asked if isinstance(asked, tuple) else [name for name in vars(asked) if not name.startswith("_")]
     own = getattr(scene, "__dict__", {})
     if isinstance(scene, type) or not all(name in own or hasattr(type(scene), name) for name in wanted):
         raise ValueError(f"{owner}.scene = {shown(scene)} must be a Scene, not {type(scene).__name__}")

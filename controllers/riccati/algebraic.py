@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.argument_gates import require_finite, require_seconds
+from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.magnus import halvings, with_cost
 

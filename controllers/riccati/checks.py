@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sla
 
-from pliant.plants.core.errors import UncontrollableError
 from pliant.plants.core.argument_gates import require_finite, require_names
+from pliant.plants.core.errors import UncontrollableError
 from pliant.plants.linear.modal_analysis import dominant, eigen, stays
 
 ROUNDING = 1e-13  # of the largest entry of a weight

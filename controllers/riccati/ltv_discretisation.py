@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg as sla
 
-from pliant.plants.core.errors import PliantError
 from pliant.plants.core.argument_gates import require_finite, require_instance
+from pliant.plants.core.errors import PliantError
 from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.magnus import exponent, halvings, with_cost

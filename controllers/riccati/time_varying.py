@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.argument_gates import real_array, require_count, require_finite, require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.matrix_roots import semidefinite_root
-from pliant.plants.core.argument_gates import real_array, require_count, require_finite, require_instance
 from pliant.plants.linear.ltv import LTVModel
 
 from .checks import indefinite, weight_matrix

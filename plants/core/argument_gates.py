@@ -199,9 +199,7 @@ def require_by_name(
     return {key: require_number(f"{name}[{key!r}]", number, allowed) for key, number in found.items()}
 
 
-def require_mapping(
-    name: str, value: Any, known: Collection[str] | None = None, kind: str = "name"
-) -> dict[str, Any]:
+def require_mapping(name: str, value: Any, known: Collection[str] | None = None, kind: str = "name") -> dict[str, Any]:
     """Anything by name, as a dict; ValueError where it is no mapping, or a name is not `known`."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{name} = {shown(value)} must be values by name, not {_type(value)}")
