@@ -11,6 +11,7 @@ from pliant.plants import Plant
 from pliant.plants.core.argument_gates import shown
 
 Pairs = tuple[tuple[str, float], ...]
+TELLING = ("plant", "weights", "effort", "limits", "dt")  # what every scene has and hardly anything else
 
 
 class CostedScene(Protocol):
@@ -81,9 +82,8 @@ class TrainableScene(Protocol):
     def sb3_env(self, num_envs: int, *, randomise: bool = False, threads: int | None = None) -> Any: ...
 
 
-def require_scene(owner: str, scene: Any, asked: type | tuple[str, ...] = CostedScene) -> None:
-    """ValueError unless `scene` has all that a protocol, or names, ask of one; nothing of it is computed for that."""
-    wanted = asked if isinstance(asked, tuple) else [name for name in vars(asked) if not name.startswith("_")]
+def require_scene(owner: str, scene: Any, asked: tuple[str, ...] = TELLING) -> None:
+    """ValueError unless `scene` has what tells one; nothing of it is computed for that."""
     own = getattr(scene, "__dict__", {})
-    if isinstance(scene, type) or not all(name in own or hasattr(type(scene), name) for name in wanted):
+    if isinstance(scene, type) or not all(name in own or hasattr(type(scene), name) for name in asked):
         raise ValueError(f"{owner}.scene = {shown(scene)} must be a Scene, not {type(scene).__name__}")

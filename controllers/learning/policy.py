@@ -13,14 +13,24 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import Any, Self, final
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_choice, require_finite
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import TrainableScene
+from pliant.controllers.base.scene_protocol import TrainableScene, require_scene
+from pliant.plants.core.argument_gates import (
+    as_number,
+    as_tuple,
+    require_choice,
+    require_finite,
+    require_flag,
+    require_mapping,
+    require_names,
+    require_number,
+    require_path,
+    require_seconds,
+    require_text,
+)
 
 FORMAT = 1
 ACTIVATIONS = ("tanh", "relu")
@@ -54,31 +64,32 @@ class Policy:
     _layers: tuple[Any, ...] = field(init=False, repr=False)  # .. and for each layer's output
 
     def __post_init__(self) -> None:
-        own = f"Policy of {self.scene!r}"
+        own = f"Policy of {require_text('Policy.scene', self.scene, empty=True)!r}"
         require_choice(own, "activation", self.activation, ACTIVATIONS)
-        ny, nu, layers = len(self.reads), len(self.inputs), len(self.weights)
-        if not 1 <= layers == len(self.biases) <= MOST_LAYERS:
+        reads, inputs = require_names(f"{own}: reads", self.reads), require_names(f"{own}: inputs", self.inputs)
+        given = tuple(_layers(f"{own}: {name}", getattr(self, name)) for name in ("weights", "biases"))
+        ny, nu, layers = len(reads), len(inputs), len(given[0])
+        if not 1 <= layers == len(given[1]) <= MOST_LAYERS:
             raise ValueError(
-                f"{own}: weights and biases of {layers} and {len(self.biases)} layers must be as many, "
-                f"1 to {MOST_LAYERS}"
+                f"{own}: weights and biases of {layers} and {len(given[1])} layers must be as many, 1 to {MOST_LAYERS}"
             )
         width, weights, biases = ny, [], []
-        for k, (W, b) in enumerate(zip(self.weights, self.biases), 1):
-            W = require_finite(f"{own}: W{k}", W, (nu if k == layers else -1, width))
+        for k, (W, b) in enumerate(zip(*given), 1):
+            W = require_finite(f"{own}: weights, W{k}", W, (nu if k == layers else -1, width))
             width = len(W)
             weights.append(np.ascontiguousarray(W))
-            biases.append(require_finite(f"{own}: b{k}", b, (width,)))
+            biases.append(require_finite(f"{own}: biases, b{k}", b, (width,)))
         values: dict[str, Any] = {"weights": tuple(weights), "biases": tuple(biases)}
         for name, size in (("mean", ny), ("std", ny), ("goal", ny), ("limits", nu)):
             values[name] = require_finite(f"{own}: {name}", getattr(self, name), (size,))
         for name in ("std", "limits"):
             if not (values[name] > 0).all():
                 raise ValueError(f"{own}: {name} = {values[name]} must be > 0")
-        if not 0 < self.dt < np.inf:
-            raise ValueError(f"{own}: dt = {self.dt!r} must be > 0")
-        if not self.clip > 0:
-            raise ValueError(f"{own}: clip = {self.clip!r} must be > 0")
-        values |= {"reads": tuple(self.reads), "inputs": tuple(self.inputs)}
+        values |= {"dt": require_seconds(f"{own}: dt", self.dt), "reads": reads, "inputs": inputs}
+        clip = as_number(self.clip)
+        values["clip"] = clip if clip == np.inf else require_number(f"{own}: clip", clip, "positive")
+        values |= {"squash": require_flag(f"{own}: squash", self.squash)}
+        values["made"] = require_mapping(f"{own}: made", self.made)
         values |= {"_shift": values["goal"] + values["mean"], "_factor": 1 / values["std"], "_z": np.empty(ny)}
         values["_layers"] = tuple((W, b, np.empty(len(b))) for W, b in zip(weights, biases))
         for name, value in values.items():
@@ -90,8 +101,7 @@ class Policy:
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) within the limits, from y (len(reads),)."""
         z = self._z
-        y = np.asarray(y, dtype=float)
-        if y.shape != z.shape or not np.dot(y, y) < np.inf:
+        if type(y) is not np.ndarray or y.dtype != float or y.shape != z.shape or not np.dot(y, y) < np.inf:
             y = require_finite("Policy.y", y, z.shape)
         np.subtract(y, self._shift, out=z)
         np.multiply(z, self._factor, out=z)
@@ -151,13 +161,13 @@ class Policy:
                 std=arrays["std"],
                 **words,
             )
-        except TypeError as error:
+        except (TypeError, ValueError) as error:
             raise ValueError(f"{own}: {error}") from None
 
     @classmethod
     def for_scene(cls, name: str) -> Self:
         """The policy that is shipped for a named scene. ValueError, with the names there are, for others."""
-        require_choice("Policy", "scene", name, shipped())
+        require_choice("Policy.for_scene", "name", name, shipped())
         return cls.load(FOLDER / name)
 
     @classmethod
@@ -179,9 +189,17 @@ class Policy:
                 f"{str(path)!r} holds a pickle, which can run any code when it is read: give trust=True if you "
                 "made it yourself, or ask its author for arrays and JSON (Policy.save)"
             )
+        require_scene("from_sb3_zip", scene, ("plant", "observe", "limits", "dt", "stage_cost"))
+        require_choice("from_sb3_zip", "algorithm", algorithm, ("ppo", "sac"))
+        found = None if statistics is None else require_path("from_sb3_zip.statistics", statistics)
         from .sb3_export import read_zip  # the other door to torch
 
-        return cls(**read_zip(Path(path), scene, algorithm, None if statistics is None else Path(statistics)))
+        return cls(**read_zip(require_path("from_sb3_zip.path", path), scene, algorithm, found))
+
+
+def _layers(name: str, value: Any) -> tuple[Any, ...]:
+    """An array of each layer."""
+    return tuple(value) if isinstance(value, np.ndarray) and value.ndim > 1 else as_tuple(name, value)
 
 
 def shipped() -> Sequence[str]:
@@ -191,6 +209,6 @@ def shipped() -> Sequence[str]:
 
 def _files(path: str | Path) -> tuple[Path, Path]:
     """The two files of a policy from its name, or from either file's."""
-    path = Path(path)
+    path = require_path("Policy.path", path)
     stem = path.name.removesuffix(".npz").removesuffix(".json")
     return path.with_name(stem + ".npz"), path.with_name(stem + ".json")
