@@ -24,7 +24,7 @@ from pliant.plants.core.argument_gates import (
 from .evaluation import Training
 from .settings import SECONDS, SETTINGS, PPOSettings, Progress, SACSettings
 
-TRAINABLE = ("plant", "observe", "limits", "dt", "stage_cost")
+TRAINABLE = ("plant", "observe")  # what is asked for first
 
 
 def train(
@@ -74,7 +74,7 @@ def train(
         raise ValueError("train: resume = True needs the folder of the run to go on with")
     chosen = SETTINGS[algorithm]() if settings is None else settings
     if not isinstance(chosen, SETTINGS[algorithm]):
-        raise ValueError(f"train: settings = {shown(chosen)} must be {SETTINGS[algorithm].__name__}")
+        raise ValueError(f"train: settings = {type(chosen).__name__} must be {SETTINGS[algorithm].__name__}")
     if num_envs is not None:
         num_envs = require_count("train", "num_envs", num_envs, 1, 1_000_000)
         chosen = dataclasses.replace(chosen, num_envs=num_envs)
