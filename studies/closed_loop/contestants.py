@@ -101,6 +101,6 @@ def playable(names: tuple[str, ...] | None = None) -> tuple[Scene, ...]:
     known = (*scenes.names(), *VARIANTS)
     wanted = known if names is None else names
     for name in wanted:
-        require_choice("scoreboard", "scene", name, known)
+        require_choice("scoreboard", "scenes", name, known)
     found = [VARIANTS[name]() if name in VARIANTS else scenes.get(name) for name in wanted]
     return tuple(scene for scene in found if scene.plant.nu)

@@ -12,6 +12,8 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec
 
+from pliant.plants.core.argument_gates import require_path
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -98,7 +100,8 @@ def save(figure: Figure, path: str | Path) -> None:
     """Write the figure on white, as its ending says (png, svg, pdf). ValueError for an unknown ending."""
     import matplotlib
 
-    ending = Path(path).suffix.lower().lstrip(".")
+    path = require_path("picture", path)
+    ending = path.suffix.lower().lstrip(".")
     known = sorted(figure.canvas.get_supported_filetypes())
     if ending not in known:
         raise ValueError(f"picture {str(path)!r} must end with one of {', '.join(known)}")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.argument_gates import require_choice, require_function, require_path
 from pliant.studies.common.reference_motions import Progress
 from pliant.studies.figures.style import save
 
@@ -41,7 +41,9 @@ def draw(paper: str) -> dict[str, Figure]:
 
 def write(paper: str, folder: Path, progress: Progress) -> list[Path]:
     """Draw the figures as png files into a folder, made if missing; returns the files."""
-    progress(0.1, f"figures of {paper}")
+    require_choice("figures", "paper", paper, tuple(PAPERS))
+    folder = require_path("figures.folder", folder)
+    require_function("figures.progress", progress)(0.1, f"figures of {paper}")
     found = draw(paper)
     folder.mkdir(parents=True, exist_ok=True)
     files = []
