@@ -71,7 +71,8 @@ def dtvlqr(
     B = require_finite("B", B, (-1, -1, -1))
     nu = B.shape[-1]
     B = require_finite("B", B, (T, nx, nu))
-    Q, R, N = _along("Q", Q, T, (nx, nx)), _along("R", R, T, (nu, nu)), _along("N", N, T, (nx, nu))
+    Q, R = (_along(name, real_array(name, M), T, (n, n)) for name, M, n in (("Q", Q, nx), ("R", R, nu)))
+    N = _along("N", N, T, (nx, nu))
     c, q, s, r = _along("c", c, T, (nx,)), _along("q", q, T, (nx,)), _along("s", s, T, (nu,)), _along("r", r, T, ())
     weight = np.zeros((T, nu + nx + 1, nu + nx + 1))  # of [u; x; 1]
     weight[:, :nu, :nu], weight[:, nu:-1, nu:-1], weight[:, -1, -1] = R, Q, r

@@ -63,7 +63,7 @@ def checked(scene: Scene) -> dict[str, Any]:
         if group != "nominal_start" or scene.nominal_start is not None:
             found[group] = _pairs(owner, group, getattr(scene, group), of.get(group, known))
     for group in ("observe", "compare"):
-        found[group] = require_names(f"{owner}: {group}", getattr(scene, group), known, "signal")
+        found[group] = require_names(f"{owner}: {group}", getattr(scene, group), known, "signal", repeated=True)
     if not found["compare"]:
         raise ValueError(f"{owner}: compare = () must name one output at least")
     found["randomise"] = _randomised(owner, scene)

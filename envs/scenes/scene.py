@@ -164,18 +164,18 @@ class Manoeuvre:
 
     def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
         """The named states or outputs from x (..., nx) and y (..., ny)."""
-        places = self.positions(require_names("signal_values.names", names))
+        places = self.positions(require_names("signal_values.names", names, repeated=True))
         x, y = rows("signal_values", x=(x, self.plant.nx), y=(y, self.plant.ny))
         return np.concatenate([x, y], axis=-1)[..., places]
 
     def goal_values(self, names: tuple[str, ...]) -> np.ndarray:
         """The named states or outputs at the goal, at t = 0."""
         x, u = self.target
-        return self.signal_values(x, self.plant.measure(x, u), require_names("goal_values.names", names))
+        return self.signal_values(x, self.plant.measure(x, u), require_names("goal_values.names", names, repeated=True))
 
     def goal_drift(self, names: tuple[str, ...]) -> np.ndarray:
         """d/dt of `goal_values`: of states as in `goal_rates`; ValueError for outputs that follow these."""
-        names = require_names("goal_drift.names", names)
+        names = require_names("goal_drift.names", names, repeated=True)
         require_still(f"scene {self.name!r}", self._following, names)
         return self.signal_values(self.drift, np.zeros(self.plant.ny), names)
 

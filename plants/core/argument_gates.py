@@ -151,8 +151,10 @@ def require_instance(name: str, value: Any, kind: type[T], *, what: str = "") ->
     return value
 
 
-def require_names(name: str, value: Any, known: Collection[str] | None = None, kind: str = "name") -> tuple[str, ...]:
-    """`value` as a tuple of distinct strings; ValueError for a bare string, another type, or one not `known`."""
+def require_names(
+    name: str, value: Any, known: Collection[str] | None = None, kind: str = "name", *, repeated: bool = False
+) -> tuple[str, ...]:
+    """`value` as a tuple of strings, distinct unless `repeated`; ValueError for a bare string or one not `known`."""
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         raise ValueError(f"{name} = {shown(value)} must be a tuple of names")
     found = tuple(value)
@@ -161,7 +163,7 @@ def require_names(name: str, value: Any, known: Collection[str] | None = None, k
             raise ValueError(f"{name}[{i}] = {shown(item)} must be a string")
         if known is not None and item not in known:
             raise ValueError(f"{name}[{i}] = {item!r}: no such {kind}; choose from {', '.join(known)}")
-    if len(set(found)) != len(found):
+    if not repeated and len(set(found)) != len(found):
         raise ValueError(f"{name} = {shown(found)} must be distinct names")
     return tuple(map(str, found))
 

@@ -53,6 +53,7 @@ class Array(Kind):
     wrong: bool = True
     infinite: bool = False
     text: bool = False  # a name is valid too
+    leads: bool = False  # others must be as long as it: how long it is, is told of them
 
     def bad(self) -> Pairs:
         """Strings, objects, complex numbers, other shapes, not finite."""
@@ -75,14 +76,15 @@ class Array(Kind):
                 yield "minus infinity in a list", _with(a, -np.inf).tolist()
             yield "an integer beyond a float", _huge(a)
         if a.ndim and self.wrong:
-            yield "one more", np.concatenate([a, a[-1:]]) if len(a) else np.ones((1, *a.shape[1:]))
-            if len(a) > 1:
+            if not self.leads:
+                yield "one more", np.concatenate([a, a[-1:]]) if len(a) else np.ones((1, *a.shape[1:]))
+            if len(a) > 1 and not self.leads:
                 yield "one less", a[:-1]
             yield "a dimension more", a[None, None]
             yield "ragged", [[1.0], [1.0, 2.0]]
             if a.ndim > 1:
                 yield "one more column", np.concatenate([a, a[..., -1:]], axis=-1)
-                yield "flat", a.ravel() if a.size != len(a) or a.ndim > 1 and a.shape[0] != 1 else a[None, None]
+                yield "flat", a.ravel() if a.size != len(a) or (a.ndim > 1 and a.shape[0] != 1) else a[None, None]
 
     def good(self) -> Pairs:
         """Any layout, integers where they are, read-only, big-endian, lists and tuples."""

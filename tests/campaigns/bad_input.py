@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 from argument_calls import calls
-from argument_kinds import Call, Kind
+from argument_kinds import Call
 
 from pliant.plants import PliantError
 
