@@ -130,7 +130,9 @@ class Feedback:
 
     def __post_init__(self) -> None:
         reads = require_names("Feedback.reads", self.reads)
-        K = read_only("Feedback.K", self.K, (-1, len(reads)))
+        K = read_only("Feedback.K", self.K, (-1, -1))
+        if K.shape[1] != len(reads):
+            raise ValueError(f"Feedback.K has shape {K.shape}, must have a column for each of reads = {reads}")
         nu, ny = K.shape
         values = {
             "K": K,

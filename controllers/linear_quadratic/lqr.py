@@ -143,7 +143,8 @@ class LQR:
     ) -> LQR:
         """`design` on the plant's linear model about the equilibrium (x0, u0); EquilibriumError where it is none."""
         require_instance("LQR.for_plant: plant", plant, Plant)
-        model = plant.linearize(x0, u0)
+        x0 = require_finite("LQR.x0", x0, (plant.nx,))
+        model = plant.linearize(x0, None if u0 is None else require_finite("LQR.u0", u0, (plant.nu,)))
         require_held(model)
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 

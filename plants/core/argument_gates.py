@@ -24,7 +24,7 @@ import math
 import numbers
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Set
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -155,7 +155,7 @@ def require_names(
     name: str, value: Any, known: Collection[str] | None = None, kind: str = "name", *, repeated: bool = False
 ) -> tuple[str, ...]:
     """`value` as a tuple of strings, distinct unless `repeated`; ValueError for a bare string or one not `known`."""
-    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+    if isinstance(value, (str, bytes, Mapping, Set, type)) or not isinstance(value, Iterable):
         raise ValueError(f"{name} = {shown(value)} must be a tuple of names")
     found = tuple(value)
     for i, item in enumerate(found):

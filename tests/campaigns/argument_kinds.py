@@ -110,7 +110,7 @@ class Array(Kind):
 
 @dataclass(frozen=True)
 class Number(Kind):
-    """One real number. `low`, `high`: what is outside is nonsense; `text`: a name is valid too; `array`: one a row is."""
+    """One real number. `low`, `high`: what is outside is nonsense; `text`, `array`: a name, one a row is valid."""
 
     low: float | None = None
     high: float | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from argument_kinds import Array, Call, Choice, Count, Names, Number, Object, Objects
-from kinds_of_laws import ByName, Pair
+from kinds_of_laws import ByName, Counts, Pair
 from laws_at_hand import ARM, DT, GAIN, LTV, MODEL, SAMPLED, SENSOR, Q, R, fresh, law
 
 from pliant.controllers import LQG, LQR, MPC, TVLQR, Feedback, Kalman, Predictive, Sensor, delayed, riccati, sensors
@@ -59,7 +59,7 @@ def riccati_calls() -> list[Call]:
 
 def regulator_calls() -> list[Call]:
     """Of Feedback, LQR, TVLQR."""
-    point = {"plant": Object(ARM), "x0": Array(np.zeros(2)), "u0": Array(np.zeros(1))}
+    point = {"plant": Object(ARM), "x0": Array(np.zeros(2)), "u0": Array(np.zeros(1), none=True)}
     weights = {"Q": Array(Q), "R": Array(R)}
     named = {"Q": ByName({"s": 4.0, "place": 1.0}, low=0.0), "R": ByName({"force": 0.5}, low=0.0, open=True)}
     integral = {"integral": ByName({"place": 1.0}, none=True, low=0.0, open=True), "limits": LIMITS}
@@ -170,23 +170,26 @@ def sensor_calls() -> list[Call]:
 def predictive_calls() -> list[Call]:
     """Of MPC."""
     weights = {"Q": Array(Q), "R": Array(R), "P": Array(Q, none=True)}
-    bounds = {"bounds": _bounds(), "limits": LIMITS, "rates": Number(8.0, none=True, infinite=True, **TIME)}
-    counts = {"horizon": Count(4), "terminal": Count(1, low=0), "blocks": Array(np.array([1.0, 3.0]), none=True)}
+    bounds = {"bounds": _bounds(), "limits": LIMITS, "rates": Array(np.array([8.0]), none=True, infinite=True)}
+    counts = {"horizon": Count(4), "terminal": Count(1, low=0), "blocks": Counts((1, 3), none=True)}
     more = {"penalty": Number(8.0, none=True, **TIME), "reads": Names(("s", "v"), none=True)}
     free = {"track": Names(("place",)), "disturbance": Choice("states", none=True), "time": Number(0.25, **TIME)}
     noise = {"noise": Number(0.5, **TIME)}
     whole = {"model": Object(SAMPLED)} | weights | {"N": N} | counts | bounds | more
-    named = {"noise": ByName({"place": 0.5}, low=0.0, open=True), "rates": ByName({"force": 8.0}, low=0.0, open=True)}
+    named = {
+        "noise": ByName({"place": 0.5}, number=True, **TIME),
+        "rates": ByName({"force": 8.0}, none=True, number=True, **TIME),
+    }
     seen = {"track": ("place",), "reads": ("place",), "disturbance": "inputs", "horizon": 4}
     given = {"model": SAMPLED, "Q": Q, "R": R}
     along = {k: v for k, v in whole.items() if k not in ("model", "N")}
     return [
-        Call("MPC.design", MPC.design, {k: v for k, v in whole.items() if k != "blocks"}),
+        Call("MPC.design", MPC.design, whole),
         Call("MPC.design, sampled", MPC.design, {"dt": Number(DT, **TIME)}, given | {"model": MODEL, "horizon": 4}),
         Call("MPC.design, offset-free", MPC.design, free, given | {"horizon": 4}),
         Call("MPC.design, noise", MPC.design, noise, given | seen),
         Call("MPC.design, noise by name", MPC.design, named, given | seen),
-        Call("MPC.along", MPC.along, {"ltv": Object(LTV)} | {k: v for k, v in along.items() if k != "blocks"}),
+        Call("MPC.along", MPC.along, {"ltv": Object(LTV)} | along),
         Call("MPC.aim", fresh(law("mpc"), "aim"), {"values": ByName({"place": 0.5})}),
         Call("MPC.act", fresh(law("mpc"), "act"), {"y": STATES}, {"t": 0.0}),
         Call("MPC.act, along", fresh(law("mpc, along"), "act"), {"t": Number(0.25), "y": STATES}),

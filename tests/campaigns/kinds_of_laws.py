@@ -17,17 +17,15 @@ class ByName(Kind):
     low: float | None = None
     open: bool = False
     any: bool = False
+    number: bool = False  # one number is valid too
 
     def bad(self) -> Pairs:
         """Other types, unknown names, values that are no numbers."""
         name = next(iter(self.value), "nonsense")
         yield from (pair for pair in Kind.bad(self) if pair[0] != "a dict")
-        yield from (
-            ("a number", 3.0),
-            ("a string", "abc"),
-            ("a list of names", [name]),
-            ("an array of none", np.array(None)),
-        )
+        yield from (("a string", "abc"), ("a list of names", [name]), ("an array of none", np.array(None)))
+        if not self.number:
+            yield "a number", 3.0
         if not self.any:
             yield "an unknown name", {"nonsense": 1.0}
         yield from (("a number as a name", {1: 1.0}), ("a string as a value", {name: "abc"}))
@@ -151,3 +149,20 @@ class Valued(Kind):
         """Lists, NumPy's numbers."""
         yield "a list of lists", [list(pair) for pair in self.value]
         yield "NumPy's numbers", tuple((name, np.float64(number)) for name, number in self.value)
+
+
+@dataclass(frozen=True)
+class Counts(Kind):
+    """A tuple of counts."""
+
+    def bad(self) -> Pairs:
+        """Fractions, strings, other sums."""
+        yield from Kind.bad(self)
+        yield from (("a number", 3), ("a string", "abc"), ("fractions", (1.5, 2.5)), ("strings", ("1", "3")))
+        yield from (("zero", (0, *self.value)), ("NaN", (np.nan, 3)), ("None among them", (None, 3)))
+        yield from (("one more", (*self.value, 1)), ("lists", ([1], [3])), ("True", (True, 3)), ("nothing", ()))
+
+    def good(self) -> Pairs:
+        """A list, an array of integers."""
+        yield from (("a list", list(self.value)), ("an array", np.array(self.value)))
+        yield "NumPy's integers", tuple(np.int32(v) for v in self.value)
