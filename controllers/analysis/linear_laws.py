@@ -41,7 +41,7 @@ class LinearLaw:
     def __post_init__(self) -> None:
         reads = require_names("LinearLaw.reads", self.reads)
         A = require_finite("LinearLaw.A", self.A, (-1, -1))
-        m, ny, nu = len(A), len(reads), len(require_finite("LinearLaw.D", self.D, (-1, -1)))
+        m, ny, nu = len(A), len(reads), len(require_finite("LinearLaw.C", self.C, (-1, -1)))
         values: dict[str, Any] = {"reads": reads, "delay": require_count("LinearLaw", "delay", self.delay, 0, 10_000)}
         for name, shape in (("A", (m, m)), ("B", (m, ny)), ("C", (nu, m)), ("D", (nu, ny))):
             values[name] = require_finite(f"LinearLaw.{name}", getattr(self, name), shape)

@@ -167,7 +167,7 @@ def _read(mode: Any) -> tuple[float, float]:
             raise ValueError(f"shaper_for.modes: {shown(mode)} must be finite")
         size = abs(value)
         if value.real > 1e-9 * size:
-            raise ValueError(f"shaper_for: a mode grows at {value.real:.3g} 1/s; no command can calm it")
+            raise ValueError(f"shaper_for.modes: a mode grows at {value.real:.3g} 1/s; no command can calm it")
         return float(size), max(0.0, float(-value.real / size))
     return require_number("shaper_for.modes: frequency", value, "positive", "rad/s"), 0.0
 

@@ -21,6 +21,7 @@ from pliant.controllers.base.scene_protocol import TrainableScene, require_scene
 from pliant.plants.core.argument_gates import (
     as_number,
     as_tuple,
+    real_array,
     require_choice,
     require_finite,
     require_flag,
@@ -73,6 +74,9 @@ class Policy:
             raise ValueError(
                 f"{own}: weights and biases of {layers} and {len(given[1])} layers must be as many, 1 to {MOST_LAYERS}"
             )
+        seen = real_array(f"{own}: weights", given[0][0]).shape
+        if len(seen) == 2 and seen[1] != ny:
+            raise ValueError(f"{own}: weights, W1 has shape {seen}, must have a column for each of reads = {reads}")
         width, weights, biases = ny, [], []
         for k, (W, b) in enumerate(zip(*given), 1):
             W = require_finite(f"{own}: weights, W{k}", W, (nu if k == layers else -1, width))
@@ -87,7 +91,9 @@ class Policy:
                 raise ValueError(f"{own}: {name} = {values[name]} must be > 0")
         values |= {"dt": require_seconds(f"{own}: dt", self.dt), "reads": reads, "inputs": inputs}
         clip = as_number(self.clip)
-        values["clip"] = clip if clip == np.inf else require_number(f"{own}: clip", clip, "positive")
+        values["clip"] = (
+            clip if isinstance(clip, float) and clip == np.inf else require_number(f"{own}: clip", clip, "positive")
+        )
         values |= {"squash": require_flag(f"{own}: squash", self.squash)}
         values["made"] = require_mapping(f"{own}: made", self.made)
         values |= {"_shift": values["goal"] + values["mean"], "_factor": 1 / values["std"], "_z": np.empty(ny)}

@@ -195,12 +195,16 @@ class Choice(Kind):
 
 @dataclass(frozen=True)
 class Names(Kind):
-    """A tuple of names of signals."""
+    """A tuple of names of signals. `free`: names are not looked up."""
+
+    free: bool = False
 
     def bad(self) -> Pairs:
         """Another name, numbers, a bare word."""
         yield from Kind.bad(self)
-        yield from (("an unknown name", ("nonsense",)), ("numbers", (1, 2)), ("a bare word", "nonsense"))
+        if not self.free:
+            yield "an unknown name", ("nonsense",)
+        yield from (("numbers", (1, 2)), ("a bare word", "nonsense"))
         yield from (("a number", 3), ("None among them", (None,)), ("a list of lists", [["a"]]), ("twice", ("a", "a")))
 
     def good(self) -> Pairs:
@@ -259,6 +263,7 @@ class Call:
     fixed: dict[str, Any] = field(default_factory=dict)
     positional: tuple[str, ...] = ()
     compare: bool = True
+    long: bool = False  # a valid call takes long: only nonsense is tried, which is refused before
 
 
 def _with(a: np.ndarray, value: float) -> np.ndarray:
