@@ -130,7 +130,10 @@ def _randomised(owner: str, scene: Scene) -> tuple[tuple[str, float, float], ...
         if not isinstance(row, (tuple, list)) or len(row) != 3 or not isinstance(row[0], str):
             raise ValueError(f"{owner}: randomise[{i}] = {shown(row)} must be (parameter, least, greatest factor)")
         path = row[0]
-        unit_of(scene.plant, path)
+        try:
+            unit_of(scene.plant, path)
+        except ValueError as unknown:
+            raise ValueError(f"{owner}: randomise[{i}]: {unknown}") from None
         low, high = (_kept(v, require_number(f"{owner}: randomise {path}", v)) for v in row[1:])
         if not 0 < low <= high:
             raise ValueError(f"{owner}: randomise {path} from {low} to {high} must be 0 < low <= high")

@@ -160,7 +160,8 @@ class Manoeuvre:
 
     def positions(self, names: Iterable[str]) -> list[int]:
         """Where the named signals stand in the vector [x; y]."""
-        return [index(self.signals, name, "positions.names: signal") for name in names]
+        wanted = require_names("positions.names", names, repeated=True)
+        return [index(self.signals, name, "positions.names: signal") for name in wanted]
 
     def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
         """The named states or outputs from x (..., nx) and y (..., ny)."""

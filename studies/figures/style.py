@@ -100,7 +100,7 @@ def save(figure: Figure, path: str | Path) -> None:
     """Write the figure on white, as its ending says (png, svg, pdf). ValueError for an unknown ending."""
     import matplotlib
 
-    path = require_path("picture", path)
+    path = require_path("save.path", path)
     ending = path.suffix.lower().lstrip(".")
     known = sorted(figure.canvas.get_supported_filetypes())
     if ending not in known:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.envs.scenes.registry import names as named
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.argument_gates import (
     require_choice,
@@ -27,7 +28,7 @@ from pliant.plants.core.argument_gates import (
     require_text,
     shown,
 )
-from pliant.studies.closed_loop.contestants import CONTESTANTS, Maker, playable
+from pliant.studies.closed_loop.contestants import CONTESTANTS, VARIANTS, Maker, playable
 from pliant.studies.closed_loop.scores import Row, Score, summarise
 from pliant.studies.common import machine
 from pliant.studies.common.reference_motions import Progress, silent
@@ -101,6 +102,9 @@ def _scenes(wanted: Sequence[str | Scene] | None) -> tuple[Scene, ...]:
         return playable()
     if not isinstance(wanted, (tuple, list)):
         raise ValueError(f"scoreboard.scenes = {shown(wanted)} must be a tuple of names or scenes")
+    for w in wanted:
+        if not isinstance(w, Scene):
+            require_choice("scoreboard", "scenes", w, (*named(), *VARIANTS))
     found = [scene for w in wanted for scene in ((w,) if isinstance(w, Scene) else playable((w,)))]
     if not found:
         raise ValueError(f"scoreboard: scenes = {wanted} must hold at least one scene with inputs")
