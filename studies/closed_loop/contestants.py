@@ -14,7 +14,7 @@ from pliant.controllers import Controller, Policy
 from pliant.envs import scenes
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
-from pliant.plants.core.parameters import require_names
+from pliant.plants.core.argument_gates import require_names
 
 MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
 Maker = Callable[[Scene], Controller]
