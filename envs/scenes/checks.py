@@ -37,7 +37,7 @@ RANGES: dict[str, tuple[str, Callable[[float], bool]]] = {
     "effort": ("> 0", lambda v: v > 0),
     "gusts": ("finite and >= 0", lambda v: v >= 0),
 }
-LARGEST = 100_000_000  # control periods of an episode
+LARGEST = 10_000_000  # control periods of an episode
 
 
 def checked(scene: Scene) -> dict[str, Any]:
