@@ -26,7 +26,24 @@ from pliant.studies.commands.cli import app
 
 SLEW = "single-link-slew"
 LONGEST = 20.0  # [s]
-NUMBERS = ("abc", "", "nan", "inf", "-inf", "-1", "0", "1e400", "1,5", "0x10", "None", "[]", "\U0001f642", " ", "1 2", "1j")
+NUMBERS = (
+    "abc",
+    "",
+    "nan",
+    "inf",
+    "-inf",
+    "-1",
+    "0",
+    "1e400",
+    "1,5",
+    "0x10",
+    "None",
+    "[]",
+    "\U0001f642",
+    " ",
+    "1 2",
+    "1j",
+)
 COUNTS = ("abc", "", "-1", "0", "1.5", "nan", "1e3", "9" * 30, "None", "\U0001f642", "one")
 WORDS = ("", "nonsense", " goal", "GOAL", "\U0001f642", "3", "goal,start", "--goal")
 NAMES = ("", "nonsense", f" {SLEW}", SLEW.upper(), "../x", "\U0001f642", "3", f"{SLEW},{SLEW}", "x" * 10_000)
@@ -55,7 +72,6 @@ OPTIONS = {  # each command: its valid words, then its options
     "scoreboard": ((SLEW,), ("--seeds", "--controllers", "--seed", "--jobs", "--bounds", "folder --out")),
     "cache": (("info",), ()),
 }
-ZERO_IS_VALID = {"--seed", "--bounds"}
 VALID = (
     ("scenes",),
     ("scenes", "--json"),
@@ -98,8 +114,8 @@ def values(command: str, option: str, folder: Path) -> Iterator[str]:
     elif option == "--controllers":
         yield from ("", ",", "nonsense", "LQR,nonsense", "LQR,", "lqr", "\U0001f642")
     elif option.startswith("--") and option not in ("--out", "--plot"):
-        yield from (value for value in COUNTS if value != "0" or option not in ZERO_IS_VALID)
-        yield from ("-5",) if option != "--jobs" else ()
+        taken = {"--seed": "0", "--bounds": "0", "--jobs": "-1"}.get(option)  # -1: as many processes as cores
+        yield from (value for value in COUNTS if value != taken)
     elif option.startswith("folder"):
         yield from (str(folder / "file"), str(folder / "file" / "x"), str(folder / ("n" * 300)))
         if command == "report":

@@ -12,7 +12,7 @@ from typing import Any
 
 from argument_kinds import Call
 from calls_of_designs import design_calls
-from calls_of_plans import plan_calls
+from calls_of_optima import optima_calls
 from calls_of_scene_laws import scene_law_calls
 from calls_of_scenes import scene_calls
 from calls_of_studies import study_calls
@@ -24,7 +24,7 @@ import pliant.studies
 
 def law_calls() -> list[Call]:
     """Of everything."""
-    return [*design_calls(), *scene_law_calls(), *plan_calls(), *scene_calls(), *study_calls()]
+    return [*design_calls(), *scene_law_calls(), *optima_calls(), *scene_calls(), *study_calls()]
 
 
 INNER = "a part of a design: its arguments are arrays and models that the call which makes it has checked"
@@ -149,7 +149,7 @@ def public() -> Iterator[str]:
     """Functions, classes and their methods, by module and name without "pliant.", where they are defined."""
     for package in (pliant.controllers, pliant.envs.scenes, pliant.studies):
         for info in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-            if not info.ispkg:
+            if not info.ispkg and not reason(info.name.removeprefix("pliant.")):  # of a whole module
                 yield from _of(importlib.import_module(info.name))
 
 

@@ -112,7 +112,7 @@ def method_calls() -> list[Call]:
 
 
 class _Rows(Array):
-    """Rows of numbers, finite or not: a motion that has run away has its cost. Their own width is told, not their count."""
+    """Rows of numbers, finite or not, as many as the others': a motion that has run away has its cost."""
 
     def bad(self) -> Pairs:
         """Other widths and types."""

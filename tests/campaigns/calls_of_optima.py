@@ -34,7 +34,7 @@ RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)
 SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
 
 
-def plan_calls() -> list[Call]:
+def optima_calls() -> list[Call]:
     """Of all of these."""
     return [*optimal_calls(), *nonlinear_calls(), *learning_calls(), *refused_training()]
 
