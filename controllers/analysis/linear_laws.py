@@ -10,9 +10,17 @@ from typing import Any
 
 import numpy as np
 
+from pliant.controllers.base.controller import Controller
 from pliant.controllers.linear_quadratic.lqg import LQG
+from pliant.plants.core.argument_gates import (
+    require_count,
+    require_finite,
+    require_instance,
+    require_names,
+    require_number,
+    require_seconds,
+)
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import OwnsArrays
 
 Array = np.ndarray
@@ -30,6 +38,20 @@ class LinearLaw(OwnsArrays):
     reads: tuple[str, ...]
     dt: float | None
     delay: int = 0  # periods that readings take to arrive
+
+    def __post_init__(self) -> None:
+        reads = require_names("LinearLaw.reads", self.reads)
+        A = require_finite("LinearLaw.A", self.A, (-1, -1))
+        m, ny, nu = len(A), len(reads), len(require_finite("LinearLaw.C", self.C, (-1, -1)))
+        values: dict[str, Any] = {"reads": reads, "delay": require_count("LinearLaw", "delay", self.delay, 0, 10_000)}
+        for name, shape in (("A", (m, m)), ("B", (m, ny)), ("C", (nu, m)), ("D", (nu, ny))):
+            values[name] = require_finite(f"LinearLaw.{name}", getattr(self, name), shape)
+        if self.dt is not None:
+            values["dt"] = require_seconds("LinearLaw.dt", self.dt)
+        elif self.delay:
+            raise ValueError(f"LinearLaw.delay = {self.delay} counts periods, must be 0 where dt is None")
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     @property
     def poles(self) -> Array:
@@ -108,6 +130,8 @@ def linearised(controller: Any, y0: Any, *, step: float = 1e-6, t: float = 0.0) 
     For MPC inside its limits, policies and the like: each difference starts from `reset`. step: of each reading against
     its size, or 1. PliantError where acting twice on the same reading gives two answers.
     """
+    require_instance("linearised.controller", controller, Controller)
+    step, t = require_number("linearised.step", step, "positive"), require_number("linearised.t", t, unit="s")
     y0 = require_finite("linearised.y0", y0, (len(controller.reads),))
 
     def fresh(y: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.argument_gates import real_array, require_choice, require_instance, require_number
 from pliant.plants.core.signals import rows_by_name
 from pliant.plants.linear.conserved import conserved, free, moved
 from pliant.plants.linear.lti import LinearModel
@@ -43,7 +43,9 @@ class Loop(NamedTuple):
 
     def at(self, omega: Array) -> Array:
         """L (k, n, n) at frequencies omega (k,) [rad/s]."""
-        omega = np.atleast_1d(np.asarray(omega, dtype=float))
+        omega = np.atleast_1d(real_array("Loop.at: omega", omega))
+        if omega.ndim != 1 or not np.isfinite(omega).all():
+            raise ValueError(f"Loop.at: omega of shape {omega.shape} must be (k,) finite frequencies [rad/s]")
         s = 1j * omega if self.dt is None else np.exp(1j * omega * self.dt)
         shifted = s[:, None, None] * np.eye(len(self.A)) - self.A
         return (
@@ -84,6 +86,7 @@ def loop(model: LinearModel, controller: Any, *, at: str = "input") -> Loop:
 
     ValueError where the model lacks what the controller reads, PliantError for controllers without a linear form.
     """
+    require_instance("loop.model", model, LinearModel)
     require_choice("loop", "at", at, ("input", "output"))
     law = law_of(controller)
     A, B, C, D = plant_of(model, law)
@@ -111,6 +114,7 @@ def closed_loops(model: LinearModel, controller: Any) -> Callable[[float], Array
     """gain -> A of the loop closed with `gain` times the controller's output; states: the model's, readings under way,
     then the controller's. At gain 0 its eigenvalues are the plant's and the controller's own.
     """
+    require_instance("closed_loops.model", model, LinearModel)
     law = law_of(controller)
     plant = plant_of(model, law)
     return lambda gain: closed_matrix(plant, law, gain)
@@ -118,4 +122,4 @@ def closed_loops(model: LinearModel, controller: Any) -> Callable[[float], Array
 
 def closed_loop(model: LinearModel, controller: Any, gain: float = 1.0) -> Array:
     """`closed_loops` at one gain."""
-    return closed_loops(model, controller)(gain)
+    return closed_loops(model, controller)(require_number("closed_loop.gain", gain))

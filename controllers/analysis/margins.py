@@ -21,6 +21,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize
 
 from pliant.controllers.solvers.hinf_norm import Array, Peak, peak
+from pliant.plants.core.argument_gates import require_instance, require_number
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.signals import OwnsArrays
 
@@ -89,17 +90,18 @@ class Margins(OwnsArrays):
 
 def disk_gain(disk: float) -> tuple[float, float]:
     """Smallest and largest gain factor inside a disk margin."""
+    disk = require_number("disk_gain.disk", disk, "nonnegative")
     return max(0.0, (2 - disk) / (2 + disk)), (2 + disk) / (2 - disk) if disk < 2 else np.inf
 
 
 def disk_phase_deg(disk: float) -> float:
     """Largest phase inside a disk margin."""
-    return float(np.rad2deg(2 * np.arctan(disk / 2)))
+    return float(np.rad2deg(2 * np.arctan(require_number("disk_phase_deg.disk", disk, "nonnegative") / 2)))
 
 
 def margins(loop: Loop) -> Margins:
     """All readings of a loop (see `loops.loop`). PliantError, with the pole, where it is not stable."""
-    closed = loop.closed()
+    closed = require_instance("margins.loop", loop, Loop).closed()
     poles = np.linalg.eigvals(closed).astype(complex)
     grows = poles.real >= 0 if loop.dt is None else np.abs(poles) >= 1 - EDGE
     if grows.any():

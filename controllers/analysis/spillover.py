@@ -21,6 +21,14 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from pliant.plants.core.argument_gates import (
+    require_by_name,
+    require_function,
+    require_instance,
+    require_number,
+    require_text,
+    shown,
+)
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear import modal_analysis
 from pliant.plants.linear.conserved import moved
@@ -129,10 +137,11 @@ def spillover(
     down. reserve: factor on the loop's gain that what is recommended must bear too. PliantError for controllers without
     a linear form; limits are not in it.
     """
-    if not plants:
-        raise ValueError("spillover: plants must hold the design plant at least")
-    if not 1 <= reserve < np.inf:
-        raise ValueError(f"spillover: reserve = {reserve!r} must be >= 1")
+    if not isinstance(plants, Sequence) or isinstance(plants, (str, bytes)) or not plants:
+        raise ValueError(f"spillover: plants = {shown(plants)} must hold the design plant at least")
+    reserve = require_number("spillover.reserve", reserve, least=1.0)
+    if redesign is not None:
+        require_function("spillover.redesign", redesign)
     models = [model_of(plant, at) for plant in plants]
     labels = [plant.label if isinstance(plant, Plant) else f"model {i}" for i, plant in enumerate(plants)]
     cases = tuple(case_of(model, controller, models[0], label) for model, label in zip(models, labels))
@@ -165,17 +174,28 @@ def model_of(plant: Plant | LinearModel, at: Point) -> LinearModel:
     """The plant's linear model in states that can be read, at its equilibrium or point."""
     if isinstance(plant, LinearModel):
         return plant
-    point = at(plant) if callable(at) else plant.equilibrium(dict(at or {}))
+    require_instance("plant, of plants,", plant, Plant, what="Plant or a LinearModel")
+    if callable(at) and not isinstance(at, type):
+        point = at(plant)
+        if not isinstance(point, tuple) or len(point) != 2:
+            raise ValueError(f"at gives {shown(point)}, must be (x0, u0)")
+    else:
+        known = tuple(s.name for s in plant.states + plant.outputs)
+        point = plant.equilibrium({} if at is None else require_by_name("at", at, known, "state"))
     return plant.feedback_model(*point)
 
 
 def growth(model: LinearModel, controller: Any, gain: float = 1.0) -> float:
     """[1/s] of the mode of the loop that grows fastest or decays slowest, with `gain` times the controller's output."""
+    gain = require_number("growth.gain", gain)
     return float(_rates(np.linalg.eigvals(closed_loops(model, controller)(gain)), law_of(controller).dt).max())
 
 
 def case_of(model: LinearModel, controller: Any, design: LinearModel, label: str = "") -> Case:
     """The loop on one linear model of a plant, and which mode of it is the worst."""
+    require_instance("case_of.model", model, LinearModel)
+    require_instance("case_of.design", design, LinearModel)
+    require_text("case_of.label", label, empty=True)
     dt = law_of(controller).dt
     values = np.linalg.eigvals(closed_loops(model, controller)(1.0)).astype(complex)
     rates = _rates(values, dt)
@@ -217,6 +237,8 @@ def crossover_hz(found: Loop, gain: float = 1.0) -> float:
 
     Of a sampled loop half the sampling frequency, where it is larger up to there.
     """
+    require_instance("crossover_hz.found", found, Loop)
+    gain = require_number("crossover_hz.gain", gain, "positive")
     poles = np.linalg.eigvals(found.A).astype(complex)
     poles = np.abs(poles if found.dt is None else np.log(poles[poles != 0]) / found.dt)
     poles = poles[poles > 1e-6 * poles.max(initial=0.0)]

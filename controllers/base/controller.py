@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, isinf
 from typing import Any, Protocol, final, runtime_checkable
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.argument_gates import (
+    as_number,
+    real_array,
+    require_finite,
+    require_names,
+    require_number,
+    require_seconds,
+    shown,
+)
 from pliant.plants.core.signals import OwnsArrays, as_signals, index, read_only
 
 LARGEST = 1e150  # of a reading: its square is a number still
@@ -50,21 +58,29 @@ def reading(owner: str, y: Any, size: int) -> np.ndarray:
 
 def moment(owner: str, t: float) -> float:
     """t [s], finite."""
-    if not isfinite(t):
-        raise ValueError(f"{owner}.t = {t!r} must be finite [s]")
-    return t
+    if type(t) is float and isfinite(t):
+        return t
+    return require_number(f"{owner}.t", t, unit="s")
 
 
 def pair(name: str, value: Any) -> tuple[Any, Any]:
     """(lowest, highest); ValueError where `value` is anything else."""
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
-        raise ValueError(f"{name} = {value!r} must be a pair (lowest, highest)")
+    if isinstance(value, np.ndarray) and value.ndim:
+        value = tuple(value)
+    if not isinstance(value, (tuple, list)) or len(value) != 2:
+        raise ValueError(f"{name} = {shown(value)} must be a pair (lowest, highest)")
     return value[0], value[1]
+
+
+def end(name: str, value: Any) -> float:
+    """A number that may be infinite."""
+    value = as_number(value)
+    return value if isinstance(value, float) and isinf(value) else require_number(name, value)
 
 
 def ends(name: str, value: Any) -> tuple[float, float]:
     """A pair of numbers, lowest < highest."""
-    low, high = pair(name, value)
+    low, high = (end(name, one) for one in pair(name, value))
     if not low < high:
         raise ValueError(f"{name} = ({low!r}, {high!r}) must be lowest < highest")
     return low, high
@@ -72,9 +88,11 @@ def ends(name: str, value: Any) -> tuple[float, float]:
 
 def each(name: str, value: Any, n: int) -> np.ndarray:
     """One number for all, or one for each: (n,), which may be infinite."""
-    array = np.asarray(value, dtype=float)
+    array = real_array(name, value)
     if array.shape not in ((), (n,)):
         raise ValueError(f"{name} has shape {array.shape}, must be a number or ({n},)")
+    if np.isnan(array).any():
+        raise ValueError(f"{name} = {shown(value)} must be numbers, has NaN")
     return np.broadcast_to(array, (n,))
 
 
@@ -89,9 +107,9 @@ def saturation(owner: str, limits: Any, inputs: Sequence[str]) -> tuple[np.ndarr
         signals = as_signals(f"{owner}.inputs", inputs, len(inputs), "u")
         for name, value in limits.items():
             i = index(signals, name, f"{owner}.limits: input")
-            low[i], high[i] = pair(f"{owner}.limits[{name!r}]", value)
+            low[i], high[i] = (end(f"{owner}.limits[{name!r}]", one) for one in pair(f"{owner}.limits", value))
     elif limits is not None:
-        low, high = (each(f"{owner}.limits", end, len(inputs)).copy() for end in pair(f"{owner}.limits", limits))
+        low, high = (each(f"{owner}.limits", one, len(inputs)).copy() for one in pair(f"{owner}.limits", limits))
     for i, name in enumerate(inputs):
         if not low[i] < high[i]:
             raise ValueError(f"{owner}.limits of {name} = ({low[i]:g}, {high[i]:g}) must be lowest < highest")
@@ -111,19 +129,22 @@ class Feedback(OwnsArrays):
     dt: float | None = None
 
     def __post_init__(self) -> None:
-        K = read_only("Feedback.K", self.K, (-1, len(self.reads)))
+        reads = require_names("Feedback.reads", self.reads)
+        K = read_only("Feedback.K", self.K, (-1, -1))
+        if K.shape[1] != len(reads):
+            raise ValueError(f"Feedback.K has shape {K.shape}, must have a column for each of reads = {reads}")
         nu, ny = K.shape
         values = {
             "K": K,
-            "reads": tuple(self.reads),
+            "reads": reads,
             "y_ref": read_only("Feedback.y_ref", np.zeros(ny) if self.y_ref is None else self.y_ref, (ny,)),
             "u_ref": read_only("Feedback.u_ref", np.zeros(nu) if self.u_ref is None else self.u_ref, (nu,)),
             "limits": saturation("Feedback", self.limits, [f"u{i + 1}" for i in range(nu)]),
         }
+        if self.dt is not None:
+            values["dt"] = require_seconds("Feedback.dt", self.dt)
         for name, value in values.items():
             object.__setattr__(self, name, value)
-        if self.dt is not None and not 0 < self.dt < np.inf:
-            raise ValueError(f"Feedback.dt = {self.dt!r} must be > 0")
 
     def reset(self) -> None:
         """Nothing to forget."""

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, final
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_finite, require_instance, require_seconds, shown
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import OwnsArrays, index, read_only
+from pliant.plants.dynamics.plant import Plant
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from .controller import moment
 
 if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
-
     from .scene_protocol import CostedScene
 
 
@@ -46,10 +45,13 @@ class RestToRest(OwnsArrays):
             object.__setattr__(self, name, read_only(f"RestToRest.{name}", getattr(self, name), (-1,)))
         if self.begin.shape != self.end.shape:
             raise ValueError(f"RestToRest.end has shape {self.end.shape}, must be {self.begin.shape} as begin")
-        if not 0 < self.time < np.inf:
-            raise ValueError(f"RestToRest.time = {self.time!r} must be > 0 [s]")
+        object.__setattr__(self, "time", require_seconds("RestToRest.time", self.time))
         impulses = [(0.0, 1.0)]
         if self.shaper is not None:
+            if isinstance(self.shaper, type) or not all(
+                hasattr(self.shaper, name) for name in ("times", "amplitudes", "duration")
+            ):
+                raise ValueError(f"RestToRest.shaper = {shown(self.shaper)} must be a Shaper")
             impulses = list(zip(self.shaper.times.tolist(), self.shaper.amplitudes.tolist()))
         object.__setattr__(self, "_impulses", impulses)
 
@@ -79,8 +81,7 @@ class Follow(OwnsArrays):
     accelerations: np.ndarray
 
     def __post_init__(self) -> None:
-        if not 0 < self.dt < np.inf:
-            raise ValueError(f"Follow.dt = {self.dt!r} must be > 0 [s]")
+        object.__setattr__(self, "dt", require_seconds("Follow.dt", self.dt))
         positions = read_only("Follow.positions", self.positions, (-1, -1))
         if not len(positions):
             raise ValueError("Follow.positions are empty, must hold at least one row")
@@ -100,6 +101,12 @@ class Follow(OwnsArrays):
         return self.positions[k] + late * self.rates[k], self.rates[k], self.accelerations[k]
 
 
+def require_reference(owner: str, reference: Any) -> None:
+    """ValueError unless it is a motion of joints."""
+    if not isinstance(reference, (RestToRest, Follow)):
+        raise ValueError(f"{owner}.reference = {shown(reference)} must be a RestToRest or a Follow")
+
+
 class Joints(NamedTuple):
     """Where each input acts, by names of states or outputs."""
 
@@ -112,6 +119,7 @@ def joints(plant: Plant) -> Joints:
 
     PliantError where there is not one for each input: forces at a tip in the plane, thrusters, wheels about skew axes.
     """
+    require_instance("joints.plant", plant, Plant)
     found = {joint.input: joint for joint in plant.joints}
     known = {s.name for s in plant.states + plant.outputs}
     driven = [found[s.name] for s in plant.inputs if s.name in found]
@@ -127,6 +135,7 @@ def joints(plant: Plant) -> Joints:
 
 def driven(plant: Plant) -> Joints:
     """`joints`, or where there is not one for each input those that the inputs drive together."""
+    require_instance("driven.plant", plant, Plant)
     one_each = {joint.input for joint in plant.joints} == {s.name for s in plant.inputs}
     if one_each or not plant.shared_joints:
         return joints(plant)

@@ -15,16 +15,23 @@ from typing import TYPE_CHECKING, Any, Self
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.argument_gates import (
+    require_by_name,
+    require_finite,
+    require_instance,
+    require_mapping,
+    require_number,
+    require_seconds,
+)
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import OwnsArrays, index, sealed
+from pliant.plants.core.signals import OwnsArrays, index, names, sealed
+from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear.quadratic_cost import QuadraticCost, following, require_still, squares
 
 from .controller import ends, saturation
+from .scene_protocol import require_scene
 
 if TYPE_CHECKING:
-    from pliant.plants.dynamics.plant import Plant
-
     from .scene_protocol import CostedScene
 
 
@@ -43,34 +50,29 @@ class Objective(OwnsArrays):
     goal_rates: Mapping[str, float] = field(default_factory=dict)  # d/dt of states of a goal that moves, from t = 0 on
 
     def __post_init__(self) -> None:
-        plant, owner = self.plant, "Objective"
-        if not 0 < self.dt < np.inf:
-            raise ValueError(f"{owner}.dt = {self.dt!r} must be > 0")
+        plant, owner = require_instance("Objective.plant", self.plant, Plant), "Objective"
+        values: dict[str, Any] = {"dt": require_seconds(f"{owner}.dt", self.dt)}
         for name, size in (("x_goal", plant.nx), ("u_goal", plant.nu)):
-            object.__setattr__(self, name, require_finite(f"{owner}.{name}", getattr(self, name), (size,)).copy())
-        for name, value in self.weights.items():
-            index(self.signals, name, f"{owner}.weights: state or output")
-            if not 0 <= value < np.inf:
-                raise ValueError(f"{owner}.weights[{name!r}] = {value!r} must be >= 0")
-        for name, value in self.effort.items():
-            index(plant.inputs, name, f"{owner}.effort: input")
-            if not 0 < value < np.inf:
-                raise ValueError(f"{owner}.effort[{name!r}] = {value!r} must be > 0")
-        for name, between in self.bounds.items():
-            index(self.signals, name, f"{owner}.bounds: state or output")
-            ends(f"{owner}.bounds[{name!r}]", between)
-        for name, value in self.goal_rates.items():
-            index(plant.states, name, f"{owner}.goal_rates: state")
-            if not np.isfinite(value):
-                raise ValueError(f"{owner}.goal_rates[{name!r}] = {value!r} must be finite")
+            values[name] = require_finite(f"{owner}.{name}", getattr(self, name), (size,)).copy()
+        states, known, inputs = names(plant.states), names(self.signals), names(plant.inputs)
+        for name, own, kind, allowed in (
+            ("weights", known, "state or output", "nonnegative"),
+            ("effort", inputs, "input", "positive"),
+            ("goal_rates", states, "state", "finite"),
+        ):
+            values[name] = require_by_name(f"{owner}.{name}", getattr(self, name), own, kind, allowed)
+        bounds = require_mapping(f"{owner}.bounds", self.bounds, known, "state or output")
+        values["bounds"] = {name: ends(f"{owner}.bounds[{name!r}]", pair) for name, pair in bounds.items()}
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
         if not self.weights and not self.effort:
             raise ValueError(f"{owner}.weights, effort are empty, must name at least one signal")
-        names = [s.name for s in plant.inputs]
-        object.__setattr__(self, "limits", saturation(owner, self.limits, names))
+        object.__setattr__(self, "limits", saturation(owner, self.limits, inputs))
 
     @classmethod
     def of(cls, scene: CostedScene) -> Self:
         """The cost, limits and bounds of a scene (pliant.envs.Scene) about its goal."""
+        require_scene("Objective.of", scene)
         high = np.array(scene.limits, dtype=float)
         x, u = scene.target
         return cls(
@@ -92,7 +94,7 @@ class Objective(OwnsArrays):
 
     def goal_at(self, t: float) -> np.ndarray:
         """The goal (nx,) at t [s]."""
-        return self.x_goal + t * self.drift
+        return self.x_goal + require_number("Objective.goal_at: t", t, unit="s") * self.drift
 
     @property
     def signals(self) -> tuple[Any, ...]:
@@ -133,9 +135,12 @@ class Objective(OwnsArrays):
 
     def cost(self, x: Any, u: Any, t0: float = 0.0) -> float:
         """J of states x (N+1, nx) or (N, nx) and the inputs u (N, nu) held from each to the next, from t0 [s] on."""
-        u = np.asarray(u, dtype=float)
-        t = t0 + self.dt * np.arange(len(u))
-        return float(self.dt * self.rate(np.asarray(x, dtype=float)[: len(u)], u, t).sum())
+        u = require_finite("Objective.cost: u", u, (-1, self.plant.nu))
+        x = require_finite("Objective.cost: x", x, (-1, self.plant.nx))
+        if len(x) not in (len(u), len(u) + 1):
+            raise ValueError(f"Objective.cost: x has {len(x)} rows, must have as many as u, {len(u)}, or one more")
+        t = require_number("Objective.cost: t0", t0, unit="s") + self.dt * np.arange(len(u))
+        return float(self.dt * self.rate(x[: len(u)], u, t).sum())
 
     def quadratic(self) -> QuadraticCost:
         """Q (nx, nx), R (nu, nu), N (nx, nu): the cost rate x'Qx + u'Ru + 2 x'Nu of deviations from the goal."""

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_finite
-from pliant.plants.core.signals import index
+from pliant.plants.core.argument_gates import require_by_name, require_finite
 from pliant.plants.linear.quadratic_cost import quadratic_cost
 
 if TYPE_CHECKING:
@@ -25,9 +24,8 @@ def weight_matrices(owner: str, model: LinearModel, Q: Any, R: Any) -> tuple[Arr
     nx, nu = len(model.states), len(model.inputs)
     N = np.zeros((nx, nu))
     if isinstance(R, Mapping):
-        weight = np.zeros(nu)
-        for name, value in R.items():
-            weight[index(model.inputs, name, f"{owner}.R: input")] = value
+        given = require_by_name(f"{owner}.R", R, model.input_names, "input")
+        weight = np.array([given.get(name, 0.0) for name in model.input_names])
         for name, value in zip(model.input_names, weight):
             if not value > 0:
                 raise ValueError(f"{owner}.R[{name!r}] = {value:g} must be > 0")
@@ -35,8 +33,6 @@ def weight_matrices(owner: str, model: LinearModel, Q: Any, R: Any) -> tuple[Arr
     R = require_finite(f"{owner}.R", R, (nu, nu))
     if not isinstance(Q, Mapping):
         return require_finite(f"{owner}.Q", Q, (nx, nx)), R, N
-    for name, value in Q.items():
-        if not 0 <= value < np.inf:
-            raise ValueError(f"{owner}.Q[{name!r}] = {value!r} must be >= 0")
+    Q = require_by_name(f"{owner}.Q", Q, model.state_names + model.output_names, "state or output", "nonnegative")
     cost = quadratic_cost(model, Q, {}, weighed=f"{owner}.Q: state or output")
     return cost.Q, R + cost.R, cost.N

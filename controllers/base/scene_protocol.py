@@ -8,8 +8,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from pliant.plants import Plant
+from pliant.plants.core.argument_gates import shown
 
 Pairs = tuple[tuple[str, float], ...]
+TELLING = ("plant", "weights", "effort", "limits", "dt")  # what every scene has and hardly anything else
 
 
 class CostedScene(Protocol):
@@ -78,3 +80,10 @@ class TrainableScene(Protocol):
     def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray) -> Any: ...
     def vector_env(self, num_envs: int, *, threads: int | None) -> Any: ...
     def sb3_env(self, num_envs: int, *, randomise: bool = False, threads: int | None = None) -> Any: ...
+
+
+def require_scene(owner: str, scene: Any, asked: tuple[str, ...] = TELLING) -> None:
+    """ValueError unless `scene` has what tells one; nothing of it is computed for that."""
+    own = getattr(scene, "__dict__", {})
+    if isinstance(scene, type) or not all(name in own or hasattr(type(scene), name) for name in asked):
+        raise ValueError(f"{owner}.scene = {shown(scene)} must be a Scene, not {type(scene).__name__}")

@@ -24,10 +24,12 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import reading
+from pliant.controllers.base.scene_protocol import require_scene
 from pliant.controllers.riccati.checks import weight_matrix
+from pliant.plants.core.argument_gates import require_all, require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.matrix_roots import semidefinite_root
-from pliant.plants.core.parameters import require_choice, require_count, require_finite
+from pliant.plants.core.parameters import require_choice, require_count, require_finite, require_seconds
 from pliant.plants.core.signals import OwnsArrays, names
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -86,13 +88,15 @@ class Kalman(OwnsArrays):
         the gains then start from it and run until they are steady. UncontrollableError names modes that do not decay
         and that the sensors do not see or the noise does not drive.
         """
+        require_instance("Kalman.design: model", model, LinearModel)
         if model.dt is not None:
             raise ValueError(f"Kalman.design: model.dt = {model.dt} must be None (a continuous-time model)")
-        require_count("Kalman", "delay", delay, 0, MOST_DELAY)
+        dt, delay = require_seconds("Kalman.dt", dt), require_count("Kalman", "delay", delay, 0, MOST_DELAY)
+        sensors = _some(sensors)
+        require_choice("Kalman", "noise", noise, NOISES)
         wide, density = kalman_gains.driven_by(model, W)
         held, picked = wide.discretize(dt), tuple(s.output for s in sensors)
         C, D, F = kalman_gains.rows(wide, picked)
-        require_choice("Kalman", "noise", noise, NOISES)
         G, H, w = held.E, F, density / dt
         if noise == "white":
             G, rest, w = square_root.white(wide.A, wide.E, density, dt)
@@ -122,7 +126,9 @@ class Kalman(OwnsArrays):
         W, noise: as in `design`.
         The nominal's input is taken as held from node to node. After its end the last step's model and gain stay.
         """
-        require_count("Kalman", "delay", delay, 0, MOST_DELAY)
+        require_instance("Kalman.along: ltv", ltv, LTVModel)
+        delay, sensors = require_count("Kalman", "delay", delay, 0, MOST_DELAY), _some(sensors)
+        require_choice("Kalman", "noise", noise, NOISES)
         h = np.diff(ltv.t)
         dt = float(h.mean())
         if np.abs(h - dt).max() > 1e-6 * dt:
@@ -131,7 +137,6 @@ class Kalman(OwnsArrays):
         held, picked = wide.discretize(), tuple(s.output for s in sensors)
         C, D, F = kalman_gains.rows(wide, picked)
         V, before = covariance(sensors, dt), np.maximum(np.arange(len(ltv.t)) - 1, 0)
-        require_choice("Kalman", "noise", noise, NOISES)
         whole = riccati.noise_along(wide, density) if noise == "white" else None
         plain = []
         for k, i in enumerate(before):
@@ -161,6 +166,7 @@ class Kalman(OwnsArrays):
         sensors None: those that its plant carries and whose outputs are in the model. W None: `process_noise(scene)`,
         held over each period; else densities of white noise.
         """
+        require_scene("Kalman.for_scene", scene)
         plant = scene.plant
         model, known = plant.feedback_model(*scene.target), names(plant.states + plant.outputs)
         if sensors is None:
@@ -233,6 +239,13 @@ class Kalman(OwnsArrays):
         self.innovation = y - base - step.C @ x - step.D @ du
         self._x = x + self.gains[i].L @ self.innovation
         return self.estimate
+
+
+def _some(sensors: Sequence[Sensor]) -> tuple[Sensor, ...]:
+    found = require_all("Kalman.sensors", sensors, Sensor)
+    if not found:
+        raise ValueError("Kalman.sensors = () must hold at least one Sensor")
+    return found
 
 
 def _places(model: LinearModel | LTVModel, wanted: Sequence[str]) -> list[int]:

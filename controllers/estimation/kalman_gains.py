@@ -22,6 +22,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from pliant.controllers.riccati.algebraic import filter_gain
+from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.signals import Signal, index, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
@@ -61,15 +62,15 @@ def driven_by(model: Model, W: Mapping[str, float]) -> tuple[Model, Array]:
 
     A name is that of a disturbance, of an input (its actuator's error), or of a state (an error of its rate).
     """
+    known = names(model.disturbances + model.inputs + model.states)
+    W = require_by_name("process noise W", W, known, "disturbance, input or state", "positive")
     if not W:
         raise ValueError("process noise W must name at least one disturbance, input or state")
     A: Array = model.A
     C: Array = model.C
     columns: list[tuple[Array, Array]] = []
     signals: list[Signal] = []
-    for name, density in W.items():
-        if not 0 < density < np.inf:
-            raise ValueError(f"process noise W[{name!r}] = {density!r} must be > 0 [unit^2 s]")
+    for name in W:
         for kind, E, F in ((model.disturbances, model.E, model.F), (model.inputs, model.B, model.D)):
             if name in names(kind):
                 i = index(kind, name, "signal")
@@ -77,13 +78,12 @@ def driven_by(model: Model, W: Mapping[str, float]) -> tuple[Model, Array]:
                 columns.append((E[..., i], F[..., i]))
                 break
         else:
-            i = index(model.disturbances + model.inputs + model.states, name, "process noise W: signal")
-            i -= len(model.disturbances + model.inputs)
+            i = index(model.states, name, "state")
             signals.append(Signal(f"{name} error", f"{model.states[i].unit}/s"))
             columns.append((np.broadcast_to(np.eye(A.shape[-1])[i], A.shape[:-1]), np.zeros(C.shape[:-1])))
     E, F = (np.stack([pair[k] for pair in columns], axis=-1) for k in (0, 1))
     quiet = np.zeros((*A.shape[:-2], len(signals)))
-    densities = np.diag([float(v) for v in W.values()])
+    densities = np.diag(list(W.values()))
     if isinstance(model, LTVModel):
         return replace(model, E=E, F=F, disturbances=tuple(signals), w=quiet), densities
     return replace(model, E=E, F=F, disturbances=tuple(signals), w0=quiet), densities

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 
 ACTUATOR = 0.01  # of an input's limit: standard deviation of what its actuator is off by in a period
 
@@ -19,6 +16,7 @@ def process_noise(scene: CostedScene) -> dict[str, float]:
     where none of the actuators does. A gust of at most g is uniform in (-g, g), standard deviation g/sqrt(3). Gusts and
     model errors last longer in truth, which the filter then tracks late: give them more density.
     """
+    require_scene("process_noise", scene, ("plant", "limits", "dt"))
     plant, gusts = scene.plant, dict(getattr(scene, "gusts", ()))
     found, largest = {}, dict.fromkeys((s.unit for s in plant.inputs), 0.0)
     for signal, limit in zip(plant.inputs, scene.limits):

@@ -26,7 +26,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.argument_gates import (
+    require_all,
+    require_choice,
+    require_finite,
+    require_instance,
+    require_number,
+    require_seconds,
+    require_text,
+)
 from pliant.plants.core.signals import Sensed
 from pliant.plants.dynamics.plant import Plant
 
@@ -62,10 +70,11 @@ class Sensor:
 
     def __post_init__(self) -> None:
         require_choice("Sensor", "kind", self.kind, KINDS)
+        require_text("Sensor.output", self.output)
+        require_text("Sensor.unit", self.unit, empty=True)
         for name in ("noise", "density", "quantum"):
-            value = getattr(self, name)
-            if not 0 <= value < np.inf:
-                raise ValueError(f"Sensor.{name} of {self.output} = {value!r} must be >= 0")
+            value = require_number(f"Sensor.{name} of {self.output}", getattr(self, name), "nonnegative", self.unit)
+            object.__setattr__(self, name, value)
         if not (self.noise or self.density or self.quantum):
             raise ValueError(f"Sensor.noise of {self.output} = 0 must be > 0 where density and quantum are 0 too")
 
@@ -75,18 +84,23 @@ class Sensor:
 
     def read(self, value: float, dt: float, rng: np.random.Generator) -> float:
         """One sample of the true `value` [unit] at a period of dt [s]."""
+        value = require_number("Sensor.value", value, unit=self.unit)
+        require_instance("Sensor.rng", rng, np.random.Generator)
         noisy = value + rng.normal() * np.sqrt(self.noise**2 + self.density**2 / (2 * _step(dt)))
         return float(self.quantum * np.round(noisy / self.quantum) if self.quantum else noisy)
 
 
 def read(sensors: Sequence[Sensor], y: np.ndarray, dt: float, rng: np.random.Generator) -> np.ndarray:
     """One sample (ns,) of each sensor from the true values y (ns,) of what they read."""
+    sensors = require_all("read.sensors", sensors, Sensor)
     y = require_finite("read.y", y, (len(sensors),))
+    require_instance("read.rng", rng, np.random.Generator)
     return np.array([sensor.read(float(value), dt, rng) for sensor, value in zip(sensors, y)])
 
 
 def covariance(sensors: Sequence[Sensor], dt: float) -> np.ndarray:
     """V (ns, ns) of their errors in samples dt [s] apart."""
+    sensors, dt = require_all("covariance.sensors", sensors, Sensor), _step(dt)
     return np.diag([sensor.deviation(dt) ** 2 for sensor in sensors])
 
 
@@ -95,7 +109,7 @@ def sensors_of(plant: Plant) -> tuple[Sensor, ...]:
 
     ValueError for a plant that names none.
     """
-    found = plant.sensors() if isinstance(plant, Plant) else ()
+    found = require_instance("sensors_of.plant", plant, Plant).sensors()
     if not found:
         raise ValueError(f"sensors_of: no selection for a {type(plant).__name__}; give Sensors by name of output")
     units = {s.name: s.unit for s in (*plant.states, *plant.outputs)}
@@ -115,6 +129,7 @@ def encoder(output: str) -> Sensor:
 
 def gauge(output: str, beam: Beam) -> Sensor:
     """Of the curvature [1/m] about z."""
+    require_instance("gauge.beam", beam, Beam)
     return Sensor("strain gauge", output, "1/m", noise=STRAIN / float(np.sqrt(3 * beam.I_z / beam.area)))
 
 
@@ -129,6 +144,4 @@ def gyro(output: str, density: float = TIP_RATE) -> Sensor:
 
 
 def _step(dt: float) -> float:
-    if not 0 < dt < np.inf:
-        raise ValueError(f"Sensor: dt = {dt!r} must be > 0 [s]")
-    return dt
+    return require_seconds("Sensor.dt", dt)

@@ -14,7 +14,9 @@ import casadi as ca
 import numpy as np
 
 from pliant.controllers.base.controller import reading, saturation
-from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, joints, motion_of
+from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, joints, motion_of, require_reference
+from pliant.controllers.base.scene_protocol import require_scene
+from pliant.plants.core.argument_gates import require_instance, require_number, require_seconds
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.signals import OwnsArrays, index
@@ -43,10 +45,13 @@ class ComputedTorque(OwnsArrays):
 
     def __post_init__(self) -> None:
         for name in ("bandwidth", "damping"):
-            if not 0 < getattr(self, name) < np.inf:
-                raise ValueError(f"ComputedTorque.{name} = {getattr(self, name)!r} must be > 0")
-        if self.dt is not None and not 0 < self.dt < np.inf:
-            raise ValueError(f"ComputedTorque.dt = {self.dt!r} must be > 0 [s]")
+            value = require_number(f"ComputedTorque.{name}", getattr(self, name), "positive")
+            object.__setattr__(self, name, value)
+        if self.dt is not None:
+            object.__setattr__(self, "dt", require_seconds("ComputedTorque.dt", self.dt))
+        require_instance("ComputedTorque.inverse", self.inverse, NumericFunction)
+        require_reference("ComputedTorque", self.reference)
+        require_instance("ComputedTorque.joints", self.joints, Joints)
         if len(self.reference.end) != len(self.joints.positions):
             raise ValueError(
                 f"ComputedTorque.reference has {len(self.reference.end)} positions, must have "
@@ -75,6 +80,7 @@ class ComputedTorque(OwnsArrays):
         PliantError where its states are others, a spacecraft's quaternion or a beam without joints, or where the inputs
         do not move them one by one at the reference's start.
         """
+        require_reference("ComputedTorque", reference)
         at = joints(plant)
         names, inverse = [s.name for s in plant.inputs], inverse_dynamics(plant, at)
         accelerations(plant, dict(zip(at.positions, reference(0.0)[0])), np.zeros(plant.nu), at.rates)
@@ -91,6 +97,7 @@ class ComputedTorque(OwnsArrays):
     @classmethod
     def for_scene(cls, scene: CostedScene, *, bandwidth: float | None = None, damping: float = 1.0) -> ComputedTorque:
         """Along the rigid motion of the scene. bandwidth [rad/s], None: 5 / move_time."""
+        require_scene("ComputedTorque.for_scene", scene)
         at, high = joints(scene.plant), np.array(scene.limits)
         return cls.design(
             scene.plant,

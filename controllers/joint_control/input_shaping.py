@@ -16,7 +16,7 @@ Several modes: the shapers one after the other, which is the convolution of thei
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import reduce
 from itertools import pairwise
@@ -26,8 +26,16 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from scipy.optimize import least_squares
 
+from pliant.plants.core.argument_gates import (
+    real_array,
+    require_choice,
+    require_count,
+    require_function,
+    require_instance,
+    require_number,
+    shown,
+)
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_choice, require_count
 from pliant.plants.core.signals import OwnsArrays, read_only
 from pliant.plants.linear import modal_analysis
 
@@ -67,6 +75,7 @@ class Shaper(OwnsArrays):
 
     def __call__(self, command: Command) -> Command:
         """sum A_i command(t - t_i); `command` holds its first value before 0 and its last after its end."""
+        require_function("Shaper.command", command)
         impulses = list(zip(self.times.tolist(), self.amplitudes.tolist()))
         return lambda t: sum(a * np.asarray(command(t - s), dtype=float) for s, a in impulses)
 
@@ -81,21 +90,21 @@ class Shaper(OwnsArrays):
 
     def residual(self, frequency: Any, damping: float = 0.0) -> Any:
         """V [-] at natural frequencies [rad/s], a number or an array (m,): the sensitivity curve."""
-        w = np.asarray(frequency, dtype=float)
-        rate = damping * (self.times - self.times[-1]) + 1j * sqrt(1 - _ratio(damping) ** 2) * self.times
+        w, damping = real_array("Shaper.residual: frequency", frequency), _ratio(damping)
+        if not np.isfinite(w).all() or (w < 0).any():
+            raise ValueError(f"Shaper.residual: frequency = {shown(frequency)} must be finite and >= 0 [rad/s]")
+        rate = damping * (self.times - self.times[-1]) + 1j * sqrt(1 - damping**2) * self.times
         found = np.abs((self.amplitudes * np.exp(w[..., None] * rate)).sum(axis=-1))
-        return found if np.ndim(frequency) else float(found)
+        return found if w.ndim else float(found)
 
 
 def shaper(frequency: float, damping: float = 0.0, kind: str = "zvd", *, tolerance: float = 0.05) -> Shaper:
     """For one mode: natural frequency [rad/s], damping ratio in [0, 1); `tolerance` is V at the model of "ei"."""
     require_choice("shaper", "kind", kind, KINDS)
-    if not 0 < frequency < np.inf:
-        raise ValueError(f"shaper.frequency = {frequency!r} must be > 0 [rad/s]")
-    half = pi / (frequency * sqrt(1 - _ratio(damping) ** 2))
+    frequency, damping = require_number("shaper.frequency", frequency, "positive", "rad/s"), _ratio(damping)
+    tolerance = _allowed(tolerance)
+    half = pi / (frequency * sqrt(1 - damping**2))
     if kind == "ei":
-        if not 0 < tolerance < 1:
-            raise ValueError(f"shaper.tolerance = {tolerance!r} must be > 0 and < 1")
         times, amplitudes = _extra_insensitive(damping, tolerance)
         return Shaper(times / frequency, amplitudes)
     n = KINDS.index(kind) + 1
@@ -108,6 +117,7 @@ def shape(
     command: Command, modes: LinearModel | Iterable[Mode | float], kind: str = "zvd", *, tolerance: float = 0.05
 ) -> Command:
     """The command (a function of t [s]) that leaves none of the modes vibrating; see `shaper_for`."""
+    require_function("shape.command", command)
     return shaper_for(modes, kind, tolerance=tolerance)(command)
 
 
@@ -125,12 +135,16 @@ def shaper_for(
     continuous model where it has such modes.
     """
     if most is not None:
-        require_count("shaper_for", "most", most, 1, 1000)
+        most = require_count("shaper_for", "most", most, 1, 1000)
+    require_choice("shaper_for", "kind", kind, KINDS)
+    tolerance = _allowed(tolerance)
     if hasattr(modes, "eigenvalues") and hasattr(modes, "modes") and hasattr(modes, "dt"):
         values = modal_analysis.rates(modes.eigenvalues, modes.dt)
         modes = light(values[values.imag * (modes.dt or 0.0) < NYQUIST], most)
-    elif not isinstance(modes, Iterable):
-        raise ValueError(f"shaper_for.modes = {modes!r} must be a linear model, or a sequence of modes or frequencies")
+    elif isinstance(modes, type) or not isinstance(modes, Iterable) or isinstance(modes, (str, bytes, Mapping, Set)):
+        raise ValueError(
+            f"shaper_for.modes = {shown(modes)} must be a linear model, or a sequence of modes or frequencies"
+        )
     found = [_read(mode) for mode in modes]
     if not found:
         raise ValueError("shaper_for.modes must hold at least one mode that oscillates")
@@ -148,18 +162,28 @@ def light(eigenvalues: Any, most: int | None = None) -> list[Any]:
 def _read(mode: Any) -> tuple[float, float]:
     """(natural frequency, damping ratio) of a Mode, an eigenvalue or a frequency [rad/s]."""
     value = getattr(mode, "eigenvalue", mode)
-    if isinstance(value, complex) or np.iscomplexobj(value):
+    if isinstance(value, (complex, np.complexfloating)):
+        if not np.isfinite(value):
+            raise ValueError(f"shaper_for.modes: {shown(mode)} must be finite")
         size = abs(value)
         if value.real > 1e-9 * size:
-            raise ValueError(f"shaper_for: a mode grows at {value.real:.3g} 1/s; no command can calm it")
+            raise ValueError(f"shaper_for.modes: a mode grows at {value.real:.3g} 1/s; no command can calm it")
         return float(size), max(0.0, float(-value.real / size))
-    return float(value), 0.0
+    return require_number("shaper_for.modes: frequency", value, "positive", "rad/s"), 0.0
+
+
+def _allowed(tolerance: Any) -> float:
+    found = require_number("shaper.tolerance", tolerance)
+    if not 0 < found < 1:
+        raise ValueError(f"shaper.tolerance = {found!r} must be > 0 and < 1")
+    return found
 
 
 def _ratio(damping: float) -> float:
-    if not 0 <= damping < 1:
-        raise ValueError(f"shaper.damping = {damping!r} must be >= 0 and < 1")
-    return damping
+    found = require_number("shaper.damping", damping)
+    if not 0 <= found < 1:
+        raise ValueError(f"shaper.damping = {found!r} must be >= 0 and < 1")
+    return found
 
 
 def _extra_insensitive(damping: float, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -202,8 +226,10 @@ def switches(command: Sequence[tuple[float, Any]], by: Shaper) -> list[tuple[flo
 
     The first value holds before its time too. Held exactly, such a command needs no small steps.
     """
-    jumps = [(command[0][0], np.asarray(command[0][1], dtype=float))]
-    jumps += [(t, np.asarray(v, dtype=float) - np.asarray(u, dtype=float)) for (_, u), (t, v) in pairwise(command)]
+    require_instance("switches.by", by, Shaper)
+    command = _steps(command)
+    jumps = [command[0]]
+    jumps += [(t, v - u) for (_, u), (t, v) in pairwise(command)]
     spread = sorted(
         ((t + s, a * jump) for t, jump in jumps[1:] for s, a in zip(by.times, by.amplitudes)), key=lambda pair: pair[0]
     )
@@ -211,4 +237,24 @@ def switches(command: Sequence[tuple[float, Any]], by: Shaper) -> list[tuple[flo
     for t, jump in spread:
         value = value + jump
         found.append((float(t), value))
+    return found
+
+
+def _steps(command: Any) -> list[tuple[float, np.ndarray]]:
+    """Pairs (time, value), the times in order, the values of one shape."""
+    if not isinstance(command, (tuple, list)) or not command:
+        raise ValueError(f"switches.command = {shown(command)} must be pairs (time [s], value)")
+    found: list[tuple[float, np.ndarray]] = []
+    for i, pair in enumerate(command):
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+            raise ValueError(f"switches.command[{i}] = {shown(pair)} must be a pair (time [s], value)")
+        t, value = (
+            require_number(f"switches.command[{i}] time", pair[0], unit="s"),
+            real_array("switches.command", pair[1]),
+        )
+        if not np.isfinite(value).all() or (found and (value.shape != found[0][1].shape or t < found[-1][0])):
+            raise ValueError(
+                f"switches.command[{i}] = {shown(pair)} must be finite, of the first's shape, and not before"
+            )
+        found.append((t, value))
     return found

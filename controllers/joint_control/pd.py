@@ -21,21 +21,38 @@ import numpy as np
 from scipy.optimize import minimize
 
 from pliant.controllers.base.controller import reading, saturation
-from pliant.controllers.base.joint_reference import Follow, Joints, RestToRest, driven, motion_of, values_of
+from pliant.controllers.base.joint_reference import (
+    Follow,
+    Joints,
+    RestToRest,
+    driven,
+    motion_of,
+    require_reference,
+    values_of,
+)
+from pliant.controllers.base.scene_protocol import require_scene
+from pliant.plants.core.argument_gates import (
+    require_choice,
+    require_finite,
+    require_instance,
+    require_names,
+    require_number,
+    require_seconds,
+    shown,
+)
+from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import OwnsArrays, read_only
+from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear.conserved import conserved, moved
+from pliant.plants.linear.lti import LinearModel
 
 from .collocation import loop_eigenvalues, rigid_inertia, rigid_state, rows, sharing
 from .computed_torque import inverse_dynamics
-from .input_shaping import light, shaper_for
+from .input_shaping import KINDS, light, shaper_for
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
-    from pliant.plants.core.casadi_functions import NumericFunction
-    from pliant.plants.dynamics.plant import Plant
-    from pliant.plants.linear.lti import LinearModel
 
 SHAPED = 2  # modes of the closed loop that a shaper is made for
 SLOWEST = 0.01  # least Kp / Kd, over 1 / dt: a joint comes home at that rate at least
@@ -59,18 +76,21 @@ class PD(OwnsArrays):
     conserved: tuple[str, ...] = ()  # what no input changes, as the momentum of a craft with wheels
 
     def __post_init__(self) -> None:
-        n = len(self.joints.positions)
+        n = len(require_instance("PD.joints", self.joints, Joints).positions)
+        require_reference("PD", self.reference)
+        if self.inverse is not None:
+            require_instance("PD.inverse", self.inverse, NumericFunction)
         for name in ("Kp", "Kd"):
             object.__setattr__(self, name, read_only(f"PD.{name}", getattr(self, name), (n, n)))
-        nu = n if self.share is None else np.shape(self.share)[0]
         if self.share is not None:
-            object.__setattr__(self, "share", read_only("PD.share", self.share, (nu, n)))
+            object.__setattr__(self, "share", read_only("PD.share", self.share, (-1, n)))
+        nu = n if self.share is None else len(self.share)
         object.__setattr__(self, "u0", read_only("PD.u0", self.u0, (nu,)))
         object.__setattr__(self, "limits", saturation("PD", self.limits, [f"u{i + 1}" for i in range(nu)]))
         if len(self.reference.end) != n:
             raise ValueError(f"PD.reference has {len(self.reference.end)} positions, must have {n}")
-        if self.dt is not None and not 0 < self.dt < np.inf:
-            raise ValueError(f"PD.dt = {self.dt!r} must be > 0 [s]")
+        if self.dt is not None:
+            object.__setattr__(self, "dt", require_seconds("PD.dt", self.dt))
         rest = np.concatenate([self.reference.end, np.zeros(n)])
         lack = self.u0 - (self.inverse(rest, np.zeros(n))[0] if self.inverse else 0.0)
         object.__setattr__(self, "_lack", lack)  # what holding the elastic plant takes beyond the rigid one
@@ -104,10 +124,13 @@ class PD(OwnsArrays):
         bandwidth [rad/s]; reference: None holds x0; at: names of positions and rates, one an input, None: the plant's
         joints.
         """
-        for name, value in (("bandwidth", bandwidth), ("damping", damping)):
-            if not 0 < value < np.inf:
-                raise ValueError(f"PD.{name} = {value!r} must be > 0")
-        at = driven(plant) if at is None else at
+        bandwidth = require_number("PD.bandwidth", bandwidth, "positive", "rad/s")
+        damping = require_number("PD.damping", damping, "positive")
+        require_instance("PD.design: plant", plant, Plant)
+        x0, u0 = require_finite("PD.x0", x0, (plant.nx,)), require_finite("PD.u0", u0, (plant.nu,))
+        if reference is not None:
+            require_reference("PD", reference)
+        at = driven(plant) if at is None else _named(plant, at)
         if _shared(plant, at):
             share, J = sharing(plant.ladder()[0].linearize(rigid_state(plant, x0), u0), at.rates), np.eye(len(at.rates))
         else:
@@ -122,6 +145,9 @@ class PD(OwnsArrays):
         A gain Kp and Kd for each joint, such that the sampled loop about the goal decays fastest. PliantError where
         none is found that is stable.
         """
+        require_scene("PD.for_scene", scene)
+        if shape is not None:
+            require_choice("PD.for_scene", "shape", shape, KINDS)
         plant, (x, u), high = scene.plant, scene.target, np.array(scene.limits)
         at, model = driven(plant), plant.linearize(x, u)
         share = sharing(plant.ladder()[0].linearize(rigid_state(plant, x), u), at.rates) if _shared(plant, at) else None
@@ -163,6 +189,8 @@ class PD(OwnsArrays):
 
         Modes slower than the motion itself are left out. ValueError where the reference is not from rest to rest.
         """
+        require_instance("PD.shaped: model", model, LinearModel)
+        require_choice("PD.shaped", "kind", kind, KINDS)
         if not isinstance(self.reference, RestToRest):
             raise ValueError("PD.shaped needs a reference from rest to rest, not one that goes on moving")
         values = loop_eigenvalues(model, self.K, self.reads, self.dt)
@@ -182,6 +210,17 @@ class PD(OwnsArrays):
         if self.inverse is not None:
             u += self.inverse(np.concatenate([r, dr]), ddr)[0]
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+
+
+def _named(plant: Plant, at: Any) -> Joints:
+    """Joints from their names, positions and rates."""
+    if not isinstance(at, (tuple, list)) or len(at) != 2:
+        raise ValueError(f"PD.at = {shown(at)} must be Joints, or a pair of the names of positions and of rates")
+    known = tuple(s.name for s in plant.states + plant.outputs)
+    found = Joints(*(require_names(f"PD.at[{i}]", names, known, "state or output") for i, names in enumerate(at)))
+    if len(found.positions) != len(found.rates) or not found.positions:
+        raise ValueError(f"PD.at = {shown(found)} must name as many rates as positions, one at least")
+    return found
 
 
 def _shared(plant: Plant, at: Joints) -> bool:

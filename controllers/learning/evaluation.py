@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from pliant.controllers.base.scene_protocol import TrainableScene, require_scene
+from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.files import sealed_json
 
 from .policy import Policy
 from .settings import CURVE_FORMAT
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import TrainableScene
 
 
 @dataclass(frozen=True)
@@ -57,6 +56,8 @@ def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
 
     env: one lane of the scene that may be used again, made where not given.
     """
+    require_instance("evaluate.policy", policy, Policy)
+    require_scene("evaluate", scene, ("plant", "observe", "limits", "dt", "stage_cost"))
     env = scene.vector_env(1, threads=1) if env is None else env
     goal = scene.goal_values(scene.observe)
     obs, _ = env.reset()

@@ -12,17 +12,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import Any, Self, final
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.controllers.base.scene_protocol import TrainableScene, require_scene
+from pliant.plants.core.argument_gates import (
+    as_number,
+    as_tuple,
+    real_array,
+    require_choice,
+    require_finite,
+    require_flag,
+    require_mapping,
+    require_names,
+    require_number,
+    require_path,
+    require_seconds,
+    require_text,
+)
 from pliant.plants.core.signals import OwnsArrays
 
 from . import policy_files
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import TrainableScene
 
 ACTIVATIONS = ("tanh", "relu")
 FOLDER = Path(__file__).parent / "policies"
@@ -54,31 +65,37 @@ class Policy(OwnsArrays):
     _layers: tuple[Any, ...] = field(init=False, repr=False)  # .. and for each layer's output
 
     def __post_init__(self) -> None:
-        own = f"Policy of {self.scene!r}"
+        own = f"Policy of {require_text('Policy.scene', self.scene, empty=True)!r}"
         require_choice(own, "activation", self.activation, ACTIVATIONS)
-        ny, nu, layers = len(self.reads), len(self.inputs), len(self.weights)
-        if not 1 <= layers == len(self.biases) <= MOST_LAYERS:
+        reads, inputs = require_names(f"{own}: reads", self.reads), require_names(f"{own}: inputs", self.inputs)
+        given = tuple(_layers(f"{own}: {name}", getattr(self, name)) for name in ("weights", "biases"))
+        ny, nu, layers = len(reads), len(inputs), len(given[0])
+        if not 1 <= layers == len(given[1]) <= MOST_LAYERS:
             raise ValueError(
-                f"{own}: weights and biases of {layers} and {len(self.biases)} layers must be as many, "
-                f"1 to {MOST_LAYERS}"
+                f"{own}: weights and biases of {layers} and {len(given[1])} layers must be as many, 1 to {MOST_LAYERS}"
             )
+        seen = real_array(f"{own}: weights", given[0][0]).shape
+        if len(seen) == 2 and seen[1] != ny:
+            raise ValueError(f"{own}: weights, W1 has shape {seen}, must have a column for each of reads = {reads}")
         width, weights, biases = ny, [], []
-        for k, (W, b) in enumerate(zip(self.weights, self.biases), 1):
-            W = require_finite(f"{own}: W{k}", W, (nu if k == layers else -1, width))
+        for k, (W, b) in enumerate(zip(*given), 1):
+            W = require_finite(f"{own}: weights, W{k}", W, (nu if k == layers else -1, width))
             width = len(W)
             weights.append(np.ascontiguousarray(W))
-            biases.append(require_finite(f"{own}: b{k}", b, (width,)))
+            biases.append(require_finite(f"{own}: biases, b{k}", b, (width,)))
         values: dict[str, Any] = {"weights": tuple(weights), "biases": tuple(biases)}
         for name, size in (("mean", ny), ("std", ny), ("goal", ny), ("limits", nu)):
             values[name] = require_finite(f"{own}: {name}", getattr(self, name), (size,))
         for name in ("std", "limits"):
             if not (values[name] > 0).all():
                 raise ValueError(f"{own}: {name} = {values[name]} must be > 0")
-        if not 0 < self.dt < np.inf:
-            raise ValueError(f"{own}: dt = {self.dt!r} must be > 0")
-        if not self.clip > 0:
-            raise ValueError(f"{own}: clip = {self.clip!r} must be > 0")
-        values |= {"reads": tuple(self.reads), "inputs": tuple(self.inputs)}
+        values |= {"dt": require_seconds(f"{own}: dt", self.dt), "reads": reads, "inputs": inputs}
+        clip = as_number(self.clip)
+        values["clip"] = (
+            clip if isinstance(clip, float) and clip == np.inf else require_number(f"{own}: clip", clip, "positive")
+        )
+        values |= {"squash": require_flag(f"{own}: squash", self.squash)}
+        values["made"] = require_mapping(f"{own}: made", self.made)
         values |= {"_shift": values["goal"] + values["mean"], "_factor": 1 / values["std"], "_z": np.empty(ny)}
         values["_layers"] = tuple((W, b, np.empty(len(b))) for W, b in zip(weights, biases))
         for name, value in values.items():
@@ -90,8 +107,7 @@ class Policy(OwnsArrays):
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) within the limits, from y (len(reads),)."""
         z = self._z
-        y = np.asarray(y, dtype=float)
-        if y.shape != z.shape or not np.dot(y, y) < np.inf:
+        if type(y) is not np.ndarray or y.dtype != float or y.shape != z.shape or not np.dot(y, y) < np.inf:
             y = require_finite("Policy.y", y, z.shape)
         np.subtract(y, self._shift, out=z)
         np.multiply(z, self._factor, out=z)
@@ -115,12 +131,12 @@ class Policy(OwnsArrays):
 
         OSError, which names the file, where it cannot be written.
         """
-        policy_files.save(self, path)
+        policy_files.save(self, require_path("Policy.save: path", path))
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
         """From what `save` wrote. ValueError, which names the file, for damaged, incomplete or foreign ones."""
-        fields = policy_files.load(path)
+        fields = policy_files.load(require_path("Policy.load: path", path))
         try:
             return cls(**fields)
         except (TypeError, ValueError, OverflowError) as error:
@@ -129,7 +145,7 @@ class Policy(OwnsArrays):
     @classmethod
     def for_scene(cls, name: str) -> Self:
         """The policy that is shipped for a named scene. ValueError, with the names there are, for others."""
-        require_choice("Policy", "scene", name, shipped())
+        require_choice("Policy.for_scene", "name", name, shipped())
         return cls.load(FOLDER / name)
 
     @classmethod
@@ -151,9 +167,17 @@ class Policy(OwnsArrays):
                 f"{str(path)!r} holds a pickle, which can run any code when it is read: give trust=True if you "
                 "made it yourself, or ask its author for arrays and JSON (Policy.save)"
             )
+        require_scene("from_sb3_zip", scene, ("plant", "observe", "limits", "dt", "stage_cost"))
+        require_choice("from_sb3_zip", "algorithm", algorithm, ("ppo", "sac"))
+        found = None if statistics is None else require_path("from_sb3_zip.statistics", statistics)
         from .sb3_export import read_zip  # the other door to torch
 
-        return cls(**read_zip(Path(path), scene, algorithm, None if statistics is None else Path(statistics)))
+        return cls(**read_zip(require_path("from_sb3_zip.path", path), scene, algorithm, found))
+
+
+def _layers(name: str, value: Any) -> tuple[Any, ...]:
+    """An array of each layer."""
+    return tuple(value) if isinstance(value, np.ndarray) and value.ndim > 1 else as_tuple(name, value)
 
 
 def shipped() -> Sequence[str]:

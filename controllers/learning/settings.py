@@ -3,13 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
+
+from pliant.plants.core.argument_gates import require_count, require_number
 
 Progress = Callable[[float, str], None]
 SECONDS = 300.0  # what a run may take where nothing is said
 CURVE, POLICY = "curve.json", "policy"
 CURVE_FORMAT = 2  # format 1, of version 0.1, has no checksum
 FLOOR = 0.02  # share of the learning rate that is left at the end
+COUNTS = {  # least and most
+    "num_envs": (1, 1_000_000),
+    "n_steps": (1, 1_000_000),
+    "batch_size": (1, 100_000_000),
+    "n_epochs": (1, 100_000),
+    "buffer_size": (1, 10_000_000_000),
+    "gradient_steps": (1, 1_000_000),
+    "learning_starts": (0, 1_000_000_000_000),
+    "width": (1, 1_000_000),
+}
+MOST = {"gamma": 1.0, "gae_lambda": 1.0, "tau": 1.0}  # of numbers > 0
+MAY_BE_ZERO = ("gamma", "gae_lambda", "spread")
+
+
+def _check(settings: Any) -> None:
+    """ValueError naming the field, its value and its range; NumPy's numbers become Python's."""
+    owner = type(settings).__name__
+    for field in fields(settings):
+        name, value = field.name, getattr(settings, field.name)
+        if name in COUNTS:
+            value = require_count(owner, name, value, *COUNTS[name])
+        else:
+            allowed = "nonnegative" if name in MAY_BE_ZERO else "positive"
+            value = require_number(f"{owner}.{name}", value, allowed)
+            if value > MOST.get(name, value):
+                raise ValueError(f"{owner}.{name} = {value!r} must be at most {MOST[name]:g}")
+        object.__setattr__(settings, name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +58,9 @@ class PPOSettings:
     width: int = 64  # units of each of two tanh layers
     spread: float = 1.5  # of training's starts: times the largest distance from start to goal
 
+    def __post_init__(self) -> None:
+        _check(self)
+
 
 @dataclass(frozen=True, kw_only=True)
 class SACSettings:
@@ -43,6 +76,9 @@ class SACSettings:
     tau: float = 0.01  # of the target networks' moving average
     width: int = 64  # units of each of two ReLU layers
     spread: float = 1.5
+
+    def __post_init__(self) -> None:
+        _check(self)
 
 
 SETTINGS: dict[str, type[PPOSettings] | type[SACSettings]] = {"ppo": PPOSettings, "sac": SACSettings}

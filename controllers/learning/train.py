@@ -8,15 +8,23 @@ from __future__ import annotations
 import dataclasses
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from pliant.plants.core.parameters import require_choice, require_count
+from pliant.controllers.base.scene_protocol import TrainableScene, require_scene
+from pliant.plants.core.argument_gates import (
+    require_choice,
+    require_count,
+    require_flag,
+    require_function,
+    require_path,
+    require_seconds,
+    require_text,
+    shown,
+)
 
 from .evaluation import Training
 from .settings import SECONDS, SETTINGS, PPOSettings, Progress, SACSettings
 
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import TrainableScene
+TRAINABLE = ("plant", "observe")  # what is asked for first
 
 
 def train(
@@ -48,25 +56,27 @@ def train(
     and torch's threads are left as they were found. ValueError for bad input; ImportError without
     Stable-Baselines3.
     """
+    require_scene("train", scene, TRAINABLE)
     require_choice("train", "algorithm", algorithm, tuple(SETTINGS))
-    require_count("train", "seed", seed, 0, 2**32 - 1)
+    seed = require_count("train", "seed", seed, 0, 2**32 - 1)
     if seconds is not None and steps is not None:
-        raise ValueError(f"train: seconds = {seconds} and steps = {steps}: give one of them")
+        raise ValueError(f"train: seconds = {shown(seconds)} and steps = {shown(steps)}: give one of them")
     if seconds is None and steps is None:
         seconds = SECONDS
-    if seconds is not None and not 0 < seconds < float("inf"):
-        raise ValueError(f"train: seconds = {seconds!r} must be finite and > 0")
-    if steps is not None:
-        require_count("train", "steps", steps, 1, 10**12)
-    if threads is not None:
-        require_count("train", "threads", threads, 1, 1024)
+    seconds = None if seconds is None else require_seconds("train.seconds", seconds)
+    steps = None if steps is None else require_count("train", "steps", steps, 1, 10**12)
+    threads = None if threads is None else require_count("train", "threads", threads, 1, 1024)
+    folder = None if folder is None else require_path("train.folder", folder)
+    resume, command = require_flag("train.resume", resume), require_text("train.command", command, empty=True)
+    if progress is not None:
+        require_function("train.progress", progress)
     if resume and folder is None:
         raise ValueError("train: resume = True needs the folder of the run to go on with")
     chosen = SETTINGS[algorithm]() if settings is None else settings
     if not isinstance(chosen, SETTINGS[algorithm]):
         raise ValueError(f"train: settings = {type(chosen).__name__} must be {SETTINGS[algorithm].__name__}")
     if num_envs is not None:
-        require_count("train", "num_envs", num_envs, 1, 1_000_000)
+        num_envs = require_count("train", "num_envs", num_envs, 1, 1_000_000)
         chosen = dataclasses.replace(chosen, num_envs=num_envs)
     if not scene.observe:
         raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
@@ -83,7 +93,7 @@ def train(
         seed=seed,
         seconds=seconds,
         steps=steps,
-        folder=None if folder is None else Path(folder),
+        folder=folder,
         resume=resume,
         threads=threads,
         command=command,

@@ -11,22 +11,19 @@ from __future__ import annotations
 
 import dataclasses
 from collections import deque
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import Any, Self, final
 
 import numpy as np
 
-from pliant.controllers.base.controller import reading
+from pliant.controllers.base.controller import Controller, moment, reading, saturation
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
+from pliant.plants.core.argument_gates import require_count, require_finite, require_instance, require_seconds
 from pliant.plants.core.errors import IntegrationError
-from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import OwnsArrays, Signal, index
+from pliant.plants.dynamics.plant import Plant
+from pliant.plants.linear.lti import LinearModel
 
 from .lqr import LQR
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.controller import Controller
-    from pliant.controllers.base.scene_protocol import CostedScene
-    from pliant.plants.dynamics.plant import Plant
-    from pliant.plants.linear.lti import LinearModel
 
 MOST = 1000  # periods of delay
 
@@ -37,9 +34,10 @@ def delayed(model: LinearModel, periods: int) -> LinearModel:
     A name "tau1 2 late" means the value that was asked for two samples ago, the oldest first. ValueError for a
     continuous-time model.
     """
+    require_instance("delayed.model", model, LinearModel)
     if model.dt is None:
         raise ValueError("delayed: model.dt = None must be a sampling time: give model.discretize(dt)")
-    require_count("delayed", "periods", periods, 0, MOST)
+    periods = require_count("delayed", "periods", periods, 0, MOST)
     if periods == 0:
         return model
     nx, nu = len(model.states), len(model.inputs)
@@ -73,7 +71,7 @@ def radius(model: LinearModel, K: Any, periods: int) -> float:
 
 def delay_margin(model: LinearModel, K: Any, most: int = 100) -> int:
     """The most whole periods of input delay at which u = -K x stays stable, looked for up to `most`; -1 if none."""
-    require_count("delay_margin", "most", most, 0, MOST)
+    most = require_count("delay_margin", "most", most, 0, MOST)
     for periods in range(most + 1):
         if radius(model, K, periods) >= 1:
             return periods - 1
@@ -108,7 +106,10 @@ class Predictive(OwnsArrays):
         start (nu,): what acts until the law's first input does; zero where None. limits: (lowest, highest) (nu,), what
         the actuator makes of an input.
         """
-        require_count("Predictive", "delay", delay, 1, MOST)
+        delay, dt = require_count("Predictive", "delay", delay, 1, MOST), require_seconds("Predictive.dt", dt)
+        substeps = require_count("Predictive", "substeps", substeps, 1, 100_000)
+        require_instance("Predictive.law", law, Controller)
+        require_instance("Predictive.plant", plant, Plant)
         if law.dt is not None and abs(law.dt - dt) > 1e-9 * dt:
             raise ValueError(f"Predictive: law.dt = {law.dt} must be dt = {dt} s, or None")
         self.law, self.plant, self.delay, self.dt = law, plant, delay, dt
@@ -116,8 +117,7 @@ class Predictive(OwnsArrays):
         known = plant.states + plant.outputs
         self._picks = [index(known, name, "Predictive: law reads") for name in law.reads]
         self._outputs = max(self._picks, default=0) >= plant.nx
-        bounds: tuple[Any, Any] = (-np.inf, np.inf) if limits is None else limits
-        self._low, self._high = bounds
+        self._low, self._high = saturation("Predictive", limits, [s.name for s in plant.inputs])
         self._substeps, self._step = substeps, plant.stepper(dt, substeps=substeps)
         held = np.zeros(plant.nu) if start is None else start
         self._start = require_finite("Predictive.start", held, (plant.nu,)).copy()
@@ -126,6 +126,7 @@ class Predictive(OwnsArrays):
     @classmethod
     def for_scene(cls, scene: CostedScene, delay: int = 1, law: Controller | None = None) -> Self:
         """The scene's LQR, or another `law`, on the scene's plant; the input of the scene's start acts first."""
+        require_scene("Predictive.for_scene", scene)
         law = LQR.for_scene(scene) if law is None else law
         high = np.array(scene.limits, dtype=float)
         start = np.clip(scene.initial[1], -high, high)
@@ -138,7 +139,7 @@ class Predictive(OwnsArrays):
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from the states y (nx,) at time t [s]; it acts `delay` periods later."""
-        x = reading("Predictive", y, len(self.reads))[None]
+        x, t = reading("Predictive.y", y, len(self.reads))[None], moment("Predictive", t)
         for u in self._waiting:
             x = self._step(x, u)
         seen = x[0]

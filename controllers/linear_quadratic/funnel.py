@@ -20,7 +20,8 @@ from typing import final
 
 import numpy as np
 
-from pliant.plants.core.parameters import require_finite
+from pliant.controllers.base.controller import moment
+from pliant.plants.core.argument_gates import require_finite
 from pliant.plants.core.signals import OwnsArrays
 
 from .hold_set import LEAK, Hold, axes, gain, invariant
@@ -76,6 +77,7 @@ class Funnel(OwnsArrays):
 
     def place(self, t: float) -> int:
         """The index of the last control time not after t [s]."""
+        t = moment("Funnel", t)
         return int(np.clip(np.searchsorted(self.t, t * (1 + 1e-12) + 1e-12, side="right") - 1, 0, len(self.t) - 1))
 
     def use(self, t: float, x: np.ndarray) -> float:

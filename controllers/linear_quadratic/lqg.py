@@ -19,6 +19,7 @@ import numpy as np
 from pliant.controllers.base.controller import Controller, reading
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import Sensor
+from pliant.plants.core.argument_gates import require_instance, require_seconds
 from pliant.plants.core.signals import OwnsArrays, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -38,7 +39,8 @@ class LQG(OwnsArrays):
     filter: Kalman
 
     def __post_init__(self) -> None:
-        law, dt = self.law, self.filter.dt
+        require_instance("LQG.law", self.law, Controller)
+        law, dt = self.law, require_instance("LQG.filter", self.filter, Kalman).dt
         if law.dt is None or abs(law.dt - dt) > 1e-9 * dt:
             raise ValueError(f"LQG.law.dt = {law.dt!r} must be the filter's, {dt:g} s")
         self._rows = self._wanted()
@@ -59,6 +61,7 @@ class LQG(OwnsArrays):
         noise: str = "white",
     ) -> Self:
         """LQR.design and Kalman.design on one continuous-time model: Q, R, limits, W, delay, noise as there."""
+        dt = require_seconds("LQG.dt", dt)
         law = LQR.design(model, Q, R, dt=dt, limits=limits)
         return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay, noise=noise))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 
 import numpy as np
 
@@ -18,16 +18,21 @@ from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, require_held, unmoved
 from pliant.controllers.base.joint_reference import values_of
 from pliant.controllers.base.quadratic_weights import weight_matrices
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.riccati.algebraic import with_integrals
 from pliant.controllers.riccati.steerable import Steerable, steerable
-from pliant.plants.core.parameters import require_finite
+from pliant.plants.core.argument_gates import (
+    require_by_name,
+    require_finite,
+    require_instance,
+    require_names,
+    require_number,
+    require_seconds,
+)
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.dynamics.plant import Plant
+from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.quadratic_cost import signal_rows
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
-    from pliant.plants.dynamics.plant import Plant
-    from pliant.plants.linear.lti import LinearModel
 
 
 @final
@@ -79,15 +84,16 @@ class LQR(OwnsArrays):
         UncontrollableError names modes that do not decay and are not reached, or not seen by the cost; what is
         conserved and not weighed is none of them (see `controllers.riccati.steerable`).
         """
+        require_instance("LQR.design: model", model, LinearModel)
+        dt = None if dt is None else require_seconds("LQR.dt", dt)
         if model.dt is not None:
             raise ValueError(f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones")
         Q, R, N = weight_matrices("LQR", model, Q, R)
-        wanted = dict(integral or {})
+        known = model.state_names + model.output_names
+        given = {} if integral is None else integral
+        wanted = require_by_name("LQR.integral", given, known, "state or output", "positive")
         Ci, Di, target = signal_rows(model, tuple(wanted), "LQR.integral: state or output")
-        weight = np.diag([float(v) for v in wanted.values()]) if wanted else np.zeros((0, 0))
-        for name, value in wanted.items():
-            if not 0 < value < np.inf:
-                raise ValueError(f"LQR.integral[{name!r}] = {value!r} must be > 0")
+        weight = np.diag(list(wanted.values())) if wanted else np.zeros((0, 0))
         off = None if start is None else require_finite("LQR.start", start, model.x0.shape) - model.x0
         part = steerable(model.A, model.B, Q, N, model.state_names, seen=Ci, start=off)
         known = part.names + tuple(f"integral of {name}" for name in wanted)
@@ -103,7 +109,7 @@ class LQR(OwnsArrays):
             found = riccati.lqr(A, B, Q, R, N, names=known)
         else:
             found = riccati.dlqr(A, B, Q, R, N, names=known, dt=dt)
-        own = tuple(reads) if reads is not None else model.state_names
+        own = require_names("LQR.reads", reads) if reads is not None else model.state_names
         if len(own) != len(model.states):
             raise ValueError(f"LQR.reads = {own} must be {len(model.states)} names, one for each state of the model")
         return cls(
@@ -137,7 +143,9 @@ class LQR(OwnsArrays):
         limits: Any = None,
     ) -> LQR:
         """`design` on the plant's linear model about the equilibrium (x0, u0); EquilibriumError where it is none."""
-        model = plant.linearize(x0, u0)
+        require_instance("LQR.for_plant: plant", plant, Plant)
+        x0 = require_finite("LQR.x0", x0, (plant.nx,))
+        model = plant.linearize(x0, None if u0 is None else require_finite("LQR.u0", u0, (plant.nu,)))
         require_held(model)
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 
@@ -147,8 +155,8 @@ class LQR(OwnsArrays):
 
         effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.
         """
-        if not 0 < effort < np.inf:
-            raise ValueError(f"LQR.for_scene.effort = {effort!r} must be > 0")
+        require_scene("LQR.for_scene", scene)
+        effort = require_number("LQR.for_scene.effort", effort, "positive")
         model, drift = goal_model(scene)
         R, high = {name: effort * value for name, value in scene.effort}, np.array(scene.limits, dtype=float)
         start = values_of(scene.plant, *scene.initial, model.state_names)
@@ -174,6 +182,7 @@ class LQR(OwnsArrays):
             return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
         error = y[self.picks] - self.target
         if self.dt is None:
+            t = moment("LQR", t)
             last = t if self._last is None else self._last
             if not t >= last:
                 raise ValueError(f"LQR.t = {t!r} must be >= {last!r}, the time of the last act; `reset` starts again")

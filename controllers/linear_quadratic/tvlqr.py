@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -25,25 +25,33 @@ from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, unmoved
 from pliant.controllers.base.objective import Objective
-from pliant.controllers.optimal_control.nominal_motions import NOMINALS, nodes, nominal_for, rests
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
+from pliant.controllers.optimal_control.nominal_motions import NOMINALS, nodes, nominal_for, require_share, rests
+from pliant.controllers.optimal_control.optimal import Motion
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.controllers.optimal_control.stage_derivatives import StageTerms
 from pliant.controllers.riccati.node_distance import joined, measured, refined
 from pliant.controllers.riccati.time_varying import TimeVaryingRegulator
-from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.argument_gates import (
+    require_choice,
+    require_count,
+    require_finite,
+    require_instance,
+    require_number,
+    require_seconds,
+    shown,
+)
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.plant import Plant
+from pliant.plants.linear.ltv import LTVModel
 
 from .funnel import Funnel
 from .hold_set import Hold
 from .nominal_loop import PathProgress, own_nominal
 from .period_cost import law_at_goal, period_cost, period_weight
 
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
-    from pliant.controllers.optimal_control.optimal import Motion
-    from pliant.plants.core.trajectory import Trajectory
-    from pliant.plants.dynamics.plant import Plant
-    from pliant.plants.linear.ltv import LTVModel
+INDICES = ("time", "phase")
 
 
 @final
@@ -71,7 +79,7 @@ class TVLQR(OwnsArrays):
     free: tuple[str, ...] = ()  # what inputs change there and neither plant nor cost feels: left as it is
 
     def __post_init__(self) -> None:
-        require_choice("TVLQR", "index", self.index, ("time", "phase"))
+        require_choice("TVLQR", "index", self.index, INDICES)
         self._gains = [np.ascontiguousarray(K) for K in self.K]
         self._offsets = list(self.u + np.einsum("kij,kj->ki", self.K, self.x))
         scale = np.sqrt(np.einsum("kii->i", self.regulator.P) / len(self.regulator.P))
@@ -100,7 +108,11 @@ class TVLQR(OwnsArrays):
         where None. hold: (K (nu, nx), x_goal, u_goal), the law after the end; None: the last gain about the last node.
         substeps: RK4 steps a period. limits: (lowest, highest), or {input: (lowest, highest)}.
         """
+        require_instance("TVLQR.along: plant", plant, Plant)
+        dt, hold = require_seconds("TVLQR.dt", dt), _three(hold)
         t, x, u = nodes(nominal, dt)
+        if x.shape[1:] != (plant.nx,) or u.shape[1:] != (plant.nu,):
+            raise ValueError(f"TVLQR.nominal has {x.shape[1]} states and {u.shape[1]} inputs, must be of the plant's")
         w, p = np.zeros(plant.nw), plant.nominal_parameters
         found = HeldSteps(plant, dt, substeps, t[:-1], w, p).slopes(x[:-1], u)
         A, B = found.slope[:, :, : plant.nx], found.slope[:, :, plant.nx :]
@@ -132,7 +144,8 @@ class TVLQR(OwnsArrays):
         The nominal input is held at its mean between nodes. Options as in `along`. NodeWarning, and `regulator.error`,
         where the nodes are too far apart for the cost to go to be known to a thousandth (riccati/node_distance.py).
         """
-        steps = np.diff(ltv.t)
+        hold = _three(hold)
+        steps = np.diff(require_instance("TVLQR.design: ltv", ltv, LTVModel).t)
         dt = float(steps.mean())
         if np.ptp(steps) > 1e-6 * dt:
             raise ValueError(f"TVLQR.design: nodes {steps.min():.6g} to {steps.max():.6g} s apart must be equally far")
@@ -164,15 +177,17 @@ class TVLQR(OwnsArrays):
         to rest, else "optimal". reserve: share of the limits that "plan" and "optimal" leave to the feedback. effort: a
         factor on what the inputs cost. After the end the regulator about the goal takes over.
         """
-        if not 0 <= reserve < 1:
-            raise ValueError(f"TVLQR.for_scene.reserve = {reserve!r} must be >= 0 and < 1")
-        if not 0 < effort < np.inf:
-            raise ValueError(f"TVLQR.for_scene.effort = {effort!r} must be > 0")
+        require_scene("TVLQR.for_scene", scene)
+        reserve = require_share("TVLQR.for_scene.reserve", reserve)
+        effort = require_number("TVLQR.for_scene.effort", effort, "positive")
+        require_choice("TVLQR", "index", index, INDICES)
         plant, about = scene.plant, Objective.of(scene)
         held = goal_model(scene)[0].state_names  # EquilibriumError where the goal cannot be held
         nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
         if isinstance(nominal, str):
             require_choice("TVLQR.for_scene", "nominal", nominal, NOMINALS)
+        elif not isinstance(nominal, (Motion, Trajectory)):
+            raise ValueError(f"TVLQR.for_scene.nominal = {shown(nominal)} must be a motion or one of {NOMINALS}")
         start = scene.initial[0] if isinstance(nominal, str) else nominal.x[0]  # what it conserves is told by that
         terms, given = StageTerms(about, about.residual_expression), (np.zeros(plant.nw), plant.nominal_parameters)
         K, P = law_at_goal(about, terms, scene.substeps, effort, held, start)
@@ -225,6 +240,7 @@ class TVLQR(OwnsArrays):
 
     def cost_to_go(self, k: int, x: Any) -> float:
         """J from node k on, of the linear model without limits, from x (nx,)."""
+        k = require_count("TVLQR", "k", k, -len(self.nominal), len(self.nominal) - 1)
         return self.regulator.cost_to_go(k, require_finite("TVLQR.x", x, self.x.shape[1:]) - self.nominal[k])
 
     @property
@@ -248,6 +264,13 @@ class TVLQR(OwnsArrays):
             y = y - self.drift * (t - self.start - last * self.dt)
         u = self._offsets[k] - self._gains[k].dot(y)
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+
+
+def _three(hold: Any) -> Any:
+    """ValueError unless it is None or K, x_goal, u_goal."""
+    if hold is not None and not (isinstance(hold, (tuple, list)) and len(hold) == 3):
+        raise ValueError(f"TVLQR.hold = {shown(hold)} must be (K, x_goal, u_goal)")
+    return hold
 
 
 def _of_steps(found: riccati.SampledLTV, end: Any) -> TimeVaryingRegulator:

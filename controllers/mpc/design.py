@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +11,20 @@ from pliant.controllers import riccati
 from pliant.controllers.base.controller import each, ends, saturation
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.riccati.checks import weight_matrix
-from pliant.plants.core.parameters import require_choice, require_count, require_finite
+from pliant.plants.core.argument_gates import (
+    as_tuple,
+    require_by_name,
+    require_choice,
+    require_count,
+    require_finite,
+    require_instance,
+    require_mapping,
+    require_names,
+    require_number,
+    require_seconds,
+    shown,
+)
+from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.quadratic_cost import signal_rows
 
 from .condensed_prediction import laws, predict
@@ -19,9 +32,6 @@ from .constraints import Limits, Step, Window, build, soft_names
 from .exact_penalty import sufficient_penalty
 from .offset_free import KINDS, Estimator, Sizes
 from .steady_target import Target
-
-if TYPE_CHECKING:
-    from pliant.plants.linear.lti import LinearModel
 
 Limited = tuple[Any, Any, Mapping[str, tuple[float, float]] | None, int, float | None]
 # limits, rates, bounds, terminal, penalty of MPC.design
@@ -43,9 +53,12 @@ def regulator(
     Q, R, N, P = weights
     limits, rates, bounds, terminal, penalty = limited
     track, disturbance, time, noise = free_of_offset
+    require_instance("MPC.model", model, LinearModel)
+    horizon, blocks, terminal = checked_horizon(horizon, blocks, terminal)
+    penalty, track = checked_penalty(penalty), require_names("MPC.track", track)
+    reads = model.state_names if reads is None else require_names("MPC.reads", reads)
+    time = require_seconds("MPC.time", time)
     A, B, Q, R, N, dt = _sampled(model, Q, R, N, dt)
-    check_horizon(horizon, blocks, terminal)
-    check_penalty(penalty)
     nx, nu = B.shape
     n = horizon + terminal
     if P is None:
@@ -56,13 +69,12 @@ def regulator(
     motion = predict(As, Bs, cs, found, horizon, blocks)
     bounded = limits_of(model, limits, rates, bounds, dt)
     _require_rest(model, A, B, dt, bounded)
-    C, D, z0 = signal_rows(model, bounds or {}, "MPC.bounds: state or output")
-    reads = tuple(reads) if reads is not None else model.state_names
+    C, D, z0 = signal_rows(model, bounded.bounded, "MPC.bounds: state or output")
     extra: dict[str, Any] = {}
     seen, y0 = None, model.x0
     if track:
         seen, y0, extra = _offset_free(
-            model, (A, B, dt), np.block([[Q, N], [N.T, R]]), bounded, reads, tuple(track), disturbance, time, noise
+            model, (A, B, dt), np.block([[Q, N], [N.T, R]]), bounded, reads, track, disturbance, time, noise
         )
     elif disturbance is not None:
         raise ValueError(f"MPC.disturbance = {disturbance!r} needs track, the names of signals to bring to their goal")
@@ -95,16 +107,22 @@ def regulator(
     }
 
 
-def check_horizon(horizon: int, blocks: Sequence[int] | None, terminal: int) -> None:
-    require_count("MPC", "horizon", horizon, 1, 10_000)
-    require_count("MPC", "terminal", terminal, 0, 10_000)
-    if blocks is not None and (sum(blocks) != horizon or min(blocks) < 1):
-        raise ValueError(f"MPC.blocks = {tuple(blocks)} must be lengths >= 1 that add up to the horizon, {horizon}")
+def checked_horizon(horizon: int, blocks: Any, terminal: int) -> tuple[int, tuple[int, ...] | None, int]:
+    """Integers, the blocks' lengths adding up to the horizon."""
+    horizon = require_count("MPC", "horizon", horizon, 1, 10_000)
+    terminal = require_count("MPC", "terminal", terminal, 0, 10_000)
+    if blocks is None:
+        return horizon, None, terminal
+    lengths = as_tuple("MPC.blocks", blocks)
+    found = tuple(require_count("MPC", f"blocks[{i}]", n, 1, 10_000) for i, n in enumerate(lengths))
+    if sum(found) != horizon:
+        raise ValueError(f"MPC.blocks = {found} must be lengths >= 1 that add up to the horizon, {horizon}")
+    return horizon, found, terminal
 
 
-def check_penalty(penalty: float | None) -> None:
-    if penalty is not None and not 0 < penalty < np.inf:
-        raise ValueError(f"MPC.penalty = {penalty!r} must be > 0, or None")
+def checked_penalty(penalty: Any) -> float | None:
+    """> 0, or None."""
+    return None if penalty is None else require_number("MPC.penalty", penalty, "positive")
 
 
 def check_weights(Q: np.ndarray, R: np.ndarray, N: np.ndarray, P: Any) -> np.ndarray:
@@ -119,6 +137,7 @@ def _sampled(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
     """A, B, Q, R, N of a step, and its length."""
     Q, R, cross = weight_matrices("MPC", model, Q, R)
+    dt = None if dt is None else require_seconds("MPC.dt", dt)
     N = cross if N is None else cross + require_finite("MPC.N", N, cross.shape)
     if model.dt is not None:
         if dt is not None and abs(dt - model.dt) > 1e-9 * dt:
@@ -154,14 +173,14 @@ def limits_of(model: LinearModel, limits: Any, rates: Any, bounds: Mapping[str, 
     low, high = saturation("MPC", limits, model.input_names)
     change = np.full(len(low), np.inf)
     if isinstance(rates, Mapping):
-        for name, value in rates.items():
-            require_choice("MPC", "rates", name, model.input_names)
+        for name, value in require_by_name("MPC.rates", rates, model.input_names, "input").items():
             change[model.input_names.index(name)] = value
     elif rates is not None:
         change[:] = each("MPC.rates", rates, len(change))
     if not (change > 0).all():
-        raise ValueError(f"MPC.rates = {rates!r} must be > 0")
-    bounds = dict(bounds or {})
+        raise ValueError(f"MPC.rates = {shown(rates)} must be > 0")
+    known = model.state_names + model.output_names
+    bounds = {} if bounds is None else require_mapping("MPC.bounds", bounds, known, "state or output")
     found = [ends(f"MPC.bounds[{name!r}]", value) for name, value in bounds.items()]
     floor, ceiling = (np.array([one[i] for one in found], dtype=float) for i in (0, 1))
     return Limits(model.input_names, low, high, change * dt, tuple(bounds), floor, ceiling)
@@ -193,8 +212,6 @@ def _offset_free(
     A, B, dt = sampled
     kind = "states" if disturbance is None else disturbance
     require_choice("MPC", "disturbance", kind, KINDS)
-    if not 0 < time < np.inf:
-        raise ValueError(f"MPC.time = {time!r} must be > 0")
     if kind == "states":
         if len(reads) != len(A):
             raise ValueError(f"MPC.reads = {reads} must be {len(A)} names, one for each state of the model")
@@ -223,10 +240,7 @@ def _offset_free(
 def _sizes(noise: float | Mapping[str, float], inputs: tuple[str, ...], reads: tuple[str, ...]) -> Sizes:
     """The standard deviations that MPC's `noise` says: of all readings, or by name of reading and input."""
     named = dict(noise) if isinstance(noise, Mapping) else dict.fromkeys(reads, noise)
-    for name, value in named.items():
-        require_choice("MPC", "noise", name, (*reads, *inputs))
-        if not 0 < value < np.inf:
-            raise ValueError(f"MPC.noise = {noise!r} must be > 0")
+    named = require_by_name("MPC.noise", named, (*reads, *inputs), "reading or input", "positive")
     readings = np.array([float(named.get(name, NOISE)) for name in reads])
     drift = readings / NOISE if isinstance(noise, Mapping) else np.ones(len(reads))
     return Sizes(np.array([float(named.get(name, 1.0)) for name in inputs]), readings, drift)

@@ -11,16 +11,17 @@ import numpy as np
 from pliant.controllers import riccati
 from pliant.controllers.base.goal_model import goal_model
 from pliant.controllers.base.quadratic_weights import weight_matrices
+from pliant.plants.core.argument_gates import require_instance, require_names
+from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.quadratic_cost import signal_rows
 
 from .condensed_prediction import Laws, laws, predict
 from .constraints import Step, Window, build, soft_names
-from .design import Limited, check_horizon, check_penalty, check_weights, limits_of, penalty_at
+from .design import Limited, check_weights, checked_horizon, checked_penalty, limits_of, penalty_at
 
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.linear.lti import LinearModel
-    from pliant.plants.linear.ltv import LTVModel
 
 POINTS = 3  # of the nominal, at which the penalty is found
 
@@ -36,14 +37,14 @@ def follower(
     """What `MPC.along` says, as the arguments of MPC: weights (Q, R, P)."""
     Q, R, P = weights
     limits, rates, bounds, terminal, penalty = limited
-    h = np.diff(ltv.t)
+    h = np.diff(require_instance("MPC.along: ltv", ltv, LTVModel).t)
     dt = float(h.mean())
     if np.abs(h - dt).max() > 1e-6 * dt:
         raise ValueError(f"MPC.along: ltv.t has steps from {h.min():.6g} to {h.max():.6g} s, must be equal")
-    check_horizon(horizon, blocks, terminal)
-    check_penalty(penalty)
+    horizon, blocks, terminal = checked_horizon(horizon, blocks, terminal)
+    penalty = checked_penalty(penalty)
     n, nodes, nx = horizon + terminal, len(ltv.t), len(ltv.states)
-    own = tuple(reads) if reads is not None else ltv.state_names
+    own = require_names("MPC.reads", reads) if reads is not None else ltv.state_names
     if len(own) != nx:
         raise ValueError(f"MPC.reads = {own} must be {nx} names, one for each state of the model")
     models = [ltv.at(k) for k in range(nodes)]
@@ -61,7 +62,7 @@ def follower(
     P = check_weights(Qs[-1], Rs[-1], Ns[-1], P)
     found = laws(A, B, c, Qs, Rs, Ns, P)
     bounded = limits_of(models[0], limits, rates, bounds, dt)
-    signals = [signal_rows(model, bounds or {}, "MPC.bounds: state or output") for model in models]
+    signals = [signal_rows(model, bounded.bounded, "MPC.bounds: state or output") for model in models]
     C, D, z = (np.array([signals[k][i] for k in [*where, nodes - 1]]) for i in range(3))
     u, x = ltv.u[where], ltv.x
 

@@ -19,9 +19,11 @@ from typing import TYPE_CHECKING, Any, Self, final
 import numpy as np
 
 from pliant.controllers.base.controller import moment, reading
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.base.solver_record import Record
-from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.argument_gates import require_by_name, require_instance
 from pliant.plants.core.signals import owned, sealed
+from pliant.plants.core.trajectory import Trajectory
 
 from .constraints import Limits, Step
 from .design import regulator
@@ -33,8 +35,6 @@ from .offset_free import Estimator
 from .steady_target import Target
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
-    from pliant.plants.core.trajectory import Trajectory
     from pliant.plants.linear.lti import LinearModel
     from pliant.plants.linear.ltv import LTVModel
 
@@ -155,10 +155,12 @@ class MPC:
         cls, scene: CostedScene, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any
     ) -> Self:
         """About a scene's goal, moving or not, or along a nominal of its plant; options as there go before its own."""
+        require_scene("MPC.for_scene", scene)
         Q, R, high = dict(scene.weights), dict(scene.effort), np.array(scene.limits, dtype=float)
         bounds = {name: (-value, value) for name, value in scene.bounds}
         given: dict[str, Any] = {"horizon": horizon, "limits": (-high, high), "bounds": bounds} | options
         if nominal is not None:
+            require_instance("MPC.for_scene: nominal", nominal, Trajectory)
             return cls.along(scene.plant.linearize_along(nominal), Q, R, **given)
         model, drift, given["bounds"] = about_goal(scene, given["bounds"])
         made = cls.design(model, Q, R, dt=scene.dt, **given)
@@ -181,8 +183,7 @@ class MPC:
 
     def aim(self, values: Mapping[str, float]) -> None:
         """Bring tracked signals to other values, by name; they start at those of the model's point."""
-        for name in values:
-            require_choice("MPC", "aim", name, self.tracked)
+        values = require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal")
         if self._knowledge is not None:
             self._knowledge.aim(values)
 

@@ -17,24 +17,22 @@ from __future__ import annotations
 from copy import deepcopy
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple, Self, final
+from typing import Any, NamedTuple, Self, final
 
 import numpy as np
 
-from pliant.controllers.base.controller import reading
+from pliant.controllers.base.controller import moment, reading
 from pliant.controllers.base.objective import Objective
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.base.solver_record import Record
+from pliant.plants.core.argument_gates import as_tuple, require_count, require_finite, require_instance, require_number
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import owned, sealed
 
 from .gauss_newton import converge
 from .horizon import Horizon
 from .horizon_qp import HorizonProgram
 from .terminal_cost import end_of, fewest_substeps
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
 
 Array = np.ndarray
 ROUGH = 1e-6  # share of gaps in a plan's cost
@@ -93,12 +91,18 @@ class NMPC:
         starts: states (nx,) that the choice of substeps is to serve. first_steps: Gauss-Newton steps, at most, on the
         first plan after `reset`. iteration_limit: of the quadratic program's active-set changes.
         """
+        require_instance("NMPC.objective", objective, Objective)
+        horizon = require_count("NMPC", "horizon", horizon, 1, 10_000)
+        first_steps = require_count("NMPC", "first_steps", first_steps, 1, 1000)
+        iteration_limit = require_count("NMPC", "iteration_limit", iteration_limit, 0, 1_000_000)
+        substeps = None if substeps is None else require_count("NMPC", "substeps", substeps, 1, 100_000)
+        penalty = require_number("NMPC.penalty", penalty, "positive")
+        listed = (
+            tuple(starts) if isinstance(starts, np.ndarray) and starts.ndim == 2 else as_tuple("NMPC.starts", starts)
+        )
+        states = (objective.plant.nx,)
+        starts = tuple(require_finite(f"NMPC.starts[{i}]", x, states) for i, x in enumerate(listed))
         self._made = (substeps, terminal, penalty, starts, first_steps, iteration_limit)
-        require_count("NMPC", "horizon", horizon, 1, 10_000)
-        require_count("NMPC", "first_steps", first_steps, 1, 1000)
-        require_count("NMPC", "iteration_limit", iteration_limit, 0, 1_000_000)
-        if not 0 < penalty < np.inf:
-            raise ValueError(f"NMPC.penalty = {penalty!r} must be > 0")
         if not np.linalg.eigvalsh(objective.quadratic()[1]).min() > 0:
             names = ", ".join(s.name for s in objective.plant.inputs)
             raise ValueError(f"NMPC.objective.effort = {dict(objective.effort)} must price every input: {names}")
@@ -113,6 +117,7 @@ class NMPC:
     @classmethod
     def for_scene(cls, scene: CostedScene, horizon: int = 30, **options: Any) -> Self:
         """On the scene's plant, cost, limits and bounds; its start decides on the substeps. Options as above."""
+        require_scene("NMPC.for_scene", scene)
         return cls(Objective.of(scene), horizon, **{"starts": (scene.initial[0],), **options})
 
     @property
@@ -148,7 +153,7 @@ class NMPC:
         """
         y = require_finite("NMPC.y", y, (self.objective.plant.nx,))
         plan = self.horizon
-        plan.t = t
+        plan.t = moment("NMPC", t)
         self._line(y)
         _, change = converge(self._program, y, self.first_steps, 1e-6)
         plan.hold(change > FIRST)
@@ -160,6 +165,7 @@ class NMPC:
         begin = perf_counter()
         if not self._ready:
             raise PliantError("NMPC.feedback has no plan yet: start(t, y) makes the first")
+        y = reading("NMPC.y", y, self.objective.plant.nx)
         plan, program, record = self.horizon, self._program, self.record
         e = y - plan.x[0]
         d = program.solve(e)
@@ -207,8 +213,10 @@ class NMPC:
         less than `tolerance` of half their range. PliantError where they do not within `limit` steps.
         """
         x = require_finite("NMPC.x", x, (self.objective.plant.nx,))
+        tolerance = require_number("NMPC.tolerance", tolerance, "positive")
+        limit = require_count("NMPC", "limit", limit, 1, 1_000_000)
         plan = self.horizon
-        plan.t = t
+        plan.t = moment("NMPC", t)
         if not self._ready:
             self._line(x)
         self._ready = True

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.controllers.solvers.block_sparsity import Pattern, places
-from pliant.plants.core.parameters import require_choice, require_count, require_finite
+from pliant.plants.core.argument_gates import require_by_name, require_choice, require_count, require_finite, shown
 from pliant.plants.core.signals import index
 
 from .shooting_derivatives import HeldSteps
@@ -52,7 +52,7 @@ class Transcription:
         self.periods = HeldSteps(plant, objective.dt, substeps, self.t[:-1], w, p)
         self.charge = StageTerms(objective, objective.residual_expression)
         self._shift = _shift(objective, reference or {}, N)
-        self._at = {k: dict(values) for k, values in (at or {}).items()}
+        self._at = _checked_at(at, N, [s.name for s in objective.signals])
         states = {s.name: i for i, s in enumerate(plant.states)}
         self._state_bounds = [(states[n], low, high) for n, (low, high) in objective.bounds.items() if n in states]
         wanted = {n: pair for n, pair in objective.bounds.items() if n not in states}
@@ -64,7 +64,10 @@ class Transcription:
         self._low, self._high = (np.array([pair[i] for pair in wanted.values()], dtype=float) for i in (0, 1))
         entered = np.array(ca.DM(ca.jacobian(outputs, plant.symbols[2]).sparsity(), 1)).reshape(len(wanted), plant.nu)
         self._last_rows = np.flatnonzero(~entered.any(axis=1))
-        _check_at(self._at, N, [self._output_names[i] for i in self._last_rows])
+        known_at_end = [self._output_names[i] for i in self._last_rows]
+        for name in self._at.get(N, {}):
+            if name not in known_at_end:
+                raise ValueError(f"optimal.at[{N}]: {name} depends on the input, which ends before")
         self._memo: dict[str, tuple[bytes, Any]] = {}
         self._sizes()
 
@@ -224,16 +227,16 @@ class Transcription:
         return self.hessian_pattern.fill([blocks, end])
 
 
-def _check_at(at: Mapping[int, Mapping[str, float]], N: int, at_the_end: Sequence[str]) -> None:
-    """ValueError unless every step is one of the plan's and every value finite, at the end of signals known there."""
-    for k, values in at.items():
-        require_count("optimal", "at step", k, 1, N)
-        for name, value in values.items():
-            if not np.isfinite(value):
-                raise ValueError(f"optimal.at[{k}][{name!r}] = {value!r} must be finite")
-        for name in values if k == N else ():
-            if name not in at_the_end:
-                raise ValueError(f"optimal.at[{N}]: {name} depends on the input, which ends before")
+def _checked_at(at: Any, N: int, known: Sequence[str]) -> dict[int, dict[str, float]]:
+    """ValueError unless every step is one of the plan's, every name known and every value finite."""
+    if at is None:
+        return {}
+    if not isinstance(at, Mapping):
+        raise ValueError(f"optimal.at = {shown(at)} must be values by name for each step")
+    return {
+        require_count("optimal", "at step", k, 1, N): require_by_name(f"optimal.at[{k}]", values, known, "signal")
+        for k, values in at.items()
+    }
 
 
 def _shift(objective: Objective, reference: Mapping[str, Any], N: int) -> Array:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from pliant.controllers.base.objective import Objective
-from pliant.plants.core.parameters import require_choice
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
+from pliant.plants.core.argument_gates import require_choice, require_number, require_seconds, shown
 from pliant.plants.core.trajectory import Trajectory
 
 from .optimal import Motion, driven, optimal
 from .plan import plan
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
 
 NOMINALS = ("plan", "optimal", "rigid")
 STILL = 1e-6  # largest rate of a state that rests
@@ -23,7 +21,16 @@ STILL = 1e-6  # largest rate of a state that rests
 
 def rests(scene: CostedScene) -> bool:
     """Whether the scene starts and ends at rest."""
+    require_scene("rests", scene)
     return scene.goal_at_rest and bool(np.abs(scene.plant.dynamics(*scene.initial)).max(initial=0.0) < STILL)
+
+
+def require_share(name: str, value: Any) -> float:
+    """A share that leaves something."""
+    found = require_number(name, value)
+    if not 0 <= found < 1:
+        raise ValueError(f"{name} = {found!r} must be >= 0 and < 1")
+    return found
 
 
 def nominal_for(scene: CostedScene, kind: str, reserve: float) -> Motion | Trajectory:
@@ -31,7 +38,9 @@ def nominal_for(scene: CostedScene, kind: str, reserve: float) -> Motion | Traje
 
     "rigid": the rigid plant's states under the scene's own nominal input.
     """
+    require_scene("nominal_for", scene)
     require_choice("nominal_for", "kind", kind, NOMINALS)
+    reserve = require_share("nominal_for.reserve", reserve)
     if kind == "plan":
         return plan(scene, reserve=reserve)
     if kind == "rigid":
@@ -47,6 +56,7 @@ def rigid_nominal(scene: CostedScene) -> Trajectory:
 
     What the rigid plant lacks, elastic coordinates and their rates, goes straight from start to goal.
     """
+    require_scene("rigid_nominal", scene)
     plant, rigid = scene.plant, scene.plant.ladder()[0]
     own, names = [s.name for s in plant.states], [s.name for s in rigid.states]
     if not set(names) <= set(own):
@@ -63,8 +73,9 @@ def rigid_nominal(scene: CostedScene) -> Trajectory:
 
 def nodes(nominal: Motion | Trajectory, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """t (T+1,), x (T+1, nx) and inputs (T, nu) held in between, from a motion on the same times or any others."""
-    if not 0 < dt < np.inf:
-        raise ValueError(f"TVLQR.dt = {dt!r} must be > 0 [s]")
+    dt = require_seconds("TVLQR.dt", dt)
+    if not isinstance(nominal, (Motion, Trajectory)):
+        raise ValueError(f"the nominal = {shown(nominal)} must be a Motion or a Trajectory")
     T = round((nominal.t[-1] - nominal.t[0]) / dt)
     if T < 1:
         raise ValueError(f"the nominal takes {nominal.t[-1] - nominal.t[0]:g} s, must be at least dt = {dt:g} s")

@@ -14,24 +14,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pliant.controllers.base.objective import Objective
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.riccati.checks import weight_matrix
 from pliant.controllers.solvers import interior_point
+from pliant.plants.core.argument_gates import (
+    require_choice,
+    require_count,
+    require_finite,
+    require_instance,
+    require_mapping,
+    require_number,
+    shown,
+)
 from pliant.plants.core.errors import InfeasibleError
-from pliant.plants.core.parameters import require_choice, require_count, require_finite
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.plant import Plant
 from pliant.plants.validity.ranges import judged
 
 from .multiple_shooting import Transcription
-
-if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
-    from pliant.plants.dynamics.plant import Plant
 
 HESSIANS = ("exact", "gauss-newton")
 
@@ -56,6 +62,7 @@ class Motion(OwnsArrays):
 
         Warns (ValidityWarning) where it leaves a range of the plant's `validity`.
         """
+        require_instance("Motion.trajectory: plant", plant, Plant)
         u = np.vstack([self.u, self.u[-1:]])
         found = Trajectory.from_arrays(self.t, self.x, u, plant=plant, hold="zero-order")
         stats = {"cost": self.cost, "iterations": self.iterations, "status": self.status, "seconds": self.seconds}
@@ -90,13 +97,14 @@ def optimal(
     solver: "ipopt" or "fatrop". hessian: "exact", or "gauss-newton" without the curvature of the dynamics.
     tolerance: of the scaled optimality conditions. InfeasibleError with the solver's word and the largest violation.
     """
-    plant = objective.plant
-    require_count("optimal", "steps", steps, 1, 100_000)
+    plant = require_instance("optimal.objective", objective, Objective).plant
+    steps = require_count("optimal", "steps", steps, 1, 100_000)
+    substeps = require_count("optimal", "substeps", substeps, 1, 100_000)
     require_choice("optimal", "solver", solver, ("ipopt", "fatrop"))
     require_choice("optimal", "hessian", hessian, HESSIANS)
-    require_count("optimal", "iterations", iterations, 1, 1_000_000)
-    if not 0 < tolerance < np.inf:
-        raise ValueError(f"optimal.tolerance = {tolerance!r} must be > 0")
+    iterations = require_count("optimal", "iterations", iterations, 1, 1_000_000)
+    tolerance = require_number("optimal.tolerance", tolerance, "positive")
+    reference = None if reference is None else require_mapping("optimal.reference", reference)
     x0 = require_finite("optimal.x0", x0, (plant.nx,))
     w = np.zeros(plant.nw) if w is None else require_finite("optimal.w", w, (plant.nw,))
     p = plant.nominal_parameters if p is None else require_finite("optimal.p", p, (len(plant.varied),))
@@ -115,6 +123,7 @@ def bound(scene: CostedScene, *, guess: Any = None, **options: Any) -> Motion:
 
     Starts, where no guess is given, from the motion under the scene's nominal input.
     """
+    require_scene("bound", scene)
     guess = driven(scene) if guess is None else guess
     given = {"substeps": scene.substeps, "guess": guess, **options}
     return optimal(Objective.of(scene), scene.initial[0], scene.steps, **given)
@@ -122,6 +131,7 @@ def bound(scene: CostedScene, *, guess: Any = None, **options: Any) -> Motion:
 
 def driven(scene: CostedScene) -> tuple[np.ndarray, np.ndarray] | None:
     """x (steps+1, nx) and u (steps, nu) of the plant under its nominal input within limits; None where it diverges."""
+    require_scene("driven", scene)
     step, high = scene.plant.stepper(scene.dt, substeps=scene.substeps), np.array(scene.limits)
     middles = scene.dt * (np.arange(scene.steps) + 0.5)
     u = np.clip([scene.nominal_input(t) for t in middles.tolist()], -high, high)
@@ -137,6 +147,8 @@ def _start(problem: Transcription, guess: Any) -> np.ndarray:
     if guess is None:
         s = np.linspace(0.0, 1.0, N + 1)[:, None]
         guess = problem.x0 + s * (problem.goal - problem.x0), np.tile(objective.u_goal, (N, 1))
+    if not isinstance(guess, Motion) and not (isinstance(guess, (tuple, list)) and len(guess) == 2):
+        raise ValueError(f"optimal.guess = {shown(guess)} must be a Motion, or a pair x, u")
     x, u = (guess.x, guess.u) if isinstance(guess, Motion) else guess
     x = require_finite("optimal.guess x", x, (N + 1, plant.nx))
     return problem.pack(x, require_finite("optimal.guess u", u, (N, plant.nu)))

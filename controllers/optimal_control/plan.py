@@ -14,17 +14,25 @@ import numpy as np
 from pliant.controllers.base.controller import ends
 from pliant.controllers.base.goal_model import goal_model
 from pliant.controllers.base.objective import Objective
+from pliant.controllers.base.scene_protocol import CostedScene, require_scene
+from pliant.plants.core.argument_gates import (
+    require_by_name,
+    require_finite,
+    require_function,
+    require_mapping,
+    require_number,
+    shown,
+)
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_finite
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from .optimal import Motion, optimal
 
 if TYPE_CHECKING:
-    from pliant.controllers.base.scene_protocol import CostedScene
     from pliant.plants.dynamics.plant import Plant
 
 
+MOST = 100_000  # control periods
 NEARNESS = 10.0  # weight of a coordinate's deviation from its way, as a share of its travel: few iterations, low torque
 
 
@@ -50,21 +58,28 @@ def plan(
     are those of deviations from the goal. effort: weights of the inputs; None: 1 / limit^2. guess and further options
     as in `optimal`. InfeasibleError names what is violated.
     """
+    require_scene("plan", scene)
     plant, dt = scene.plant, scene.dt
+    reserve = require_number("plan.reserve", reserve)
     if not 0 <= reserve < 1:
         raise ValueError(f"plan.reserve = {reserve!r} must be >= 0 and < 1")
-    time = scene.move_time if time is None else time
-    if not dt <= time < np.inf:
-        raise ValueError(f"plan.time = {time!r} must be at least the control period {dt} s")
+    time = scene.move_time if time is None else require_number("plan.time", time, unit="s")
+    if not dt <= time <= MOST * dt:
+        raise ValueError(f"plan.time = {time!r} must be at least the control period {dt} s, at most {MOST:,} of it")
     steps = round(time / dt)
+    weights = None if weights is None else require_by_name("plan.weights", weights)
+    effort = None if effort is None else require_by_name("plan.effort", effort)
+    if path is not None:
+        require_function("plan.path", path)
     if path is not None and not weights:
         raise ValueError("plan.weights must name the signals that the path gives")
     limits = np.array(scene.limits, dtype=float)
     allowed: dict[str, tuple[float, float]] = {name: (-value, value) for name, value in scene.bounds}
-    for name, value in (bounds or {}).items():
-        one = np.ndim(value) == 0
-        low, high = ends(f"plan.bounds[{name!r}]", (-value, value) if one else value)  # type: ignore[operator]
-        allowed[name] = (low, high)
+    for name, value in ({} if bounds is None else require_mapping("plan.bounds", bounds)).items():
+        if not isinstance(value, (tuple, list, np.ndarray)) or np.ndim(value) == 0:
+            largest = require_number(f"plan.bounds[{name!r}]", value)
+            value = -largest, largest
+        allowed[name] = ends(f"plan.bounds[{name!r}]", value)
     names = [s.name for s in plant.inputs]
     _, u_goal = scene.target
     x_goal = Objective.of(scene).goal_at(time)
@@ -72,7 +87,10 @@ def plan(
     rigid = rigid_motion(plant, x0, x_goal, u_goal, time, steps)
     reference: dict[str, np.ndarray] = {}
     if path is not None:
-        along = [path(k * dt) for k in range(steps)]
+        along = [require_by_name(f"plan.path({k * dt:g})", path(k * dt)) for k in range(steps)]
+        for values in along:
+            if set(values) != set(along[0]):
+                raise ValueError(f"plan.path gives {', '.join(values)}, must give the same signals at all times")
         reference = {name: np.array([values[name] for values in along]) for name in along[0]}
     elif weights is None:
         reference = {plant.states[i].name: rigid[0][:-1, i] for i in _travelled(plant, x0, x_goal)}
@@ -88,11 +106,13 @@ def plan(
         bounds=allowed,
     )
     at = {steps: _rest(scene, time)}
+    if via is not None and not isinstance(via, Mapping):
+        raise ValueError(f"plan.via = {shown(via)} must be values by name for each time [s]")
     for moment, values in (via or {}).items():
-        k = round(moment / dt)
+        k = round(require_number("plan.via", moment, unit="s") / dt)
         if not 1 <= k < steps:
             raise ValueError(f"plan.via at {moment!r} s must be within [{dt:g}, {(steps - 1) * dt:g}] s")
-        at[k] = dict(values)
+        at[k] = require_by_name(f"plan.via[{moment!r}]", values)
     return optimal(
         objective,
         x0,

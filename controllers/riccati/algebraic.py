@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_finite, require_seconds
 from pliant.plants.core.matrix_roots import semidefinite_root
-from pliant.plants.core.parameters import require_finite
 from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.magnus import halvings, with_cost
 
@@ -56,7 +56,7 @@ def dlqr(
     A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None, dt: float = 1.0
 ) -> Regulator:
     """Discrete-time regulator; arrays as for `lqr`. `dt` [s] is used only to name modes in Hz in errors."""
-    return _design(A, B, Q, R, N, names, dt)
+    return _design(A, B, Q, R, N, names, require_seconds("dt", dt))
 
 
 def lqi(A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequence[str] | None = None) -> Regulator:
@@ -96,7 +96,7 @@ def dkalman(
     E (nx, nw), C (ny, nx); covariances W (nw, nw) >= 0 and V (ny, ny) > 0 of a sample of w and v. The gain of the
     measurement update is M = P C' (C P C' + V)^-1, so that L = A M. `dt` [s] only names modes in Hz in errors.
     """
-    return _filter(A, E, C, W, V, names, dt)
+    return _filter(A, E, C, W, V, names, require_seconds("dt", dt))
 
 
 def _filter(
@@ -148,8 +148,7 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     for stiff A.
     """
     A, B = _system(A, B)
-    if not 0 < dt < np.inf:
-        raise ValueError(f"dt = {dt!r} must be > 0")
+    dt = require_seconds("dt", dt)
     nx, nu = B.shape
     N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
     Q, R = require_finite("Q", Q, (nx, nx)), require_finite("R", R, (nu, nu))

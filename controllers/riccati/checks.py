@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.argument_gates import require_finite, require_names
 from pliant.plants.core.errors import UncontrollableError
-from pliant.plants.core.parameters import require_finite
 from pliant.plants.linear.modal_analysis import dominant, eigen, stays
 
 ROUNDING = 1e-13  # of the largest entry of a weight
@@ -67,7 +67,7 @@ def system(A: Any, B: Any, name: str = "B") -> tuple[np.ndarray, np.ndarray]:
 
 
 def known_names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
-    known = tuple(f"x{i + 1}" for i in range(n)) if names is None else tuple(names)
+    known = tuple(f"x{i + 1}" for i in range(n)) if names is None else require_names("names", names)
     if len(known) != n:
         raise ValueError(f"names = {known} must be {n} names")
     return known

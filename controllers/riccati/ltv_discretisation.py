@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.argument_gates import require_finite, require_instance
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.parameters import require_finite
 from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.magnus import exponent, halvings, with_cost
@@ -47,6 +47,7 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     Q (nx, nx), R (nu, nu), N (nx, nu) as in `tvlqr`. Of fourth order in the distance of the nodes; exact where the
     model does not vary.
     """
+    require_instance("model", model, LTVModel)
     nx, nu = len(model.states), len(model.inputs)
     Q, R = weight_matrix("Q", Q, nx, definite=False), weight_matrix("R", R, nu, definite=False)
     N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
@@ -76,6 +77,7 @@ def noise_along(model: LTVModel, W: Any) -> Array:
     """Covariance (nt-1, nx, nx) of what white disturbances of density W (nw, nw) [unit^2 s] do to the state from node
     to node: the integral of Phi(end, s) E W E' Phi(end, s)' (Van Loan 1978), of fourth order in their distance.
     """
+    require_instance("model", model, LTVModel)
     A, _, E, _ = model._gauss
     n = A.shape[-1]
     W = weight_matrix("W", W, E.shape[-1], definite=False)

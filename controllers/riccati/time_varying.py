@@ -10,22 +10,20 @@ what adds up (Morf and Kailath 1975). P = S S' then cannot lose its sign, as it 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.argument_gates import real_array, require_count, require_finite, require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.matrix_roots import semidefinite_root
-from pliant.plants.core.parameters import require_finite
+from pliant.plants.linear.ltv import LTVModel
 
 from .checks import indefinite, weight_matrix
 from .ltv_discretisation import LARGEST_DEFECT, hamiltonian_flow
 from .node_distance import halved, measured
 from .scaled_equation import input_units
-
-if TYPE_CHECKING:
-    from pliant.plants.linear.ltv import LTVModel
 
 Array = np.ndarray
 
@@ -43,6 +41,7 @@ class TimeVaryingRegulator(NamedTuple):
 
     def cost_to_go(self, i: int, x: Any) -> float:
         """What is left to pay from x (nx,) at the time with index i."""
+        i = require_count("cost_to_go", "i", i, -len(self.root), len(self.root) - 1)
         z = np.append(require_finite("x", x, self.p.shape[1:]), 1.0)
         return float(((z @ self.root[i]) ** 2).sum())
 
@@ -66,13 +65,14 @@ def dtvlqr(
     (nx, nx) weighs x_T, zero where None. The whole of a step's cost must be >= 0 at every (x, u), and R + B'P B > 0;
     ValueError names the step.
     """
-    A = require_finite("A", A, np.shape(A) if np.ndim(A) == 3 else (-1, -1, -1))
+    A = require_finite("A", A, (-1, -1, -1))
     T, nx = A.shape[:2]
     A = require_finite("A", A, (T, nx, nx))
-    B = require_finite("B", B, np.shape(B) if np.ndim(B) == 3 else (-1, -1, -1))
+    B = require_finite("B", B, (-1, -1, -1))
     nu = B.shape[-1]
     B = require_finite("B", B, (T, nx, nu))
-    Q, R, N = _along("Q", Q, T, (nx, nx)), _along("R", R, T, (nu, nu)), _along("N", N, T, (nx, nu))
+    Q, R = (_along(name, real_array(name, M), T, (n, n)) for name, M, n in (("Q", Q, nx), ("R", R, nu)))
+    N = _along("N", N, T, (nx, nu))
     c, q, s, r = _along("c", c, T, (nx,)), _along("q", q, T, (nx,)), _along("s", s, T, (nu,)), _along("r", r, T, ())
     weight = np.zeros((T, nu + nx + 1, nu + nx + 1))  # of [u; x; 1]
     weight[:, :nu, :nu], weight[:, nu:-1, nu:-1], weight[:, -1, -1] = R, Q, r
@@ -106,6 +106,7 @@ def tvlqr(model: LTVModel, Q: Any, R: Any, N: Any = None, *, end: Any = None) ->
     node, zero where None. Of fourth order in the distance of the nodes. PliantError where they are too far apart;
     NodeWarning, and `error`, where they leave the cost to go unknown by more than a thousandth.
     """
+    require_instance("model", model, LTVModel)
     made = _along_nodes(model, Q, R, N, end)
     half = lambda: _along_nodes(halved(model), Q, R, N, end).root  # noqa: E731
     return made._replace(error=measured(model, "tvlqr", made.root, half, 2, model.A - model.B @ made.K))
@@ -190,7 +191,8 @@ def _along(name: str, value: Any, T: int, shape: tuple[int, ...]) -> Array:
     """A value of every step (T, *shape) from one for all, one each, or None for zero."""
     if value is None:
         return np.zeros((T, *shape))
-    each = np.ndim(value) == len(shape) + 1
+    value = real_array(name, value)
+    each = value.ndim == len(shape) + 1
     return np.broadcast_to(require_finite(name, value, (T, *shape) if each else shape), (T, *shape))
 
 

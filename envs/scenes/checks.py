@@ -3,58 +3,145 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pliant.plants import Plant
+from pliant.plants.core.argument_gates import (
+    as_number,
+    as_tuple,
+    real_array,
+    require_count,
+    require_flag,
+    require_function,
+    require_instance,
+    require_names,
+    require_number,
+    require_text,
+    shown,
+)
 from pliant.plants.core.parameters import unit_of
-from pliant.plants.core.signals import index
 
 if TYPE_CHECKING:
     from .scene import Scene
 
-ALLOWED: dict[str, tuple[str, Callable[[float], bool]]] = {
+RANGES: dict[str, tuple[str, Callable[[float], bool]]] = {
     "start": ("finite", lambda v: True),
     "goal": ("finite", lambda v: True),
+    "nominal_start": ("finite", lambda v: True),
     "goal_rates": ("finite", lambda v: True),
     "spreads": ("finite and >= 0", lambda v: v >= 0),
     "bounds": ("finite and > 0", lambda v: v > 0),
     "weights": ("finite and >= 0", lambda v: v >= 0),
+    "effort": ("> 0", lambda v: v > 0),
+    "gusts": ("finite and >= 0", lambda v: v >= 0),
 }
+LARGEST = 10_000_000  # control periods of an episode
 
 
-def check(scene: Scene) -> None:
-    """ValueError naming the scene, the field and the value."""
-    plant, owner = scene.plant, f"scene {scene.name!r}"
-    if len(scene.limits) != plant.nu:
-        raise ValueError(f"{owner}: limits = {scene.limits} must hold {plant.nu} numbers > 0")
-    for i, (value, signal) in enumerate(zip(scene.limits, plant.inputs)):
-        if not (isinstance(value, (int, float)) and 0 < value < np.inf):
-            raise ValueError(f"Scene.limits[{i}] = {value!r} must be > 0 [{signal.unit}]")
-    if not (isinstance(scene.substeps, int) and scene.substeps >= 1):
-        raise ValueError(f"{owner}: substeps = {scene.substeps!r} must be an integer >= 1")
+def checked(scene: Scene) -> dict[str, Any]:
+    """The fields as they are kept, tuples of Python's numbers; ValueError naming the scene, the field and the value."""
+    owner = f"scene {require_text('Scene.name', scene.name)!r}"
+    require_text("Scene.about", scene.about, empty=True)
+    plant = require_instance("Scene.plant", scene.plant, Plant)
+    found: dict[str, Any] = {}
+    found["substeps"] = _substeps(owner, scene.substeps)
+    if not scene.duration < LARGEST * scene.dt:
+        raise ValueError(f"{owner}: duration = {scene.duration} s must be less than {LARGEST:,} dt = {scene.dt} s")
     if scene.steps < 1:
         raise ValueError(f"{owner}: duration = {scene.duration} s must be at least dt = {scene.dt} s")
-    known = scene.signals
-    for group in ("start", "goal", "goal_rates", "spreads", "bounds", "weights"):
-        for name, value in getattr(scene, group):
-            index(plant.states if group == "goal_rates" else known, name, f"{owner}: {group}")
-            allowed, holds = ALLOWED[group]
-            if not (np.isfinite(value) and holds(value)):
-                raise ValueError(f"{owner}: {group} {name} = {value} must be {allowed}")
-    for name in (*scene.observe, *scene.compare):
-        index(known, name, f"{owner}: signal")
-    for name, _ in scene.nominal_start or ():
-        index(plant.states, name, f"{owner}: nominal_start")
-    for name, value in scene.effort:
-        index(plant.inputs, name, f"{owner}: effort")
-        if not value > 0:
-            raise ValueError(f"{owner}: effort {name} = {value} must be > 0")
-    for name, value in scene.gusts:
-        index(plant.disturbances, name, f"{owner}: gusts")
-        if not 0 <= value < np.inf:
-            raise ValueError(f"{owner}: gusts {name} = {value} must be finite and >= 0")
-    for path, low, high in scene.randomise:
-        unit_of(plant, path)
+    for name in ("start_at_rest", "goal_at_rest"):
+        found[name] = require_flag(f"Scene.{name}", getattr(scene, name))
+    if scene.drive is not None:
+        require_function("Scene.drive", scene.drive)
+    found["limits"] = _limits(owner, scene)
+    states, known = (tuple(s.name for s in signals) for signals in (plant.states, scene.signals))
+    inputs, disturbances = (tuple(s.name for s in signals) for signals in (plant.inputs, plant.disturbances))
+    of = {"goal_rates": states, "nominal_start": states, "effort": inputs, "gusts": disturbances}
+    for group in RANGES:
+        if group != "nominal_start" or scene.nominal_start is not None:
+            found[group] = _pairs(owner, group, getattr(scene, group), of.get(group, known))
+    for group in ("observe", "compare"):
+        found[group] = require_names(f"{owner}: {group}", getattr(scene, group), known, "signal", repeated=True)
+    if not found["compare"]:
+        raise ValueError(f"{owner}: compare = () must name one output at least")
+    found["randomise"] = _randomised(owner, scene)
+    return found
+
+
+def rows(owner: str, **given: tuple[Any, int]) -> list[np.ndarray]:
+    """Real numbers (.., size) of each name: (value, size), finite or not, as many rows in all of them.
+
+    A motion that has run away is told by what it costs.
+    """
+    found: list[np.ndarray] = []
+    for name, (value, size) in given.items():
+        array = real_array(f"{owner}.{name}", value)
+        first = found[0] if found else array
+        if array.ndim < 1 or array.shape != (*first.shape[:-1], size):
+            must = f"(.., {size})" if not found else str((*first.shape[:-1], size))
+            raise ValueError(f"{owner}.{name} has shape {array.shape}, must be {must}")
+        found.append(array)
+    return found
+
+
+def _substeps(owner: str, value: Any) -> int:
+    try:
+        return require_count("Scene", "substeps", value, 1, 1_000_000)
+    except ValueError:
+        raise ValueError(f"{owner}: substeps = {shown(value)} must be an integer >= 1, at most a million") from None
+
+
+def _limits(owner: str, scene: Scene) -> tuple[float, ...]:
+    given = as_tuple("Scene.limits", scene.limits)
+    if len(given) != scene.plant.nu:
+        raise ValueError(f"{owner}: limits = {shown(given)} must hold {scene.plant.nu} numbers > 0")
+    each = zip(given, scene.plant.inputs)
+    return tuple(
+        _kept(value, require_number(f"Scene.limits[{i}]", value, "positive", s.unit))
+        for i, (value, s) in enumerate(each)
+    )
+
+
+def _pairs(owner: str, group: str, value: Any, known: tuple[str, ...]) -> tuple[tuple[str, float], ...]:
+    """Names and numbers."""
+    allowed, holds = RANGES[group]
+    found = []
+    for i, pair in enumerate(as_tuple(f"{owner}: {group}", value)):
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+            raise ValueError(f"{owner}: {group}[{i}] = {shown(pair)} must be a pair (name, number)")
+        name, number = pair
+        if not isinstance(name, str) or name not in known:
+            listed = ", ".join(known) or "(there are none)"
+            raise ValueError(f"{owner}: {group} {shown(name)} must be one of {listed}")
+        number = _kept(number, require_number(f"{owner}: {group} {name}", number))
+        if not holds(number):
+            raise ValueError(f"{owner}: {group} {name} = {number} must be {allowed}")
+        found.append((str(name), number))
+    if len({name for name, _ in found}) != len(found):
+        raise ValueError(f"{owner}: {group} = {shown(tuple(found))} must name each signal once")
+    return tuple(found)
+
+
+def _randomised(owner: str, scene: Scene) -> tuple[tuple[str, float, float], ...]:
+    found = []
+    for i, row in enumerate(as_tuple(f"{owner}: randomise", scene.randomise)):
+        if not isinstance(row, (tuple, list)) or len(row) != 3 or not isinstance(row[0], str):
+            raise ValueError(f"{owner}: randomise[{i}] = {shown(row)} must be (parameter, least, greatest factor)")
+        path = row[0]
+        try:
+            unit_of(scene.plant, path)
+        except ValueError as unknown:
+            raise ValueError(f"{owner}: randomise[{i}]: {unknown}") from None
+        low, high = (_kept(v, require_number(f"{owner}: randomise {path}", v)) for v in row[1:])
         if not 0 < low <= high:
             raise ValueError(f"{owner}: randomise {path} from {low} to {high} must be 0 < low <= high")
+        found.append((path, low, high))
+    return tuple(found)
+
+
+def _kept(given: Any, number: float) -> float:
+    """A number as it was given where Python has it so: an integer stays one in what is printed."""
+    plain = as_number(given)
+    return plain if isinstance(plain, (int, float)) else number

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant.plants import Trajectory
+from pliant.plants.core.argument_gates import real_array, require_instance
+
+from .checks import rows
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -21,9 +24,13 @@ def weighed(weights: Iterable[tuple[str, float]], deviations: Iterable[Any]) -> 
 def stage_cost(scene: Scene, x: np.ndarray, u: np.ndarray, y: np.ndarray, t: Any) -> Any:
     """Cost rate (...) [1/s] at x (..., nx), u (..., nu), y (..., ny) and t (...) [s]."""
     z0, u0 = scene.cost_origin
-    z0 = z0 + np.multiply.outer(np.asarray(t, dtype=float), scene.goal_drift(scene.weighted))
+    plant, t = scene.plant, real_array("stage_cost.t", t)
+    x, y, u = rows("stage_cost", x=(x, plant.nx), y=(y, plant.ny), u=(u, plant.nu))
+    if t.shape not in ((), x.shape[:-1]) or not np.isfinite(t).all():
+        raise ValueError(f"stage_cost.t has shape {t.shape}, must be a finite time or {x.shape[:-1]} of them [s]")
+    z0 = z0 + np.multiply.outer(t, scene.goal_drift(scene.weighted))
     errors = scene.signal_values(x, y, scene.weighted) - z0
-    excess = np.asarray(u)[..., scene.priced_inputs] - u0
+    excess = u[..., scene.priced_inputs] - u0
     rate = scene.cost_rate(np.moveaxis(errors, -1, 0), np.moveaxis(excess, -1, 0))
     return rate + np.zeros(errors.shape[:-1])
 
@@ -50,6 +57,7 @@ def of_motion(scene: Scene, motion: Trajectory) -> float:
 
     ValueError where the motion is not sampled at the control times.
     """
+    require_instance("cost.motion", motion, Trajectory)
     if len(motion.t) != scene.steps + 1 or not np.allclose(motion.t, scene.times, atol=1e-9):
         raise ValueError(
             f"motion has {len(motion.t)} times, must have the scene's {scene.steps + 1} every {scene.dt} s"

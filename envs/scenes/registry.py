@@ -13,9 +13,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
-from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.argument_gates import require_choice, require_number
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from . import arms, beams, mechanisms, spacecraft, spacecraft_orbit
@@ -58,10 +56,8 @@ def get(name: str, **overrides: Any) -> Scene:
         require_choice("scenes.get", "keyword", key, sorted(fields | set(own)))
     built = {key: value for key, value in overrides.items() if key in own}
     for key, value in built.items():
-        if isinstance(own[key].default, str):  # a choice, which the scene checks itself
-            continue
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < np.inf:
-            raise ValueError(f"scene {name!r}: {key} = {value!r} must be a number > 0")
+        if not isinstance(own[key].default, str):  # else a choice, which the scene checks itself
+            built[key] = require_number(f"scene {name!r}: {key}", value, "positive")
     scene = SCENES[name](**built) if built else _own(name)
     changed = {key: value for key, value in overrides.items() if key not in own}
     return dataclasses.replace(scene, **changed) if changed else scene

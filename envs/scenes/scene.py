@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from pliant.plants import LinearModel, Plant, Signal, Trajectory
+from pliant.plants.core.argument_gates import require_instance, require_names
 from pliant.plants.core.parameters import quantity, validate
 from pliant.plants.core.signals import index, owned, sealed
 from pliant.plants.integration.minimum_jerk import minimum_jerk
@@ -27,7 +28,7 @@ from pliant.plants.linear.quadratic_cost import (
 )
 
 from . import cost
-from .checks import check
+from .checks import checked, rows
 from .nominal_inputs import minimum_jerk_input, steady_motion
 
 Pairs = tuple[tuple[str, float], ...]
@@ -159,19 +160,23 @@ class Manoeuvre:
 
     def positions(self, names: Iterable[str]) -> list[int]:
         """Where the named signals stand in the vector [x; y]."""
-        return [index(self.signals, name, "signal") for name in names]
+        wanted = require_names("positions.names", names, repeated=True)
+        return [index(self.signals, name, "positions.names: signal") for name in wanted]
 
     def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
         """The named states or outputs from x (..., nx) and y (..., ny)."""
-        return np.concatenate([x, y], axis=-1)[..., self.positions(names)]
+        places = self.positions(require_names("signal_values.names", names, repeated=True))
+        x, y = rows("signal_values", x=(x, self.plant.nx), y=(y, self.plant.ny))
+        return np.concatenate([x, y], axis=-1)[..., places]
 
     def goal_values(self, names: tuple[str, ...]) -> np.ndarray:
         """The named states or outputs at the goal, at t = 0."""
         x, u = self.target
-        return self.signal_values(x, self.plant.measure(x, u), names)
+        return self.signal_values(x, self.plant.measure(x, u), require_names("goal_values.names", names, repeated=True))
 
     def goal_drift(self, names: tuple[str, ...]) -> np.ndarray:
         """d/dt of `goal_values`: of states as in `goal_rates`; ValueError for outputs that follow these."""
+        names = require_names("goal_drift.names", names, repeated=True)
         require_still(f"scene {self.name!r}", self._following, names)
         return self.signal_values(self.drift, np.zeros(self.plant.ny), names)
 
@@ -191,11 +196,12 @@ class Scene(Manoeuvre):
 
     def __post_init__(self) -> None:
         validate(self)
-        check(self)
+        for name, value in checked(self).items():
+            object.__setattr__(self, name, value)
 
     def with_plant(self, plant: Plant) -> Scene:
         """The same scene played by another fidelity."""
-        return dataclasses.replace(self, plant=plant)
+        return dataclasses.replace(self, plant=require_instance("with_plant.plant", plant, Plant))
 
     @property
     def weighted(self) -> tuple[str, ...]:

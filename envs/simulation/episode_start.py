@@ -99,7 +99,7 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
 def _split(scene: Scene) -> tuple[list[int], list[int]]:
     """Indices of the coordinates that scene.start holds, and of the others."""
     held = scene.positions(name for name, _ in scene.start)
-    coordinates = scene.positions(scene.plant.rates)
+    coordinates = scene.positions(tuple(scene.plant.rates))
     return held, [i for i in coordinates if i not in held]
 
 
@@ -130,7 +130,9 @@ def _newton(scene: Scene) -> Iteration:
     columns, free = _split(scene)
     z, start = ca.SX.sym("z", len(free) + plant.nu), ca.SX.sym("start", len(columns))
     rest = ca.SX.zeros(plant.nx)
-    rest[columns], rest[free] = start, z[: len(free)]
+    rest[columns] = start
+    if free:  # a rigid arm has none
+        rest[free] = z[: len(free)]
     force = cast(ca.SX, plant.statics())
     at_rest = ca.vertcat(0, rest, z[len(free) :], ca.SX.zeros(plant.nw))
     force = ca.substitute(force, ca.vertcat(t, x, u, w), at_rest)

@@ -10,9 +10,12 @@
     require_instance an object of a type
     require_names    distinct names
     require_all      a tuple of objects of a type
-    require_mapping  numbers by name
     as_tuple         a tuple from what is meant as one
     unit_vector      three numbers of length 1
+    require_by_name  numbers by name; require_mapping: anything by name
+    require_text     words
+    require_function what can be called
+    require_path     a file or a folder
 
 Each raises ValueError with the name of the argument, its value and what it must be.
 """
@@ -21,8 +24,10 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 import sys
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Set
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -176,9 +181,11 @@ def require_instance(name: str, value: Any, kind: type[T], *, what: str = "") ->
     return value
 
 
-def require_names(name: str, value: Any, known: Collection[str] | None = None, kind: str = "name") -> tuple[str, ...]:
-    """`value` as a tuple of distinct strings; ValueError for a bare string, another type, or one not `known`."""
-    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
+def require_names(
+    name: str, value: Any, known: Collection[str] | None = None, kind: str = "name", *, repeated: bool = False
+) -> tuple[str, ...]:
+    """`value` as a tuple of strings, distinct unless `repeated`; ValueError for a bare string or one not `known`."""
+    if isinstance(value, (str, bytes, Mapping, Set, type)) or not isinstance(value, Iterable):
         raise ValueError(f"{name} = {shown(value)} must be a tuple of names")
     found = tuple(value)
     for i, item in enumerate(found):
@@ -186,18 +193,9 @@ def require_names(name: str, value: Any, known: Collection[str] | None = None, k
             raise ValueError(f"{name}[{i}] = {shown(item)} must be a string")
         if known is not None and item not in known:
             raise ValueError(f"{name}[{i}] = {item!r}: no such {kind}; choose from {', '.join(known)}")
-    if len(set(found)) != len(found):
+    if not repeated and len(set(found)) != len(found):
         raise ValueError(f"{name} = {shown(found)} must be distinct names")
     return tuple(map(str, found))
-
-
-def require_mapping(name: str, value: Any) -> dict[str, float]:
-    """Numbers by name, from a mapping; ValueError unless the names are strings and the numbers finite."""
-    if not isinstance(value, Mapping):
-        raise ValueError(f"{name} = {shown(value)} must be a mapping of names to numbers")
-    for key in value:
-        require_instance(f"{name}: the name {shown(key)}", key, str, what="string")
-    return {key: require_number(f"{name}[{key!r}]", number) for key, number in value.items()}
 
 
 def as_tuple(name: str, value: Any) -> tuple[Any, ...]:
@@ -223,6 +221,49 @@ def require_all(name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
     for i, item in enumerate(found):
         require_instance(f"{name}[{i}]", item, kind)
     return found
+
+
+def require_by_name(
+    name: str, value: Any, known: Collection[str] | None = None, kind: str = "name", allowed: str = "finite"
+) -> dict[str, float]:
+    """Numbers within RANGES[allowed] by name, as a dict; `known`: names that there are, each a `kind`."""
+    found = require_mapping(name, value, known, kind)
+    return {key: require_number(f"{name}[{key!r}]", number, allowed) for key, number in found.items()}
+
+
+def require_mapping(name: str, value: Any, known: Collection[str] | None = None, kind: str = "name") -> dict[str, Any]:
+    """Anything by name, as a dict; ValueError where it is no mapping, or a name is not `known`."""
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{name} = {shown(value)} must be values by name, not {_type(value)}")
+    for key in value:
+        if not isinstance(key, str):
+            raise ValueError(f"{name} has the key {shown(key)}, must be names")
+        if known is not None and key not in known:
+            raise ValueError(f"{name}: {kind} {key!r} must be one of {', '.join(known) or '(there are none)'}")
+    return {str(key): one for key, one in value.items()}
+
+
+def require_text(name: str, value: Any, *, empty: bool = False) -> str:
+    """`value` as a str; ValueError unless it is words, `empty` where none are words too."""
+    if not isinstance(value, str) or not (value or empty):
+        raise ValueError(f"{name} = {shown(value)} must be words")
+    return str(value)
+
+
+def require_function(name: str, value: Any) -> Callable[..., Any]:
+    """`value` itself; ValueError unless it can be called."""
+    if not callable(value):
+        raise ValueError(f"{name} = {shown(value)} must be a function, not {_type(value)}")
+    return value  # type: ignore[no-any-return]
+
+
+def require_path(name: str, value: Any) -> Path:
+    """`value` as a Path; ValueError unless it is one, or words that can be one."""
+    if not isinstance(value, (str, os.PathLike)) or not isinstance(text := os.fspath(value), str):
+        raise ValueError(f"{name} = {shown(value)} must be a path, not {_type(value)}")
+    if not text or "\0" in text:
+        raise ValueError(f"{name} = {shown(value)} must be the name of a file or a folder")
+    return Path(text)
 
 
 def nested(value: Any) -> Any:

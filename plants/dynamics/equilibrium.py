@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_mapping
+from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
 from pliant.plants.core.signals import index
 
@@ -29,7 +29,7 @@ def find(
     z = np.zeros(len(names))
     held = np.zeros(len(names), dtype=bool)
     for kind, source in (("guess", guess), ("fixed", fixed), ("named", named)):
-        for name, value in require_mapping(f"equilibrium.{kind}", source).items():
+        for name, value in require_by_name(f"equilibrium.{kind}", source).items():
             i = index(signals, name, "state or input")
             z[i] = value
             held[i] |= kind != "guess"

@@ -12,7 +12,7 @@ from typing import Any, Self
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_all, require_mapping
+from pliant.plants.core.argument_gates import require_all, require_by_name
 from pliant.plants.core.parameters import flag, part, require_choice, validate
 from pliant.plants.core.quaternions import matrix
 from pliant.plants.core.signals import Signal, index
@@ -155,8 +155,8 @@ class SpacecraftDeclaration(MechanicalPlant):
         """x (nx,) with these states by name; the others at rest with body and reference axes aligned."""
         x = np.zeros(self.nx)
         x[self.layout.quaternion.start] = 1.0
-        values = {} if values is None else require_mapping("FlexibleSpacecraft.state.values", values)
-        given = values | require_mapping("FlexibleSpacecraft.state", named)
+        values = {} if values is None else require_by_name("FlexibleSpacecraft.state.values", values)
+        given = values | require_by_name("FlexibleSpacecraft.state", named)
         for name, value in given.items():
             x[index(self.states, name, "state")] = value
         return x

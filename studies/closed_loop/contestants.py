@@ -14,7 +14,7 @@ from pliant.controllers import Controller, Policy
 from pliant.envs import scenes
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
-from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.argument_gates import require_names
 
 MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
 Maker = Callable[[Scene], Controller]
@@ -99,8 +99,6 @@ VARIANTS: Mapping[str, Callable[[], Scene]] = {
 def playable(names: tuple[str, ...] | None = None) -> tuple[Scene, ...]:
     """The scenes with inputs, and those with tighter limits, by name; all where None."""
     known = (*scenes.names(), *VARIANTS)
-    wanted = known if names is None else names
-    for name in wanted:
-        require_choice("scoreboard", "scene", name, known)
+    wanted = known if names is None else require_names("playable.names", names, known, "scene")
     found = [VARIANTS[name]() if name in VARIANTS else scenes.get(name) for name in wanted]
     return tuple(scene for scene in found if scene.plant.nu)

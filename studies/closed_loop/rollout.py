@@ -23,7 +23,7 @@ from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.episode_start import draw, early_end_cost, initial_states
 from pliant.plants import PliantError
-from pliant.plants.core.parameters import require_count, require_finite
+from pliant.plants.core.argument_gates import require_count, require_finite, require_instance
 from pliant.plants.core.signals import OwnsArrays, names
 
 from .evaluation_scene import signal_ranges
@@ -64,7 +64,7 @@ class Rollout(OwnsArrays):
 
 def nominal(scene: Scene) -> Conditions:
     """The scene as it is: its own start and parameters, nothing drawn, no noise, no delay."""
-    plant = scene.varied_plant
+    plant = require_instance("nominal.scene", scene, Scene).varied_plant
     return Conditions(
         x=scene.initial[0], w=np.zeros(plant.nw), p=plant.nominal_parameters, noise=np.zeros(plant.nx + plant.ny)
     )
@@ -75,8 +75,9 @@ def randomised(scene: Scene, count: int, seed: int = 0) -> tuple[Conditions, ...
 
     A run depends on (seed, its number) alone, not on `count`.
     """
-    require_count("randomised", "count", count, 1, 1_000_000)
-    require_count("randomised", "seed", seed, 0, 2**32 - 1)
+    require_instance("randomised.scene", scene, Scene)
+    count = require_count("randomised", "count", count, 1, 1_000_000)
+    seed = require_count("randomised", "seed", seed, 0, 2**32 - 1)
     noise = reading_noise(scene)
     drawn = [[a[0] for a in draw(scene, np.random.default_rng([seed, number]), 1)] for number in range(count)]
     starts, w, p = (np.array(group) for group in zip(*drawn, strict=True))
@@ -86,6 +87,7 @@ def randomised(scene: Scene, count: int, seed: int = 0) -> tuple[Conditions, ...
 
 def reading_noise(scene: Scene) -> np.ndarray:
     """Standard deviations (nx + ny,) of readings: a sensor's where the plant carries one for the signal, else NOISE."""
+    require_instance("reading_noise.scene", scene, Scene)
     noise = NOISE * signal_ranges(scene)
     try:
         sensors = sensors_of(scene.plant)
@@ -110,6 +112,10 @@ def rollout(scene: Scene, controller: Controller, conditions: Conditions | None 
     controller end the run and are its `failure`. ValueError for a controller of another period, for signals that the
     plant does not have, and for conditions of another size.
     """
+    require_instance("rollout.scene", scene, Scene)
+    require_instance("rollout.controller", controller, Controller)
+    if conditions is not None:
+        require_instance("rollout.conditions", conditions, Conditions)
     plant, given = scene.plant, nominal(scene) if conditions is None else conditions
     step, every = _stage(scene)
     picks = _picks(scene, controller)
@@ -186,7 +192,8 @@ def _check(scene: Scene, given: Conditions) -> None:
     plant = scene.varied_plant
     sizes = {"x": plant.nx, "w": plant.nw, "p": len(plant.varied), "noise": plant.nx + plant.ny}
     for name, size in sizes.items():
-        require_finite(f"Conditions.{name}", getattr(given, name), (size,))
+        found = require_finite(f"Conditions.{name}", getattr(given, name), (size,))
+        object.__setattr__(given, name, found)
     if not (given.noise >= 0).all():
         raise ValueError(f"Conditions.noise = {given.noise} must be >= 0")
     require_count("Conditions", "delay", given.delay, 0, scene.steps)

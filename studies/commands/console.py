@@ -5,11 +5,13 @@ from __future__ import annotations
 import ast
 import dataclasses
 import inspect
+import os
 import shutil
 import sys
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -22,6 +24,10 @@ from pliant.plants.core import parameters
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Progress
 
+USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
+LONGEST_NAME = 255  # bytes of a file's name
+LONGEST_VALUE = 1000  # characters of a setting
+PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
 BORDERS = 3  # characters of a table beside each column
 SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
 
@@ -34,6 +40,9 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
         except BrokenPipeError:  # the reader, such as `head`, has seen enough
             raise
+        except USAGE as error:
+            complain(error.format_message())
+            raise typer.Exit(2) from None
         except (ValueError, OSError) as error:
             complain(str(error))
             raise typer.Exit(2) from None
@@ -49,7 +58,41 @@ def print_json(value: Any) -> None:
 
 def complain(message: str) -> None:
     """One line on stderr."""
-    print(f"error: {message}", file=sys.stderr)
+    print(f"error: {' '.join(message.split())}", file=sys.stderr)
+
+
+def writable(option: str, path: Path | None) -> None:
+    """ValueError, before long work, where a file cannot be written: no folder, no right, a folder of that name."""
+    if path is None:
+        return
+    if not path.name or path.is_dir():
+        raise ValueError(f"{option} {str(path)!r} must be a file")
+    if not path.parent.is_dir():
+        raise ValueError(f"{option} {str(path)!r}: there is no folder {str(path.parent)!r}")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise ValueError(f"{option} {str(path)!r} cannot be written")
+    if len(os.fsencode(path.name)) > LONGEST_NAME:
+        raise ValueError(f"{option} has a name of {len(path.name)} characters, must be at most {LONGEST_NAME} bytes")
+
+
+def writable_folder(option: str, path: Path | None) -> None:
+    """The same of a folder, which is made where it is missing."""
+    if path is None:
+        return
+    nearest = next((p for p in (path, *path.parents) if p.exists()), Path())
+    if not nearest.is_dir():
+        raise ValueError(f"{option} {str(path)!r}: {str(nearest)!r} is no folder")
+    if not os.access(nearest, os.W_OK):
+        raise ValueError(f"{option} {str(path)!r}: nothing can be written into {str(nearest)!r}")
+    if max((len(os.fsencode(part)) for part in path.parts), default=0) > LONGEST_NAME:
+        raise ValueError(f"{option} has a name of more than {LONGEST_NAME} bytes")
+
+
+def drawable(path: Path | None) -> None:
+    """The same of a picture, whose ending says how it is drawn."""
+    writable("--plot", path)
+    if path is not None and path.suffix.lower() not in PICTURES:
+        raise ValueError(f"--plot {str(path)!r} must end with one of {', '.join(PICTURES)}")
 
 
 @contextmanager
@@ -195,9 +238,11 @@ def _value(path: str, text: str, before: Any) -> Any:
     """The text as a value of the kind that it replaces."""
     if isinstance(before, str):
         return text
+    if len(text) > LONGEST_VALUE:
+        raise ValueError(f"--set {path} has a value of {len(text)} characters, must be at most {LONGEST_VALUE}")
     try:
         value = ast.literal_eval(text)
-    except (ValueError, SyntaxError):
+    except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
         raise ValueError(f"--set {path}={text} must be a value like {before!r}") from None
     if isinstance(before, float) and isinstance(value, int) and not isinstance(value, bool):
         return float(value)

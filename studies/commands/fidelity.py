@@ -15,7 +15,7 @@ from pliant.studies.figures.speed_accuracy import ladder
 from pliant.studies.figures.speed_accuracy import save as save_chart
 from pliant.studies.figures.style import save
 
-from .console import bar, complain, print_json, say, scene_with, show
+from .console import bar, complain, drawable, print_json, say, scene_with, show, writable
 from .options import AsJson, Budget, Picture, SceneName, Settings
 
 
@@ -29,6 +29,8 @@ def chart(
 ) -> None:
     """Measure speed against accuracy: every variant of the plant, by every method, at several steps."""
     chosen = scene_with(scene, settings or [])
+    writable("--out", out)
+    drawable(plot)
     with bar(f"chart {chosen.name}") as tell:
         found = measure(chosen, budget=budget, progress=tell)
     with Together() as files:
@@ -61,6 +63,7 @@ def choose(
 ) -> None:
     """Find the smallest model that a scene needs. Exit code 1 where none is shown to be good enough."""
     chosen = scene_with(scene, settings or [])
+    drawable(plot)
     with bar(f"choose {chosen.name}") as tell:
         found = climb(chosen, tolerance, progress=tell)
     if plot is not None:

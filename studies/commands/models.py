@@ -18,7 +18,7 @@ from pliant.studies.figures.motion import histories
 from pliant.studies.figures.style import save
 from pliant.studies.report.json_tables import linear_table, motion_table
 
-from .console import bar, print_json, say, scene_with, show
+from .console import bar, drawable, print_json, say, scene_with, show, writable
 from .options import AsJson, Picture, SceneName, Settings
 
 
@@ -39,6 +39,8 @@ def simulate(
     chosen = scene_with(scene, settings or [])
     if not 0 < rtol < 1:
         raise ValueError(f"--rtol {rtol} must be within (0, 1)")
+    writable("--out", out)
+    drawable(plot)
     motion = _simulated(chosen, lqr, {"method": method, "step": step, "rtol": rtol, "atol": rtol / 100})
     if out is not None:
         motion.save(out)
@@ -90,6 +92,7 @@ def linearize(
 ) -> None:
     """The exact linear model of a scene's plant at its goal or start: modes, matrices with --json."""
     chosen = scene_with(scene, settings or [])
+    drawable(plot)
     model = chosen.plant.linearize(*(chosen.target if at == "goal" else chosen.initial))
     if plot is not None:
         save(eigenvalues([(chosen.plant.label, model.eigenvalues)], title=f"Eigenvalues at the {at}"), plot)

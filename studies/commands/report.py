@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
+from pliant.plants.core.argument_gates import require_choice
 from pliant.studies.papers import registry
 from pliant.studies.report.report import report as write
 
-from .console import bar, scene_with
+from .console import bar, scene_with, writable_folder
 from .options import AsJson, SceneName, Settings
 
 
@@ -24,6 +25,7 @@ def report(
     """Everything about one scene in one folder: report.html, the pictures, the tables."""
     chosen = scene_with(scene, settings or [])
     folder = Path("reports") / chosen.name if out is None else out
+    writable_folder("--out", folder)
     with bar(f"report {chosen.name}") as tell:
         page = write(chosen, folder, progress=tell, budget=budget)
     if as_json:
@@ -37,6 +39,9 @@ def figures(
     out: Annotated[Path | None, typer.Option(help="Folder to write; figures/PAPER if not given.")] = None,
 ) -> None:
     """Draw the figures of the paper that a plant comes from."""
+    require_choice("figures", "paper", paper, tuple(registry.PAPERS))
+    folder = Path("figures") / paper if out is None else out
+    writable_folder("--out", folder)
     with bar(f"figures {paper}") as tell:
-        files = registry.write(paper, Path("figures") / paper if out is None else out, tell)
+        files = registry.write(paper, folder, tell)
     print("\n".join(map(str, files)))

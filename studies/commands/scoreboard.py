@@ -12,7 +12,7 @@ from pliant.studies.scoreboard.scoreboard import BOUNDS
 from pliant.studies.scoreboard.scoreboard import scoreboard as score
 from pliant.studies.scoreboard.tables import HEAD, WORDS, cells, table
 
-from .console import bar, print_json, show
+from .console import bar, print_json, show, writable_folder
 from .options import AsJson
 
 QUICK = (8, 4)  # runs and bounds of `--quick`
@@ -37,7 +37,8 @@ def scoreboard(
     given: dict[str, Any] = {"--seeds": None if quick or seeds == 64 else seeds, "--controllers": controllers}
     given |= {"--bounds": bounds, "--seed": seed or None, "--out": out}
     command = shlex.join([*words, *(w for key, value in given.items() if value is not None for w in (key, str(value)))])
-    chosen = [name.strip() for name in controllers.split(",")] if controllers else None
+    chosen = [name.strip() for name in controllers.split(",")] if controllers is not None else None
+    writable_folder("--out", out)
     with bar("scoreboard") as tell:
         board = score(scenes or None, chosen, seeds=runs, seed=seed, jobs=jobs, bounds=found, progress=tell)
     if out is not None:

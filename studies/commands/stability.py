@@ -6,11 +6,12 @@ from typing import Annotated
 
 import typer
 
+from pliant.plants.core.argument_gates import require_seconds
 from pliant.studies.figures.stability import evidence
 from pliant.studies.figures.style import save
 from pliant.studies.stability.verdicts import left_out, verdict_at_goal, verdict_of
 
-from .console import bar, print_json, say, scene_with, show
+from .console import bar, drawable, print_json, say, scene_with, show
 from .options import AsJson, Picture, SceneName, Settings
 
 
@@ -27,6 +28,9 @@ def stability(
 ) -> None:
     """Say whether deviations from a scene's nominal motion grow, by which method, and where no method can tell."""
     chosen = scene_with(scene, settings or [])
+    period = None if period is None else require_seconds("--period", period)
+    window = None if window is None else require_seconds("--window", window)
+    drawable(plot)
     options = {"period": period, "periodic": None if repeated else False, "window": window}
     with bar(f"stability {chosen.name}") as tell:
         found, model = verdict_of(chosen, progress=tell, **options)

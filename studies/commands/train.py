@@ -17,7 +17,7 @@ from pliant.studies.closed_loop.closed_loop import regulator
 from pliant.studies.figures import style
 from pliant.studies.figures.training import learning_curve
 
-from .console import bar, complain, print_json, scene_with
+from .console import bar, complain, print_json, scene_with, writable_folder
 from .options import AsJson, SceneName, Settings
 
 PICTURE = "curve.png"
@@ -68,6 +68,7 @@ def command(
     """Learn to play a scene: a policy as arrays and JSON, its evaluation curve, a checkpoint to go on from."""
     chosen = scene_with(scene, settings or [])
     folder = Path("trained") / chosen.name if out is None else out
+    writable_folder("--out", folder)
     words = ["pliant", "train", scene, *(w for s in settings or [] for w in ("--set", s)), "--algorithm", algorithm]
     given = {"--seed": seed, "--seconds": seconds, "--steps": steps, "--num-envs": num_envs, "--threads": threads}
     words += [w for key, value in given.items() if value is not None for w in (key, str(value))]

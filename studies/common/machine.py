@@ -6,6 +6,9 @@ import os
 import platform
 from importlib import metadata
 from pathlib import Path
+from typing import Any
+
+from pliant.plants.core.argument_gates import require_count
 
 PACKAGES = ("pliant", "numpy", "scipy", "casadi", "control", "matplotlib")
 PATH = "CasADi virtual machine, one call a step from Python"
@@ -26,6 +29,14 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def processes(owner: str, jobs: Any) -> int:
+    """As joblib counts them: -1 is as many as cores, -2 one less; not 0."""
+    found = require_count(owner, "jobs", jobs, -10_000, 10_000)
+    if not found:
+        raise ValueError(f"{owner}.jobs = 0 must be a number of processes, or -1 for as many as cores")
+    return found
 
 
 def version(package: str) -> str:

@@ -12,7 +12,6 @@ where the finest leaves its own, no rung is shown to be right.
 from __future__ import annotations
 
 import dataclasses
-import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -20,6 +19,7 @@ from typing import Any
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant
+from pliant.plants.core.argument_gates import require_function, require_instance, require_number
 from pliant.plants.spacecraft_parts.appendage import Appendage
 from pliant.studies.common.formatting import measured as in_unit
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
@@ -105,9 +105,15 @@ def choose(
     short chart of that rung. Where none is shown to keep it the finest is returned with met=False. ValueError for a
     tolerance not above 0.
     """
+    require_instance("choose.scene", scene, Scene)
     tolerance = scene.tolerance if tolerance is None else tolerance
-    if not (isinstance(tolerance, (int, float)) and 0 < tolerance < math.inf):
-        raise ValueError(f"choose.tolerance = {tolerance!r} must be a number > 0")
+    tolerance = require_number("choose.tolerance", tolerance, "positive", scene.unit)
+    if measured is not None:
+        require_instance("choose.measured", measured, Chart)
+    if motions is not None:
+        require_instance("choose.motions", motions, Motions)
+    if progress is not None:
+        require_function("choose.progress", progress)
     told, motions = progress or silent, motions or Motions(scene)
     ladder = motions.ladder
     for i, plant in enumerate(ladder):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
-from pliant.plants.core.parameters import require_count
+from pliant.plants.core.argument_gates import require_count, require_function, require_instance, require_number, shown
 from pliant.plants.linear.rest_spaces import conserved_by
 from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.stability import assess, growth
@@ -70,9 +70,14 @@ def modes_needed(
     place and attitude: their eigenvalues are zero with any number of modes, and would hide those that modes change.
     They are named in `conserved`.
     """
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(f"modes_needed.tolerance = {tolerance!r} must be > 0 [1/s]")
-    require_count("modes_needed", "most", most, 1, 1000)
+    require_instance("modes_needed.plant", plant, Plant)
+    if not isinstance(nominal, Trajectory) and (isinstance(nominal, type) or not callable(nominal)):
+        raise ValueError(f"modes_needed.nominal = {shown(nominal)} must be a Trajectory, or a function that gives one")
+    tolerance = require_number("modes_needed.tolerance", tolerance, "positive", "1/s")
+    size = require_number("modes_needed.size", size, "positive")
+    most = require_count("modes_needed", "most", most, 1, 1000)
+    if with_modes is not None:
+        require_function("modes_needed.with_modes", with_modes)
     vary = with_modes or _with_modes
     kept: tuple[str, ...] = ()
     found, variants = [], [vary(plant, n) for n in range(1, most + 1)]

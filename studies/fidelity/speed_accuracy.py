@@ -21,6 +21,17 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError
+from pliant.plants.core.argument_gates import (
+    require_all,
+    require_flag,
+    require_function,
+    require_instance,
+    require_names,
+    require_number,
+    require_path,
+    require_seconds,
+    require_text,
+)
 from pliant.plants.files.atomic_files import Together, write_text
 from pliant.studies.common import machine
 from pliant.studies.common.formatting import duration
@@ -94,7 +105,9 @@ class Chart:
 
     def fastest(self, tolerance: float | None = None, variant: str | None = None) -> Row | None:
         """The fastest row within the tolerance (None: the scene's), of one variant if named."""
-        bound = self.tolerance if tolerance is None else tolerance
+        bound = self.tolerance if tolerance is None else require_number("fastest.tolerance", tolerance, "nonnegative")
+        if variant is not None:
+            require_text("fastest.variant", variant)
         rows = [r for r in self.measured if (r.error or 0.0) <= bound and variant in (None, r.variant)]
         return min(rows, key=lambda r: r.seconds or 0.0, default=None)
 
@@ -109,7 +122,7 @@ class Chart:
     def save(self, table: str | Path, together: Together | None = None) -> None:
         """Write the table as json; the picture is drawn by `figures.speed_accuracy.save`, in one with the table
         where both are told the same `together`. OSError, which names the file."""
-        text = json.dumps(self.to_json(), indent=1) + "\n"
+        table, text = require_path("Chart.save: table", table), json.dumps(self.to_json(), indent=1) + "\n"
         if together is None:
             write_text(table, text)
         else:
@@ -145,11 +158,18 @@ def chart(
     and better than its variant can be at any step (`prune`); its row says so. A setting finer than one whose
     error no longer matters has no row. ValueError for a budget that is not positive or an unknown method.
     """
-    if not 0 < budget < math.inf:
-        raise ValueError(f"chart.budget = {budget!r} must be > 0 [s]")
-    for name in methods:
-        if name not in METHODS:
-            raise ValueError(f"chart.methods has {name!r}, must be among {', '.join(METHODS)}")
+    require_instance("chart.scene", scene, Scene)
+    budget = require_seconds("chart.budget", budget)
+    methods = require_names("chart.methods", methods, METHODS, "method")
+    if not methods:
+        raise ValueError(f"chart.methods = () must name at least one of {', '.join(METHODS)}")
+    if variants is not None and not (variants := require_all("chart.variants", variants, Plant)):
+        raise ValueError("chart.variants = () must hold at least one Plant")
+    prune = require_flag("chart.prune", prune)
+    if motions is not None:
+        require_instance("chart.motions", motions, Motions)
+    if progress is not None:
+        require_function("chart.progress", progress)
     began = clock.perf_counter()
     told, motions = progress or silent, motions or Motions(scene)
     told(0.0, "reference")

@@ -22,6 +22,7 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
+from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.core.signals import index
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
@@ -54,6 +55,7 @@ def stiffening_needed(scene: Scene) -> Stiffening:
 
     ValueError unless the scene's plant has a `stiffening` to choose, kinematics "linear" or "stiffened".
     """
+    require_instance("stiffening_needed.scene", scene, Scene)
     linear, stiff = _variants(scene)
     speed, critical = _largest_speed(scene), _critical_speed(scene, linear)
 

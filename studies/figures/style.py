@@ -12,6 +12,7 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec
 
+from pliant.plants.core.argument_gates import require_path
 from pliant.plants.files.atomic_files import Together, replacing
 
 if TYPE_CHECKING:
@@ -104,7 +105,8 @@ def save(figure: Figure, path: str | Path, together: Together | None = None) -> 
     """
     import matplotlib
 
-    ending = Path(path).suffix.lower().lstrip(".")
+    path = require_path("save.path", path)
+    ending = path.suffix.lower().lstrip(".")
     known = sorted(figure.canvas.get_supported_filetypes())
     if ending not in known:
         raise ValueError(f"picture {str(path)!r} must end with one of {', '.join(known)}")

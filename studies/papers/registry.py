@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.argument_gates import require_choice, require_function, require_path
 from pliant.plants.files.whole_folders import renewed
 from pliant.studies.common.reference_motions import Progress
 from pliant.studies.figures.style import save
@@ -45,7 +45,9 @@ def write(paper: str, folder: Path, progress: Progress) -> list[Path]:
 
     All take their places at once when all are drawn. OSError, which names the file.
     """
-    progress(0.1, f"figures of {paper}")
+    require_choice("figures", "paper", paper, tuple(PAPERS))
+    folder = require_path("figures.folder", folder)
+    require_function("figures.progress", progress)(0.1, f"figures of {paper}")
     found = draw(paper)
     with renewed(folder) as made:
         for k, (name, figure) in enumerate(found.items()):

@@ -6,6 +6,7 @@ import time as clock
 from pathlib import Path
 
 from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.argument_gates import require_function, require_instance, require_path, require_seconds
 from pliant.plants.files.atomic_files import write_text
 from pliant.studies.common import atomic_files
 from pliant.studies.common.reference_motions import Progress, share
@@ -22,7 +23,11 @@ def report(scene: Scene, out: str | Path, *, progress: Progress | None = None, b
     The folder appears whole or not at all; a former report is replaced. `budget` [s] is the chart's (None: as time
     allows). ValueError where `out` holds other files.
     """
-    out = Path(out)
+    require_instance("report.scene", scene, Scene)
+    out = require_path("report.out", out)
+    budget = None if budget is None else require_seconds("report.budget", budget)
+    if progress is not None:
+        require_function("report.progress", progress)
     atomic_files.check_target(out)
     began = clock.perf_counter()
     found = study(scene, progress=share(progress, 0.0, 0.85), budget=budget)

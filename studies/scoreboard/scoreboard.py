@@ -18,9 +18,17 @@ from typing import Any
 
 import numpy as np
 
+from pliant.envs.scenes.registry import names as named
 from pliant.envs.scenes.scene import Scene
-from pliant.plants.core.parameters import require_choice, require_count
-from pliant.studies.closed_loop.contestants import CONTESTANTS, Maker, playable
+from pliant.plants.core.argument_gates import (
+    require_choice,
+    require_count,
+    require_function,
+    require_path,
+    require_text,
+    shown,
+)
+from pliant.studies.closed_loop.contestants import CONTESTANTS, VARIANTS, Maker, playable
 from pliant.studies.closed_loop.scores import Row, Score, summarise
 from pliant.studies.common import machine
 from pliant.studies.common.reference_motions import Progress, silent
@@ -42,7 +50,7 @@ class Scoreboard(Results):
 
     def save(self, folder: str | Path, command: str = "") -> list[Path]:
         """Write scoreboard.json, scoreboard.md and one picture a scene."""
-        return write(self, Path(folder), command)
+        return write(self, require_path("Scoreboard.save: folder", folder), command)
 
 
 def scoreboard(
@@ -67,12 +75,15 @@ def scoreboard(
     """
     from joblib import Parallel, delayed
 
-    require_count("scoreboard", "seeds", seeds, 1, 100_000)
-    require_count("scoreboard", "bounds", bounds, 0, 100_000)
+    seeds = require_count("scoreboard", "seeds", seeds, 1, 100_000)
+    seed = require_count("scoreboard", "seed", seed, 0, 2**32 - 1)
+    bounds = require_count("scoreboard", "bounds", bounds, 0, 100_000)
+    jobs = machine.cores() if jobs is None else machine.processes("scoreboard", jobs)
+    if progress is not None:
+        require_function("scoreboard.progress", progress)
     found, makers = _scenes(scenes), _makers(controllers)
     told = progress or silent
     told(0.0, "start")
-    jobs = machine.cores() if jobs is None else jobs
     tasks = list(_tasks(found, makers, seeds, min(bounds, seeds)))
     kept: dict[tuple[str, str, str], dict[int, Any]] = {}
     entries: dict[str, Entry] = {}
@@ -89,6 +100,11 @@ def scoreboard(
 def _scenes(wanted: Sequence[str | Scene] | None) -> tuple[Scene, ...]:
     if wanted is None:
         return playable()
+    if not isinstance(wanted, (tuple, list)):
+        raise ValueError(f"scoreboard.scenes = {shown(wanted)} must be a tuple of names or scenes")
+    for w in wanted:
+        if not isinstance(w, Scene):
+            require_choice("scoreboard", "scenes", w, (*named(), *VARIANTS))
     found = [scene for w in wanted for scene in ((w,) if isinstance(w, Scene) else playable((w,)))]
     if not found:
         raise ValueError(f"scoreboard: scenes = {wanted} must hold at least one scene with inputs")
@@ -96,10 +112,15 @@ def _scenes(wanted: Sequence[str | Scene] | None) -> tuple[Scene, ...]:
 
 
 def _makers(wanted: Sequence[str] | Mapping[str, Maker] | None) -> dict[str, Maker]:
-    if isinstance(wanted, Mapping):
-        return dict(wanted)
+    if isinstance(wanted, Mapping) and wanted:
+        return {
+            require_text("scoreboard.controllers", name): require_function(f"scoreboard.controllers[{name!r}]", make)
+            for name, make in wanted.items()
+        }
+    if wanted is not None and not (isinstance(wanted, (tuple, list)) and wanted):
+        raise ValueError(f"scoreboard.controllers = {shown(wanted)} must be a tuple of names, or functions by name")
     for name in wanted or ():
-        require_choice("scoreboard", "controller", name, tuple(CONTESTANTS))
+        require_choice("scoreboard", "controllers", name, tuple(CONTESTANTS))
     return {name: CONTESTANTS[name] for name in (wanted or CONTESTANTS)}
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
+from pliant.plants.core.argument_gates import require_function, require_instance, require_number
 from pliant.plants.stability import Verdict
 from pliant.studies.common.reference_motions import Progress, silent
 
@@ -46,6 +47,11 @@ def judge(
 
     largest: nodes times states cubed, to which the work of the verdict itself is proportional; beyond it there is none.
     """
+    require_instance("judge.scene", scene, Scene)
+    seconds = require_number("judge.seconds", seconds, "nonnegative", "s")
+    largest = require_number("judge.largest", largest, "positive")
+    if progress is not None:
+        require_function("judge.progress", progress)
     told, began = progress or silent, clock.perf_counter()
 
     def tell(fraction: float, doing: str) -> None:

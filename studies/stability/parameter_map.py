@@ -17,10 +17,20 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, Trajectory
-from pliant.plants.core.parameters import require_choice, require_finite
+from pliant.plants.core.argument_gates import (
+    require_by_name,
+    require_choice,
+    require_finite,
+    require_function,
+    require_instance,
+    require_mapping,
+    require_path,
+    require_seconds,
+)
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.files.atomic_files import Together
 from pliant.plants.stability import assess
+from pliant.studies.common import machine
 from pliant.studies.common.reference_motions import Progress, silent
 from pliant.studies.fidelity.mode_count import ModeCount, ModesNeeded, modes_needed
 from pliant.studies.figures import style
@@ -75,7 +85,7 @@ class StabilityMap(OwnsArrays):
         """
         with Together() as files:
             if table is not None:
-                files.text(table, json.dumps(self.to_json(), indent=1) + "\n")
+                files.text(require_path("StabilityMap.save: table", table), json.dumps(self.to_json(), indent=1) + "\n")
             if picture is not None:
                 style.save(chart(self, **options), picture, files)
 
@@ -101,10 +111,17 @@ def map_stability(
     `plant` needs.
     """
     names, axes = _checked(grid)
+    jobs = machine.processes("map_stability", jobs)
+    if nominal is not None:
+        require_instance("map_stability.nominal", nominal, Trajectory)
+    period = None if period is None else require_seconds("map_stability.period", period)
+    if progress is not None:
+        require_function("map_stability.progress", progress)
+    at = {} if at is None else require_by_name("map_stability.at", at)
     require_choice("map_stability", "backend", backend, BACKENDS)
     tell = silent if progress is None else progress
-    build = _Point(plant, names, nominal, dict(at or {})) if isinstance(plant, Plant) else plant
-    if not callable(build):
+    build = _Point(plant, names, nominal, at) if isinstance(plant, Plant) else plant
+    if not callable(build) or isinstance(build, type):
         raise ValueError(
             f"map_stability.plant is a {type(plant).__name__}, must be a Plant or a function of two numbers"
         )
@@ -129,6 +146,7 @@ def map_stability(
 
 
 def _checked(grid: Mapping[str, Any]) -> tuple[tuple[str, str], tuple[np.ndarray, np.ndarray]]:
+    grid = require_mapping("map_stability.grid", grid)
     if len(grid) != 2:
         raise ValueError(f"map_stability.grid = {sorted(grid)} must name two parameters")
     first, second = grid

@@ -9,6 +9,7 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
+from pliant.plants.core.argument_gates import require_function, require_instance
 from pliant.plants.core.signals import Unfelt
 from pliant.plants.stability import Verdict, assess
 from pliant.studies.common.operating_point import residual
@@ -20,6 +21,9 @@ ROUNDING = 1e-12  # of the largest entry of A
 
 def verdict_of(scene: Scene, *, progress: Progress | None = None, **options: Any) -> tuple[Verdict, LTVModel]:
     """The verdict along the scene's nominal motion, and the model; options as in `assess`. See `left_out`."""
+    require_instance("verdict_of.scene", scene, Scene)
+    if progress is not None:
+        require_function("verdict_of.progress", progress)
     tell = progress or silent
     model = model_along(scene, tell)
     tell(0.8, "verdict")
@@ -42,6 +46,7 @@ def verdict_along(scene: Scene, model: LTVModel, **options: Any) -> Verdict:
 
 def verdict_at_goal(scene: Scene) -> Verdict | None:
     """The verdict about the goal as a LinearModel, None where it is no equilibrium or moves."""
+    require_instance("verdict_at_goal.scene", scene, Scene)
     if scene.goal_rates or residual(scene.goal_model):
         return None
     model = _linear(scene.plant, lambda **own: scene.plant.linearize(*scene.target, **own))

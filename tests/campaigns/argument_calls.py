@@ -1,13 +1,9 @@
 """All calls of the campaign of bad input, room by room."""
 
 from argument_kinds import Call
+from calls_of_laws import law_calls
 from calls_of_models import model_calls
 from calls_of_plants import plant_calls
-
-try:
-    from calls_of_laws import law_calls
-except ImportError:  # pragma: no cover
-    law_calls = list
 
 
 def calls() -> list[Call]:

@@ -55,6 +55,7 @@ class Array(Kind):
     finite: bool = True  # False: left to the caller
     text: bool = False  # a name is valid too
     calls: bool = False  # a function of time is valid too, as a class is
+    leads: bool = False  # others must be as long as it: how long it is, is told of them
 
     def bad(self) -> Pairs:
         """Strings, objects, complex numbers, other shapes, not finite."""
@@ -78,8 +79,9 @@ class Array(Kind):
                 yield "minus infinity in a list", _with(a, -np.inf).tolist()
             yield "an integer beyond a float", _huge(a)
         if a.ndim and self.wrong:
-            yield "one more", np.concatenate([a, a[-1:]]) if len(a) else np.ones((1, *a.shape[1:]))
-            if len(a) > 1:
+            if not self.leads:
+                yield "one more", np.concatenate([a, a[-1:]]) if len(a) else np.ones((1, *a.shape[1:]))
+            if len(a) > 1 and not self.leads:
                 yield "one less", a[:-1]
             yield "a dimension more", a[None, None]
             yield "ragged", [[1.0], [1.0, 2.0]]
@@ -287,6 +289,7 @@ class Call:
     fixed: dict[str, Any] = field(default_factory=dict)
     positional: tuple[str, ...] = ()
     compare: bool = True
+    long: bool = False  # a valid call takes long: only nonsense is tried, which is refused before
 
 
 def _with(a: np.ndarray, value: float) -> np.ndarray:

@@ -43,7 +43,7 @@ def cases(found: list[Call]) -> list[tuple[Call, str, str, Any, bool]]:
     for call in found:
         for argument, kind in call.kinds.items():
             out += [(call, argument, what, value, False) for what, value in kind.bad()]
-            out += [(call, argument, what, value, True) for what, value in kind.good()]
+            out += [(call, argument, what, value, True) for what, value in kind.good() if not call.long]
     return out
 
 

@@ -152,7 +152,7 @@ def test_laws_without_a_gain_are_linearised():
 def test_bad_input():
     with pytest.raises(ValueError, match="must hold the design plant"):
         spillover(FAR_SIDE, [])
-    with pytest.raises(ValueError, match=r"reserve = 0\.5 must be >= 1"):
+    with pytest.raises(ValueError, match=r"reserve = 0\.5 must be at least 1"):
         spillover(FAR_SIDE, [RIGID], reserve=0.5)
     with pytest.raises(PliantError, match="has no linear form"):
         spillover(lambda t, y: y, [RIGID])

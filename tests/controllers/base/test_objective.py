@@ -86,7 +86,7 @@ def test_a_goal_whose_motion_is_not_said_has_no_regulator(rolling):
         ({"bounds": {"mass": 1.0}}, r"bounds\['mass'\] = 1.0 must be a pair"),
         ({"bounds": {"mass": (1.0, 1.0)}}, "must be lowest < highest"),
         ({"goal_rates": {"mass": 1.0}}, "'mass' must be one of s, q"),
-        ({"goal_rates": {"s": np.nan}}, r"goal_rates\['s'\] = nan must be finite"),
+        ({"goal_rates": {"s": np.nan}}, r"goal_rates\['s'\] = nan must be a finite"),
     ],
 )
 def test_wrong_objectives_are_named(cart, wrong, said):

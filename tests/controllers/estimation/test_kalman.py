@@ -239,7 +239,7 @@ def test_modes_that_no_sensor_sees_are_named():
     ("change", "message"),
     [
         ({"W": {}}, "W must name at least one"),
-        ({"W": {"wind": 1.0}}, "signal 'wind' must be one of tip_force_x, tip_force_y, hub_torque, hub_angle"),
+        ({"W": {"wind": 1.0}}, "'wind' must be one of tip_force_x, tip_force_y, hub_torque, hub_angle"),
         ({"W": {"tip_force_y": 0.0}}, r"W\['tip_force_y'\] = 0\.0 must be > 0"),
         ({"delay": -1}, "delay = -1"),
         ({"P0": -np.eye(4)}, r"P0 has eigenvalue -1"),

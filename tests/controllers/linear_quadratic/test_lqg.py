@@ -170,7 +170,7 @@ def test_every_plant_of_the_library_has_sensors_that_it_knows():
         known = {s.name: s.unit for s in plant.states + plant.outputs}
         for sensor in sensors_of(plant):
             assert known[sensor.output] in (sensor.unit, "1")
-    with pytest.raises(ValueError, match="no selection for a str"):
+    with pytest.raises(ValueError, match="must be a Plant, not str"):
         sensors_of("arm")
 
 

@@ -448,7 +448,7 @@ def test_bad_readings_targets_and_plants():
     controller = MPC.design(LINK, Q, R, dt=DT, track=("tip",))
     with pytest.raises(ValueError, match=r"MPC\.y\[1\] = nan"):
         controller.act(0.0, np.array([0.0, np.nan, 0.0, 0.0]))
-    with pytest.raises(ValueError, match=r"MPC\.aim = 'bend'"):
+    with pytest.raises(ValueError, match=r"MPC\.aim.*'bend'"):
         controller.aim({"bend": 0.1})
     with pytest.raises(InfeasibleError, match="no steady inputs"):
         MPC.design(LINK, Q, R, dt=DT, track=("tip", "omega"))

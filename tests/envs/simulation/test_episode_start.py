@@ -63,3 +63,11 @@ def test_initial_states_check_their_input() -> None:
     limp = scene.with_plant(dataclasses.replace(scene.plant, link1=soft, kinematics="linear"))
     with pytest.raises(EquilibriumError):
         initial_states(limp, np.array([[0.3, 0.2]]), np.array([[0.5]]))
+
+
+def test_a_rigid_arm_has_no_free_coordinates():
+    """Its rest at any hub angle is that angle, by hand."""
+    slew = scenes.get("single-link-slew")
+    rigid = dataclasses.replace(slew, plant=slew.plant.ladder()[0], randomise=())
+    starts = np.array([[0.1], [-0.2]])
+    np.testing.assert_allclose(initial_states(rigid, starts, np.zeros((2, 0))), [[0.1, 0.0], [-0.2, 0.0]], atol=1e-14)

@@ -82,9 +82,9 @@ def test_counts_choices_names_and_objects():
             gates.require_names("n", value)
     with pytest.raises(ValueError, match=r"n = 3 must be an Axis, not int"):
         gates.require_instance("n", 3, type("Axis", (), {}))
-    assert gates.require_mapping("n", {"b": np.int64(2)}) == {"b": 2.0}
+    assert gates.require_by_name("n", {"b": np.int64(2)}) == {"b": 2.0}
     with pytest.raises(ValueError, match=r"n\['b'\] = nan must be a finite number"):
-        gates.require_mapping("n", {"b": np.nan})
+        gates.require_by_name("n", {"b": np.nan})
 
 
 def test_a_sample_of_the_campaign():

@@ -16,6 +16,6 @@ def test_command(tmp_path):
     assert table["command"].startswith("pliant scoreboard single-link-slew --seeds 2 --controllers LQR --bounds 1")
     assert (tmp_path / "scoreboard.md").is_file() and "100 %" in done.stderr
     done = CliRunner().invoke(app, ["scoreboard", "nowhere"])
-    assert done.exit_code == 2 and "scoreboard.scene = 'nowhere' must be one of" in done.stderr
+    assert done.exit_code == 2 and "scoreboard.scenes = 'nowhere' must be one of" in done.stderr
     done = CliRunner().invoke(app, ["scoreboard", "--controllers", "magic"])
-    assert done.exit_code == 2 and "scoreboard.controller = 'magic' must be one of" in done.stderr
+    assert done.exit_code == 2 and "scoreboard.controllers = 'magic' must be one of" in done.stderr

@@ -46,7 +46,7 @@ def test_every_scene_case_and_controller_has_a_row(board):
 def test_a_controller_that_cannot_be_had_says_why(board):
     row = board.row("spin-up", "exact", "trained policy")
     assert row.cost is None and row.runs == 0
-    assert row.reason.startswith("ValueError: Policy.scene = 'spin-up' must be one of")
+    assert row.reason.startswith("ValueError: Policy.for_scene.name = 'spin-up' must be one of")
 
 
 def refuses(scene):

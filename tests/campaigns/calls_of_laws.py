@@ -1,0 +1,184 @@
+"""Valid calls of controllers, scenes and studies, and what of these packages is not called, with the reason."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+from collections.abc import Iterator
+from fnmatch import fnmatch
+from types import ModuleType
+from typing import Any
+
+from argument_kinds import Call
+from calls_of_designs import design_calls
+from calls_of_optima import optima_calls
+from calls_of_scene_laws import scene_law_calls
+from calls_of_scenes import scene_calls
+from calls_of_studies import study_calls
+
+import pliant.controllers
+import pliant.envs.scenes
+import pliant.studies
+
+
+def law_calls() -> list[Call]:
+    """Of everything."""
+    return [*design_calls(), *scene_law_calls(), *optima_calls(), *scene_calls(), *study_calls()]
+
+
+INNER = "a part of a design: its arguments are arrays and models that the call which makes it has checked"
+RESULT = "a result: made by what it is the result of"
+DRAWN = "drawing and words: takes what studies return"
+NOTHING = "takes nothing"
+PROTOCOL = "a protocol or a warning"
+COMMAND = "the command line: tests/campaigns/bad_commands.py"
+REASONS = {  # patterns of module and name
+    "controllers.analysis.late_loops*": INNER,
+    "controllers.analysis.linear_laws.law_of": INNER,
+    "controllers.analysis.linear_laws.readings_under_way": INNER,
+    "controllers.analysis.linear_laws.closed_matrix": INNER,
+    "controllers.analysis.loops.felt_by": INNER,
+    "controllers.analysis.loops.plant_of": INNER,
+    "controllers.analysis.loops.Loop": RESULT,
+    "controllers.analysis.loops.Loop.closed": NOTHING,
+    "controllers.analysis.margins.Channel*": RESULT,
+    "controllers.analysis.margins.Margins*": RESULT,
+    "controllers.analysis.margins.scaled_peak": INNER,
+    "controllers.analysis.spillover.Case*": RESULT,
+    "controllers.analysis.spillover.Spillover*": RESULT,
+    "controllers.analysis.spillover.model_of": INNER,
+    "controllers.analysis.spillover.origin": INNER,
+    "controllers.base.controller.Controller*": PROTOCOL,
+    "controllers.base.controller.*": "a gate itself",
+    "controllers.base.goal_model*": INNER,
+    "controllers.base.joint_reference.Impulses*": PROTOCOL,
+    "controllers.base.joint_reference.Joints*": RESULT,
+    "controllers.base.joint_reference.*": INNER,
+    "controllers.base.objective.Objective.rate": "takes what Plant.measure takes, by the plant's own gate",
+    "controllers.base.objective.Objective.quadratic": NOTHING,
+    "controllers.base.quadratic_weights*": INNER,
+    "controllers.base.scene_protocol*": PROTOCOL,
+    "controllers.base.solver_record*": RESULT,
+    "controllers.estimation.kalman.Kalman": "made by design, along and for_scene",
+    "controllers.estimation.kalman_gains*": INNER,
+    "controllers.estimation.sensors.encoder": "as Sensor",
+    "controllers.estimation.sensors.accelerometer": "as Sensor",
+    "controllers.estimation.square_root*": INNER,
+    "controllers.joint_control.collocation*": INNER,
+    "controllers.joint_control.computed_torque.ComputedTorque": "made by design and for_scene",
+    "controllers.joint_control.computed_torque.inverse_dynamics": INNER,
+    "controllers.joint_control.input_shaping.light": INNER,
+    "controllers.joint_control.pd.PD": "made by design and for_scene",
+    "controllers.joint_control.pd.fastest_decay": INNER,
+    "controllers.learning.checkpoint*": INNER,
+    "controllers.learning.evaluation.Evaluation": RESULT,
+    "controllers.learning.evaluation.Training": RESULT,
+    "controllers.learning.policy.shipped": NOTHING,
+    "controllers.learning.policy.Policy.from_sb3_zip": "reads a pickle: tests/controllers/learning/test_sb3_export.py",
+    "controllers.learning.sb3_export*": INNER,
+    "controllers.learning.torch_threads*": NOTHING,
+    "controllers.learning.training*": INNER,
+    "controllers.linear_quadratic.funnel.Funnel": RESULT,
+    "controllers.linear_quadratic.funnel.Funnel.about": INNER,
+    "controllers.linear_quadratic.hold_set*": INNER,
+    "controllers.linear_quadratic.lqr.LQR": "made by design, for_plant and for_scene",
+    "controllers.linear_quadratic.nominal_loop*": INNER,
+    "controllers.linear_quadratic.period_cost*": INNER,
+    "controllers.linear_quadratic.tvlqr.TVLQR": "made by along, design and for_scene",
+    "controllers.mpc.mpc.MPC": "made by design, along and for_scene",
+    "controllers.mpc.mpc.MPC.*": "see the calls that are there",
+    "controllers.mpc.*": INNER,
+    "controllers.nmpc.nmpc.IterationRecord*": RESULT,
+    "controllers.nmpc.nmpc.Converged*": RESULT,
+    "controllers.nmpc.nmpc.NMPC.prepare": NOTHING,
+    "controllers.nmpc.*": INNER,
+    "controllers.optimal_control.multiple_shooting*": INNER,
+    "controllers.optimal_control.nominal_motions.*": INNER,
+    "controllers.optimal_control.optimal.Motion": RESULT,
+    "controllers.optimal_control.optimal.driven": INNER,
+    "controllers.optimal_control.plan.rigid_motion": INNER,
+    "controllers.optimal_control.s*": INNER,
+    "controllers.riccati.algebraic.Regulator": RESULT,
+    "controllers.riccati.algebraic.Sampled": RESULT,
+    "controllers.riccati.algebraic.with_integrals": INNER,
+    "controllers.riccati.algebraic.filter_gain": INNER,
+    "controllers.riccati.checks*": INNER,
+    "controllers.riccati.ltv_discretisation.SampledLTV": RESULT,
+    "controllers.riccati.ltv_discretisation.hamiltonian_flow": INNER,
+    "controllers.riccati.node_distance*": INNER,
+    "controllers.riccati.scaled_equation*": INNER,
+    "controllers.riccati.steerable*": INNER,
+    "controllers.riccati.time_varying.TimeVaryingRegulator": RESULT,
+    "controllers.solvers*": INNER,
+    "*.reset": NOTHING,
+    "envs.scenes.arms*": NOTHING,
+    "envs.scenes.beams*": "by scenes.get",
+    "envs.scenes.checks*": "a gate itself",
+    "envs.scenes.cost.*": "by Scene.stage_cost and Scene.cost",
+    "envs.scenes.mechanisms*": "by scenes.get",
+    "envs.scenes.nominal_inputs*": INNER,
+    "envs.scenes.registry.names": NOTHING,
+    "envs.scenes.scene.once_per_scene": INNER,
+    "envs.scenes.scene.Manoeuvre*": "by Scene",
+    "envs.scenes.scene.Scene.cost_rate": INNER,
+    "envs.scenes.scene.Scene.quadratic": NOTHING,
+    "envs.scenes.scene.Scene.goal_motion": NOTHING,
+    "envs.scenes.scene.Scene.open_loop": "options of Plant.simulate",
+    "envs.scenes.scene.Scene.nominal_motion": "options of Plant.simulate",
+    "envs.scenes.scene.Scene.vector_env": "an environment's arguments: calls of environments",
+    "envs.scenes.scene.Scene.sb3_env": "an environment's arguments: calls of environments",
+    "envs.scenes.spacecraft*": "by scenes.get",
+    "studies.closed_loop.rollout.Conditions": "by rollout",
+    "studies.closed_loop.*": "a part of scoreboard and report",
+    "studies.commands*": COMMAND,
+    "studies.common*": INNER,
+    "studies.fidelity.choice.*": RESULT,
+    "studies.fidelity.mode_count.*": RESULT,
+    "studies.fidelity.speed_accuracy.*": RESULT,
+    "studies.fidelity.stiffening.Stiffening": RESULT,
+    "studies.figures*": DRAWN,
+    "studies.papers*": DRAWN,
+    "studies.report*": DRAWN,
+    "studies.scoreboard*": RESULT,
+    "studies.stability.*": RESULT,
+}
+
+
+def public() -> Iterator[str]:
+    """Functions, classes and their methods, by module and name without "pliant.", where they are defined."""
+    for package in (pliant.controllers, pliant.envs.scenes, pliant.studies):
+        for info in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            if not info.ispkg and not reason(info.name.removeprefix("pliant.")):  # of a whole module
+                yield from _of(importlib.import_module(info.name))
+
+
+def _of(module: ModuleType) -> Iterator[str]:
+    short = module.__name__.removeprefix("pliant.")
+    for name, thing in vars(module).items():
+        if name.startswith("_") or not callable(thing) or getattr(thing, "__module__", None) != module.__name__:
+            continue
+        yield f"{short}.{name}"
+        if inspect.isclass(thing):
+            for method, own in vars(thing).items():
+                if not method.startswith("_") and (
+                    inspect.isfunction(own) or isinstance(own, (classmethod, staticmethod))
+                ):
+                    yield f"{short}.{name}.{method}"
+
+
+def called(call: Call) -> str:
+    """The same of a call."""
+    thing: Any = call.function
+    return f"{thing.__module__}.{thing.__qualname__}".removeprefix("pliant.")
+
+
+def reason(name: str) -> str:
+    """Why it has no call; empty where there is none."""
+    return next((why for pattern, why in REASONS.items() if fnmatch(name, pattern)), "")
+
+
+def without_call(found: list[Call]) -> list[str]:
+    """What has neither a call nor a reason."""
+    have = {called(call) for call in found}
+    return [name for name in public() if name not in have and not reason(name)]

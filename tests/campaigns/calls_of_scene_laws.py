@@ -1,0 +1,174 @@
+"""Valid calls of what designs for scenes and plants, of loops and their margins, and of shaping."""
+
+from __future__ import annotations
+
+import numpy as np
+from argument_kinds import Array, Call, Choice, Count, Names, Number, Object, Objects
+from kinds_of_laws import ByName, Function, Pair, Text
+from laws_at_hand import ARM, DT, GAIN, MODEL, SCENE, STATE, law
+
+from pliant import controllers
+from pliant.controllers import (
+    LQG,
+    LQR,
+    MPC,
+    NMPC,
+    PD,
+    TVLQR,
+    ComputedTorque,
+    Kalman,
+    Objective,
+    Predictive,
+    loop,
+    margins,
+    shape,
+    shaper_for,
+    spillover,
+)
+from pliant.controllers.analysis.linear_laws import LinearLaw, linearised
+from pliant.controllers.analysis.loops import closed_loop, closed_loops
+from pliant.controllers.analysis.margins import disk_gain, disk_phase_deg
+from pliant.controllers.analysis.spillover import case_of, crossover_hz, growth
+from pliant.controllers.base.joint_reference import Follow, RestToRest
+from pliant.controllers.estimation.process_noise import process_noise
+from pliant.controllers.joint_control.input_shaping import shaper, switches
+from pliant.controllers.optimal_control.nominal_motions import rigid_nominal
+
+SCENES = {"scene": Object(SCENE)}
+STATES = Array(STATE)
+POSITIVE = {"low": 0.0, "open": True}
+SHARE = Number(0.125, low=0.0)
+LOADED = ARM.vary("payload.mass")
+LIMITS = Pair((-2.0, 2.0), none=True)
+RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
+SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
+
+
+def scene_law_calls() -> list[Call]:
+    """Of all of these."""
+    return [*for_scene_calls(), *loop_calls(), *joint_calls()]
+
+
+def for_scene_calls() -> list[Call]:
+    """Of every for_scene."""
+    effort = {"effort": Number(2.0, **POSITIVE)}
+    W = {"W": ByName({"hub_torque": 0.5}, none=True, **POSITIVE)}
+    integral = {"integral": ByName({"hub_angle": 1.0}, none=True, **POSITIVE)}
+    seen = {"sensors": SENSORS, "delay": Count(1, low=0)} | W
+    follow = {"nominal": Choice("rigid", none=True), "reserve": SHARE, "index": Choice("time")}
+    own = LQR.for_scene(SCENE)
+    return [
+        Call("LQR.for_scene", LQR.for_scene, SCENES | effort | integral),
+        Call("Kalman.for_scene", Kalman.for_scene, SCENES | seen),
+        Call("LQG.for_scene", LQG.for_scene, SCENES | seen | effort),
+        Call("TVLQR.for_scene", TVLQR.for_scene, SCENES | {"effort": effort["effort"]} | follow),
+        Call("Predictive.for_scene", Predictive.for_scene, SCENES | {"delay": Count(1), "law": Object(own, none=True)}),
+        Call("MPC.for_scene", MPC.for_scene, SCENES | {"horizon": Count(3), "nominal": Object(_motion(), none=True)}),
+        Call("NMPC.for_scene", NMPC.for_scene, SCENES | {"horizon": Count(3)}),
+        Call("PD.for_scene", PD.for_scene, SCENES | {"shape": Choice("zv", none=True)}),
+        Call("ComputedTorque.for_scene", ComputedTorque.for_scene, SCENES | {"damping": RATE["damping"]}),
+        Call(
+            "ComputedTorque.for_scene, bandwidth",
+            ComputedTorque.for_scene,
+            {"bandwidth": Number(4.0, none=True, **POSITIVE)},
+            {"scene": SCENE},
+        ),
+        Call("Objective.of", Objective.of, SCENES),
+        Call("process_noise", process_noise, SCENES),
+    ]
+
+
+def _motion():
+    return rigid_nominal(SCENE)
+
+
+def loop_calls() -> list[Call]:
+    """Of loops, margins, spillover."""
+    model, controller = {"model": Object(MODEL)}, {"controller": Object(law("lqr, continuous"))}
+    found = loop(MODEL, law("lqr, continuous"))
+    reads = {"reads": Names(("place",), free=True), "dt": Number(DT, none=True, **POSITIVE), "delay": Count(1, low=0)}
+    own = {
+        "A": Array(np.array([[0.5]])),
+        "B": Array(np.ones((1, 1))),
+        "C": Array(np.ones((1, 1)), leads=True),
+        "D": Array(np.ones((1, 1))),
+    }
+    more = {"at": ByName({"hub_angle": 0.5}, none=True), "reserve": Number(1.25, low=1.0)}
+    spill = LQR.for_plant(ARM, np.zeros(2), np.zeros(1), np.eye(2), np.eye(1))
+    return [
+        Call("LinearLaw", LinearLaw, own | reads),
+        Call(
+            "linearised",
+            linearised,
+            {"controller": Object(GAIN), "y0": STATES, "step": Number(0.5, **POSITIVE), "t": Number(0.5)},
+        ),
+        Call("loop", loop, model | controller | {"at": Choice("input")}),
+        Call("closed_loops", closed_loops, model | controller),
+        Call("closed_loop", closed_loop, model | controller | {"gain": Number(0.5)}),
+        Call("Loop.at", found.at, {"omega": Array(np.array([1.0, 2.0]), leads=True)}),
+        Call("margins", margins, {"loop": Object(found)}),
+        Call("disk_gain", disk_gain, {"disk": Number(0.5, low=0.0)}),
+        Call("disk_phase_deg", disk_phase_deg, {"disk": Number(0.5, low=0.0)}),
+        Call("growth", growth, model | controller | {"gain": Number(0.5)}),
+        Call("case_of", case_of, model | controller | {"design": Object(MODEL), "label": Text("plant", empty=True)}),
+        Call("crossover_hz", crossover_hz, {"found": Object(found), "gain": Number(0.5, **POSITIVE)}),
+        Call("spillover", spillover, {"controller": Object(spill), "plants": Objects((ARM,))} | more),
+        Call(
+            "spillover, redesign",
+            spillover,
+            {"redesign": Function(lambda f: spill, none=True)},
+            {"controller": spill, "plants": [ARM], "at": {"hub_angle": 0.0}},
+        ),
+    ]
+
+
+def joint_calls() -> list[Call]:
+    """Of PD, computed torque, references and shapers."""
+    point = {"plant": Object(ARM), "x0": Array(np.zeros(2)), "u0": Array(np.zeros(1))}
+    ends = {"begin": Array(np.zeros(1), leads=True), "end": Array(np.ones(1))}
+    rest = RestToRest(np.zeros(1), np.ones(1), 0.5)
+    more = {"limits": LIMITS, "dt": Number(DT, none=True, **POSITIVE)}
+    torque = ComputedTorque.design(ARM, rest, bandwidth=4.0)
+    pd = PD.design(ARM, np.zeros(2), np.zeros(1), bandwidth=4.0, reference=rest)
+    made = shaper(4.0)
+    at = {"at": Objects((("hub_angle",), ("hub_angle_rate",)), none=True), "reference": Object(rest, none=True)}
+    kinds = {"kind": Choice("zvd"), "tolerance": Number(0.125, **POSITIVE)}
+    modes = {"modes": Array(np.array([4.0, 8.0]), leads=True)}
+    follow = {"dt": Number(DT, **POSITIVE), "positions": Array(np.zeros((2, 1)), leads=True, wrong=False)}
+    rows = {"rates": Array(np.ones((2, 1))), "accelerations": Array(np.ones((2, 1)))}
+    followed = Follow(DT, np.zeros((2, 1)), np.ones((2, 1)), np.ones((2, 1)))
+    steps = [(0.0, 0.0), (1.0, 1.0)]
+    command = {"command": Function(lambda t: t)}
+    return [
+        Call("RestToRest", RestToRest, ends | {"time": Number(0.5, **POSITIVE), "shaper": Object(made, none=True)}),
+        Call("RestToRest.__call__", rest.__call__, {"t": Number(0.25)}),
+        Call("Follow", Follow, follow | rows),
+        Call("Follow.__call__", followed.__call__, {"t": Number(0.25)}),
+        Call("PD.design", PD.design, point | RATE | at | more),
+        Call("PD.shaped", pd.shaped, {"model": Object(ARM.linearize(np.zeros(2))), "kind": Choice("zv")}),
+        Call("PD.act", pd.act, {"t": Number(0.25), "y": STATES}),
+        Call(
+            "ComputedTorque.design",
+            ComputedTorque.design,
+            {"plant": Object(ARM), "reference": Object(rest)} | RATE | more,
+        ),
+        Call("ComputedTorque.act", torque.act, {"t": Number(0.25), "y": STATES}),
+        Call(
+            "shaper",
+            shaper,
+            {"frequency": Number(4.0, **POSITIVE), "damping": Number(0.125, low=0.0, high=0.9)} | kinds,
+        ),
+        Call("shaper_for", shaper_for, modes | kinds | {"most": Count(1, none=True)}),
+        Call("shape", shape, command | modes | kinds),
+        Call("Shaper", type(made), {"times": Array(made.times, leads=True), "amplitudes": Array(made.amplitudes)}),
+        Call("Shaper.__call__", made.__call__, command),
+        Call(
+            "Shaper.residual",
+            made.residual,
+            {
+                "frequency": Array(np.array([4.0, 8.0]), leads=True, wrong=False),
+                "damping": Number(0.125, low=0.0, high=0.9),
+            },
+        ),
+        Call("switches", switches, {"command": Objects(tuple(steps)), "by": Object(made)}),
+    ]

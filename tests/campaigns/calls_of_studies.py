@@ -1,0 +1,153 @@
+"""Valid calls of studies. What takes seconds is tried with nonsense only, which is refused before."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from argument_kinds import Call, Choice, Count, Flag, Kind, Names, Number, Object, Objects
+from kinds_of_laws import ByName, Function, Place
+from laws_at_hand import ARM, SCENE
+
+from pliant.controllers import LQR
+from pliant.plants import LinearModel
+from pliant.studies import chart, choose, report, scoreboard
+from pliant.studies.closed_loop.contestants import playable
+from pliant.studies.closed_loop.rollout import nominal, randomised, reading_noise, rollout
+from pliant.studies.common.reference_motions import Motions
+from pliant.studies.fidelity.mode_count import modes_needed
+from pliant.studies.fidelity.stiffening import stiffening_needed
+from pliant.studies.figures import style
+from pliant.studies.papers import registry
+from pliant.studies.stability.judgement import judge
+from pliant.studies.stability.parameter_map import map_stability
+from pliant.studies.stability.verdicts import verdict_at_goal, verdict_of
+
+TIME = {"low": 0.0, "open": True}
+SCENES = {"scene": Object(SCENE)}
+TOLD = {"progress": Function(lambda share, words: None, none=True)}
+FOLDER = Path(tempfile.mkdtemp())
+
+
+class Grid(ByName):
+    """Two parameters and their values."""
+
+    def bad(self):
+        """No names, one, values that do not ascend."""
+        yield from ((what, value) for what, value in Kind.bad(self))
+        yield from (("a number", 3.0), ("a string", "abc"), ("one", {"a": [1.0]}), ("a list", ["a", "b"]))
+        for what, wrong in (("strings", ["1", "2"]), ("NaN", [np.nan]), ("descending", [2.0, 1.0]), ("nothing", [])):
+            yield what, {"a": wrong, "b": [1.0]}
+        yield from (
+            ("complex", {"a": [1j], "b": [1.0]}),
+            ("None", {"a": None, "b": [1.0]}),
+            ("a key", {1: [1.0], "b": [1.0]}),
+        )
+
+    def good(self):
+        """Arrays, tuples."""
+        yield "arrays", {name: np.array(values) for name, values in self.value.items()}
+        yield "tuples", {name: tuple(values) for name, values in self.value.items()}
+
+
+class Played(Object):
+    """A motion; a function that gives one is valid too."""
+
+    def bad(self):
+        """All but functions."""
+        yield from ((what, value) for what, value in Object.bad(self) if what != "a function")
+
+
+def built(a: float, b: float) -> LinearModel:
+    """An oscillator."""
+    return LinearModel.from_matrices([[0.0, 1.0], [-a, -b]], [[0.0], [1.0]])
+
+
+def study_calls() -> list[Call]:
+    """Of all of these."""
+    return [*run_calls(), *long_calls(), *map_calls()]
+
+
+def run_calls() -> list[Call]:
+    """Of runs of a scene."""
+    law = LQR.for_scene(SCENE)
+    return [
+        Call("rollout", rollout, SCENES | {"controller": Object(law), "conditions": Object(nominal(SCENE), none=True)}),
+        Call("nominal", nominal, SCENES),
+        Call("randomised", randomised, SCENES | {"count": Count(2), "seed": Count(1, low=0)}),
+        Call("reading_noise", reading_noise, SCENES),
+        Call("playable", playable, {"names": Names(("single-link-slew",), none=True)}),
+        Call("verdict_at_goal", verdict_at_goal, SCENES),
+        Call("style.save", style.save, {"path": Place(FOLDER / "picture.png")}, {"figure": _figure()}),
+    ]
+
+
+def _figure():
+    return style.panels(1)[0]
+
+
+def long_calls() -> list[Call]:
+    """Of what takes seconds."""
+    budget, motions = {"budget": Number(1.0, **TIME)}, {"motions": Object(Motions(SCENE), none=True)}
+    part = {"variants": Objects((ARM,), none=True), "methods": Names(("rk4",)), "prune": Flag(True)}
+    tolerance = {"tolerance": Number(0.5, none=True, **TIME), "measured": Object(_chart(), none=True)}
+    counts = {
+        "seeds": Count(1),
+        "seed": Count(1, low=0),
+        "bounds": Count(1, low=0),
+        "jobs": Count(1, low=None, none=True),
+    }
+    who = {"scenes": Names(("single-link-slew",), none=True), "controllers": Names(("LQR",), none=True)}
+    out = {"out": Place(FOLDER / "report"), "budget": Number(1.0, none=True, **TIME)}
+    sizes = {"tolerance": Number(0.5, **TIME), "most": Count(2), "size": Number(0.5, **TIME)}
+    return [
+        Call("chart", chart, SCENES | budget | part | motions | TOLD, long=True),
+        Call("choose", choose, SCENES | tolerance | motions | TOLD, long=True),
+        Call("report", report, SCENES | out | TOLD, long=True),
+        Call("scoreboard", scoreboard, who | counts | TOLD, long=True),
+        Call(
+            "modes_needed",
+            modes_needed,
+            {"plant": Object(ARM), "nominal": Played(SCENE.open_loop())}
+            | sizes
+            | {"with_modes": Function(lambda plant, n: plant, none=True)},
+            long=True,
+        ),
+        Call("stiffening_needed", stiffening_needed, SCENES, long=True),
+        Call(
+            "judge", judge, SCENES | {"seconds": Number(1.0, low=0.0), "largest": Number(8.0, **TIME)} | TOLD, long=True
+        ),
+        Call("verdict_of", verdict_of, SCENES | TOLD, long=True),
+        Call("papers.draw", registry.draw, {"paper": Choice("single-link")}, long=True),
+        Call(
+            "papers.write",
+            registry.write,
+            {"paper": Choice("single-link"), "folder": Place(FOLDER), "progress": Function(print)},
+            long=True,
+        ),
+    ]
+
+
+def _chart():
+    from pliant.studies.fidelity.speed_accuracy import Chart, Reference
+
+    return Chart("short", ("tip_x",), 0.5, 1.0, (), Reference("rigid", 1e-10, "rigid", 0.0), {}, 1.0)
+
+
+def map_calls() -> list[Call]:
+    """Of the stability map, and of what it and a chart give."""
+    grid = {"grid": Grid({"a": [1.0, 2.0], "b": [0.5, 1.0]}), "period": Number(1.0, none=True, **TIME)}
+    how = {
+        "jobs": Count(1, low=None),
+        "backend": Choice("sequential"),
+        "at": ByName({"hub_angle": 0.0}, none=True, any=True),
+    }
+    found = map_stability(built, {"a": [1.0], "b": [0.5]}, jobs=1, backend="sequential")
+    return [
+        Call("map_stability", map_stability, {"plant": Function(built)} | grid | how | TOLD),
+        Call("StabilityMap.share", found.share, {"verdict": Choice("stable")}),
+        Call("StabilityMap.save", found.save, {"table": Place(FOLDER / "map.json", none=True)}),
+        Call("Chart.save", _chart().save, {"table": Place(FOLDER / "chart.json")}),
+        Call("Chart.fastest", _chart().fastest, {"tolerance": Number(0.5, none=True, low=0.0)}),
+    ]
