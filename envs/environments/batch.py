@@ -1,0 +1,86 @@
+"""What a batch of lanes holds and shows between two calls of `reset` and `step`."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any, Self
+
+import gymnasium
+import numpy as np
+from gymnasium.envs.registration import EnvSpec
+
+from pliant.envs.scenes.scene import Scene
+from pliant.envs.simulation.control_kernel import ControlStep
+from pliant.envs.simulation.control_period import check_substep
+from pliant.envs.simulation.episode_supply import EpisodeSupply, owned
+
+from . import arguments, specification
+from .lanes import Lanes
+
+Array = np.ndarray
+
+
+class Batch(Lanes):
+    """Lanes of one scene: their states and times, how they are drawn, how they travel to another process."""
+
+    scene: Scene
+    _step: ControlStep
+    _supply: EpisodeSupply
+    _done: Array  # control periods (num_envs,) played of each lane's episode
+    _steps: int  # periods of an episode
+    _begun: bool  # whether every lane has been started
+
+    @property  # type: ignore[override]
+    def spec(self) -> EnvSpec | None:
+        """The registered specification, with the max_episode_steps that this class enforces."""
+        return getattr(self, "_spec", None)
+
+    @spec.setter
+    def spec(self, value: EnvSpec | None) -> None:
+        self._spec = specification.own(value, self._steps)
+
+    @property
+    def states(self) -> Array:
+        """States (num_envs, nx), a copy. ResetNeeded before the first reset."""
+        self._require_begun("states")
+        return self._step.x.T.copy()
+
+    @property
+    def times(self) -> Array:
+        """Times (num_envs,) since the start of each lane's episode [s]. ResetNeeded before the first reset."""
+        self._require_begun("times")
+        return self._done * self.scene.dt
+
+    @property
+    def randomise(self) -> bool:
+        """Whether episodes are drawn; what is set holds from the next start of a lane."""
+        return self._randomise
+
+    @randomise.setter
+    def randomise(self, value: bool) -> None:
+        value = arguments.require_flag("PlantVectorEnv", "randomise", value)
+        check_substep(self.scene, value)
+        self._randomise = value
+
+    @property
+    def native(self) -> bool:
+        """Whether compiled code runs."""
+        return self._step.native
+
+    def generator_of(self, lane: int) -> np.random.Generator:
+        """The random numbers that a lane draws its episodes from."""
+        return self._supply.generator(lane) or self.np_random
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(owned(state))  # what came in a message may not be written to
+
+    def __copy__(self) -> Self:
+        return copy.deepcopy(self)
+
+    def render(self) -> None:
+        """None, with a warning: lanes are not drawn, PlantEnv is."""
+        gymnasium.logger.warn("PlantVectorEnv.render: lanes are not drawn; PlantEnv draws one")
+
+    def _require_begun(self, asked: str) -> None:
+        if not self._begun:
+            raise gymnasium.error.ResetNeeded(f"PlantVectorEnv.{asked}: no episode has begun; call reset first")

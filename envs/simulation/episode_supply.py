@@ -1,0 +1,93 @@
+"""Randomised episodes for lanes, drawn before they are needed: many at a time cost less each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, cast
+
+import numpy as np
+from gymnasium.utils import seeding
+
+from pliant.envs.scenes.scene import Scene
+
+from .episode_start import begin, begin_each
+
+Array = np.ndarray
+
+
+def owned(state: dict[str, Any]) -> dict[str, Any]:
+    """The state of an object with arrays that are its own to write to, also where it came as read-only memory."""
+
+    def copied(value: Any) -> Any:
+        if isinstance(value, list):
+            return [copied(item) for item in value]
+        return value.copy() if isinstance(value, np.ndarray) else value
+
+    return {name: copied(value) for name, value in state.items()}
+
+
+class EpisodeSupply:
+    """Episodes (x, obs, w, p) for lanes, from one stream of random numbers for all, or from a lane's own.
+
+    A lane that was given a seed of its own gets the episodes that a single environment of that seed plays, in their
+    order, whatever the other lanes do. The others share one stream: its episodes go to whoever asks next.
+    """
+
+    def __init__(self, scene: Scene, lanes: int) -> None:
+        self.scene, self.lanes = scene, lanes
+        self.widths = (scene.plant.nx, len(scene.observe), scene.plant.nw, len(scene.varied_plant.varied))
+        self._shared = [np.zeros((0, n)) for n in self.widths]
+        self._streams: dict[
+            int, int | np.random.Generator
+        ] = {}  # of the lanes that have one: its seed until it is used
+        self._seeded = np.zeros(lanes, dtype=bool)
+        self._ready = np.zeros(lanes, dtype=bool)  # lanes whose next episode is drawn ..
+        self._own: list[Array] = []  # .. and stands in these rows
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(owned(state))
+
+    def seed(self, lanes: Array, seeds: Sequence[int]) -> None:
+        """From now on the episodes of the lanes (k,) come from streams of these seeds."""
+        if not self._own:
+            self._own = [np.zeros((self.lanes, n)) for n in self.widths]
+        self._streams.update(zip(lanes.tolist(), seeds))
+        self._seeded[lanes], self._ready[lanes] = True, False
+
+    def generator(self, lane: int) -> np.random.Generator | None:
+        """The lane's own stream, if it has one."""
+        found = self._streams.get(lane)
+        if isinstance(found, int):
+            found = self._streams[lane] = seeding.np_random(found)[0]
+        return found
+
+    def take(self, lanes: Array, shared: Callable[[], np.random.Generator]) -> list[Array]:
+        """The next episodes (x, obs, w, p) of the lanes (k,), each with k rows."""
+        own = self._seeded[lanes]
+        if own.all():
+            return self._next_own(lanes)
+        if not own.any():
+            return self._next(len(lanes), shared)
+        found = [np.zeros((len(lanes), n)) for n in self.widths]
+        for whose, rows in ((own, self._next_own(lanes[own])), (~own, self._next(int((~own).sum()), shared))):
+            for into, values in zip(found, rows):
+                into[whose] = values
+        return found
+
+    def _next(self, n: int, shared: Callable[[], np.random.Generator]) -> list[Array]:
+        if n > len(self._shared[0]):
+            more = begin(self.scene, shared(), self.lanes)
+            self._shared = [np.concatenate(pair) for pair in zip(self._shared, more)]
+        taken = [a[:n] for a in self._shared]
+        self._shared = [a[n:] for a in self._shared]
+        return taken
+
+    def _next_own(self, lanes: Array) -> list[Array]:
+        if not self._ready[lanes].all():
+            empty = np.flatnonzero(self._seeded & ~self._ready)
+            drawn = begin_each(self.scene, [cast(np.random.Generator, self.generator(lane)) for lane in empty.tolist()])
+            for into, values in zip(self._own, drawn):
+                into[empty] = values
+            self._ready[empty] = True
+        self._ready[lanes] = False
+        return [a[lanes] for a in self._own]
