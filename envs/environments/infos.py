@@ -47,10 +47,14 @@ def of_both(scene: Scene, step: ControlStep, found: dict[str, Any], obs: Array, 
     return {**found, **_masked(over, final_obs=obs), "final_info": final, "_final_info": over.copy()}
 
 
-def of_lane(found: dict[str, Any], lane: int) -> dict[str, Any]:
-    """What the infos of a vector environment say of one lane, as the infos of a single one."""
-    own: dict[str, Any] = {}
+def of_lanes(found: dict[str, Any], lanes: Array) -> list[dict[str, Any]]:
+    """What the infos of a vector environment say of each of the lanes (k,), as infos of single environments."""
+    each: list[dict[str, Any]] = [{} for _ in range(len(lanes))]
     for key, value in found.items():
-        if not key.startswith("_") and found[f"_{key}"][lane]:
-            own[key] = of_lane(value, lane) if isinstance(value, dict) else value[lane].item()
-    return own
+        if key[0] == "_":
+            continue
+        values = of_lanes(value, lanes) if isinstance(value, dict) else value[lanes].tolist()
+        for own, item, said in zip(each, values, found["_" + key][lanes].tolist()):
+            if said:
+                own[key] = item
+    return each

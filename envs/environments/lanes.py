@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import VectorEnv
 
-from .infos import of_lane
+from .infos import of_lanes
 
 Array = np.ndarray
 SHARED = ("randomise",)  # attributes of the environment that may be set, in all lanes at once
@@ -93,7 +93,7 @@ class Lanes(VectorEnv[Array, Array, Array]):
         mask = np.isin(np.arange(self.num_envs), lanes)
         each: Any = None if seed is None else [seed] * self.num_envs
         obs, found = self.reset(seed=each, options={**(options or {}), "reset_mask": mask})
-        return [(obs[lane].copy(), of_lane(found, lane)) for lane in lanes]
+        return list(zip(obs[lanes], of_lanes(found, np.array(lanes))))
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
         """The attribute of every lane."""

@@ -15,7 +15,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from pliant.envs.scenes.scene import Scene
 
 from . import arguments
-from .infos import of_lane
+from .infos import of_lanes
 from .vector_env import PlantVectorEnv
 
 Indices = int | Iterable[int] | None
@@ -28,7 +28,7 @@ class PlantVecEnv(VecEnv):
     float32, what its networks take. Where an episode ended, infos[i] holds "terminal_observation",
     "TimeLimit.truncated", "diverged", "cost" and "early_end_cost" of the last period and the "parameters" it was played
     with, and where a range of the plant's `validity` is left its largest value over its limit as "validity"; every
-    other infos[i] is an empty dictionary of its own.
+    other infos[i] is an empty dictionary of its lane's own.
 
     `seed(s)` seeds lane i with s + i, which then plays the episodes of PlantEnv.reset(seed=s + i); `set_options` takes
     what PlantEnv.reset does, for all lanes or a list with one dictionary a lane. Both serve the next `reset`. What
@@ -55,6 +55,7 @@ class PlantVecEnv(VecEnv):
             max_episode_steps=max_episode_steps,
         )
         self._actions: np.ndarray | None = None
+        self._blank: list[dict[str, Any]] = [{} for _ in range(self.vector.num_envs)]  # new ones cost as much as a step
         super().__init__(self.vector.num_envs, self.vector.single_observation_space, self.vector.single_action_space)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
@@ -77,7 +78,7 @@ class PlantVecEnv(VecEnv):
         """New episodes in all lanes, with the seeds and options set since the last reset."""
         given = self._options if any(self._options) else None
         obs, found = self.vector.restart(np.arange(self.num_envs), list(self._seeds), given)
-        self.reset_infos = [of_lane(found, i) for i in range(self.num_envs)]
+        self.reset_infos = of_lanes(found, np.arange(self.num_envs))
         self._reset_seeds()
         self._reset_options()
         self._actions = None
@@ -94,14 +95,18 @@ class PlantVecEnv(VecEnv):
         actions, self._actions = self._actions, None
         obs, rewards, terminated, truncated, ended = self.vector.step(actions)
         dones = terminated | truncated
-        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        if any(self._blank):  # written to by who got them: theirs
+            self._blank = [{} if told else told for told in self._blank]
+        infos = self._blank.copy()
         for i in np.flatnonzero(ended.get("_validity", ())):
-            infos[i]["validity"] = float(ended["validity"][i])
-        for i in np.flatnonzero(dones):
-            infos[i] |= of_lane(ended["final_info"], i)
-            infos[i]["terminal_observation"] = ended["final_obs"][i].copy()
-            infos[i]["TimeLimit.truncated"] = bool(truncated[i])
-            self.reset_infos[i] = {"parameters": of_lane(ended["parameters"], i)}
+            infos[i] = {"validity": float(ended["validity"][i])}
+        lanes = np.flatnonzero(dones)
+        if len(lanes):
+            begun = {"parameters": ended["parameters"], "_parameters": dones}
+            told_of, starts = of_lanes(ended["final_info"], lanes), of_lanes(begun, lanes)
+            for i, told, last, start in zip(lanes.tolist(), told_of, ended["final_obs"][lanes], starts):
+                told["terminal_observation"], told["TimeLimit.truncated"] = last, bool(truncated[i])
+                infos[i], self.reset_infos[i] = told, start
         return obs, rewards.astype(np.float32), dones, infos
 
     def close(self) -> None:

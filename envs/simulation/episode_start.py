@@ -47,12 +47,12 @@ def begin(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, n
 
 
 def begin_each(
-    scene: Scene, generators: Sequence[np.random.Generator]
+    scene: Scene, generators: Sequence[np.random.Generator], counts: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """As `begin`, one episode from each generator: the one that `draw(scene, generator, 1)` gives."""
-    counts = _counts(scene)
-    shares = np.array([rng.random(sum(counts)) for rng in generators]).reshape(len(generators), -1)
-    return _begun(scene, *_scaled(scene, np.split(shares, np.cumsum(counts)[:-1], axis=1)))
+    """As `begin`, so many episodes from each generator: those that `draw(scene, generator, 1)` gives one by one."""
+    sizes = _counts(scene)
+    shares = np.concatenate([rng.random((count, sum(sizes))) for rng, count in zip(generators, counts)])
+    return _begun(scene, *_scaled(scene, np.split(shares, np.cumsum(sizes)[:-1], axis=1)))
 
 
 def _begun(

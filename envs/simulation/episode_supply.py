@@ -13,6 +13,7 @@ from pliant.envs.scenes.scene import Scene
 from .episode_start import begin, begin_each
 
 Array = np.ndarray
+DEPTH = 4  # episodes drawn ahead for a lane with its own stream: lanes end one by one, many are drawn at a time
 
 
 def owned(state: dict[str, Any]) -> dict[str, Any]:
@@ -41,8 +42,9 @@ class EpisodeSupply:
             int, int | np.random.Generator
         ] = {}  # of the lanes that have one: its seed until it is used
         self._seeded = np.zeros(lanes, dtype=bool)
-        self._ready = np.zeros(lanes, dtype=bool)  # lanes whose next episode is drawn ..
-        self._own: list[Array] = []  # .. and stands in these rows
+        self._own: list[Array] = []  # rings (lanes, DEPTH, n) of their next episodes ..
+        self._next_row = np.zeros(lanes, dtype=int)  # .. in which the very next stands here ..
+        self._left = np.zeros(lanes, dtype=int)  # .. and so many are drawn
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(owned(state))
@@ -50,9 +52,9 @@ class EpisodeSupply:
     def seed(self, lanes: Array, seeds: Sequence[int]) -> None:
         """From now on the episodes of the lanes (k,) come from streams of these seeds."""
         if not self._own:
-            self._own = [np.zeros((self.lanes, n)) for n in self.widths]
+            self._own = [np.zeros((self.lanes, DEPTH, n)) for n in self.widths]
         self._streams.update(zip(lanes.tolist(), seeds))
-        self._seeded[lanes], self._ready[lanes] = True, False
+        self._seeded[lanes], self._left[lanes] = True, 0
 
     def generator(self, lane: int) -> np.random.Generator | None:
         """The lane's own stream, if it has one."""
@@ -83,11 +85,21 @@ class EpisodeSupply:
         return taken
 
     def _next_own(self, lanes: Array) -> list[Array]:
-        if not self._ready[lanes].all():
-            empty = np.flatnonzero(self._seeded & ~self._ready)
-            drawn = begin_each(self.scene, [cast(np.random.Generator, self.generator(lane)) for lane in empty.tolist()])
-            for into, values in zip(self._own, drawn):
-                into[empty] = values
-            self._ready[empty] = True
-        self._ready[lanes] = False
-        return [a[lanes] for a in self._own]
+        if not self._left[lanes].all():
+            self._fill()
+        rows = self._next_row[lanes]
+        self._next_row[lanes], self._left[lanes] = (rows + 1) % DEPTH, self._left[lanes] - 1
+        return [a[lanes, rows] for a in self._own]
+
+    def _fill(self) -> None:
+        """Draw what is missing of all lanes that have a stream."""
+        lanes = np.flatnonzero(self._seeded & (self._left < DEPTH))
+        missing = DEPTH - self._left[lanes]
+        streams = [cast(np.random.Generator, self.generator(lane)) for lane in lanes.tolist()]
+        drawn = begin_each(self.scene, streams, missing.tolist())
+        whose = np.repeat(lanes, missing)
+        nth = np.arange(len(whose)) - np.repeat(np.cumsum(missing) - missing, missing)  # of those missing
+        rows = (self._next_row[whose] + self._left[whose] + nth) % DEPTH
+        for into, values in zip(self._own, drawn):
+            into[whose, rows] = values
+        self._left[lanes] = DEPTH
