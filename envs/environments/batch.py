@@ -28,7 +28,7 @@ class Batch(Lanes):
     _supply: EpisodeSupply
     _done: Array  # control periods (num_envs,) played of each lane's episode
     _steps: int  # periods of an episode
-    _begun: bool  # whether every lane has been started
+    begun: bool  # whether every lane has been started
 
     @property  # type: ignore[override]
     def spec(self) -> EnvSpec | None:
@@ -82,5 +82,5 @@ class Batch(Lanes):
         gymnasium.logger.warn("PlantVectorEnv.render: lanes are not drawn; PlantEnv draws one")
 
     def _require_begun(self, asked: str) -> None:
-        if not self._begun:
+        if not self.begun:
             raise gymnasium.error.ResetNeeded(f"PlantVectorEnv.{asked}: no episode has begun; call reset first")

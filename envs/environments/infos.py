@@ -6,45 +6,63 @@ a view of an environment's own arrays, nor of another value's.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-
-from pliant.envs.scenes.scene import Scene
-from pliant.envs.simulation.control_kernel import ControlStep
 
 Array = np.ndarray
 
 
-def _masked(mask: Array, **values: Array) -> dict[str, Any]:
+class Ended(NamedTuple):
+    """The k episodes that end in one step: rows for their lanes (k,), their last observations (k, no) and their
+    randomised parameters (k, np), the last period's cost and of it the charge for the time left.
+    """
+
+    lanes: Array
+    cost: Array
+    early_end_cost: Array
+    diverged: Array
+    obs: Array
+    parameters: Array
+
+
+def masked(n: int, lanes: Array, **values: Array) -> dict[str, Any]:
+    """Values (k,) of the lanes (k,) by name, as arrays (n,) with their masks."""
     found: dict[str, Any] = {}
     for name, value in values.items():
-        found[name], found[f"_{name}"] = value.copy(), mask.copy()
+        found[name] = np.zeros(n, dtype=value.dtype)
+        found[name][lanes] = value
+        mask = found["_" + name] = np.zeros(n, dtype=bool)
+        mask[lanes] = True
     return found
 
 
-def of_episodes(scene: Scene, step: ControlStep, mask: Array) -> dict[str, Any]:
-    """Of the lanes (num_envs,) whose episodes begin or end: the randomised parameters, by name, that they have."""
-    values = _masked(mask, **dict(zip(scene.varied_plant.varied, step.p.astype(float))))
-    return {"parameters": values, "_parameters": mask.copy()}
+def of_end(n: int, ended: Ended) -> dict[str, Any]:
+    """Of the lanes whose episodes are over: "cost", "early_end_cost", "diverged"."""
+    _, cost, early, diverged, *_ = ended
+    return masked(n, ended.lanes, cost=cost, early_end_cost=early, diverged=diverged)
 
 
-def of_end(cost: Array, early: tuple[Array, Array], diverged: Array, over: Array) -> dict[str, Any]:
-    """Of the lanes whose episodes are over: the last period's cost, and of it the charge early = (lanes, costs) for the
-    time left; whether the state diverged.
+def of_parameters(n: int, lanes: Array, names: Sequence[str], p: Array) -> dict[str, Any]:
+    """The randomised parameters p (k, np) of the lanes (k,), by name."""
+    mask = np.zeros(n, dtype=bool)
+    mask[lanes] = True
+    return {"parameters": masked(n, lanes, **dict(zip(names, p.T))), "_parameters": mask}
+
+
+def of_both(n: int, ended: Ended, names: Sequence[str], told: dict[str, Any], obs: Array) -> dict[str, Any]:
+    """Where lanes start again in the step that ends them: what belongs to the end, beside what else is `told`.
+
+    obs (n, no) are the observations that the step returns; final_obs holds the last ones of the lanes that ended.
     """
-    charged = np.zeros(len(cost))
-    charged[early[0]] = early[1]
-    return _masked(over, cost=cost, early_end_cost=charged, diverged=diverged)
-
-
-def of_both(scene: Scene, step: ControlStep, found: dict[str, Any], obs: Array, over: Array) -> dict[str, Any]:
-    """Where lanes start again in the step that ends them: what is told of the end, before the start overwrites it."""
-    final = {key: value.copy() for key, value in found.items()}
-    if "_validity" in final:
-        final["_validity"] &= over
-    final |= of_episodes(scene, step, over)
-    return {**found, **_masked(over, final_obs=obs), "final_info": final, "_final_info": over.copy()}
+    final = of_end(n, ended) | of_parameters(n, ended.lanes, names, ended.parameters)
+    final_obs = obs.copy()
+    final_obs[ended.lanes] = ended.obs
+    over = final["_cost"]
+    if "validity" in told and (told["_validity"] & over).any():
+        final |= {"validity": told["validity"].copy(), "_validity": told["_validity"] & over}
+    return {"final_obs": final_obs, "_final_obs": over.copy(), "final_info": final, "_final_info": over.copy()}
 
 
 def of_lanes(found: dict[str, Any], lanes: Array) -> list[dict[str, Any]]:

@@ -15,7 +15,6 @@ from stable_baselines3.common.vec_env import VecEnv
 from pliant.envs.scenes.scene import Scene
 
 from . import arguments
-from .infos import of_lanes
 from .vector_env import PlantVectorEnv
 
 Indices = int | Iterable[int] | None
@@ -58,6 +57,18 @@ class PlantVecEnv(VecEnv):
         self._blank: list[dict[str, Any]] = [{} for _ in range(self.vector.num_envs)]  # new ones cost as much as a step
         super().__init__(self.vector.num_envs, self.vector.single_observation_space, self.vector.single_action_space)
 
+    @property
+    def reset_infos(self) -> list[dict[str, Any]]:
+        """The "parameters" of the episode that each lane plays; empty before the first reset."""
+        if not self.vector.begun:
+            return [{} for _ in range(self.num_envs)]
+        names, lanes = self.vector.scene.varied_plant.varied, np.arange(self.num_envs)
+        return [{"parameters": dict(zip(names, p))} for p in self.vector.parameters_of(lanes).tolist()]
+
+    @reset_infos.setter
+    def reset_infos(self, value: list[dict[str, Any]]) -> None:
+        """What the base class begins with: empty ones, as here."""
+
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Seed lane i with seed + i, None at random, for the next `reset`; returns the seeds."""
         return super().seed(arguments.require_seed("PlantVecEnv.seed", seed))
@@ -77,8 +88,7 @@ class PlantVecEnv(VecEnv):
     def reset(self) -> np.ndarray:
         """New episodes in all lanes, with the seeds and options set since the last reset."""
         given = self._options if any(self._options) else None
-        obs, found = self.vector.restart(np.arange(self.num_envs), list(self._seeds), given)
-        self.reset_infos = of_lanes(found, np.arange(self.num_envs))
+        obs, _ = self.vector.restart(np.arange(self.num_envs), list(self._seeds), given)
         self._reset_seeds()
         self._reset_options()
         self._actions = None
@@ -93,21 +103,26 @@ class PlantVecEnv(VecEnv):
         if self._actions is None:
             raise gymnasium.error.ResetNeeded("PlantVecEnv.step_wait: no actions wait; call reset, then step_async")
         actions, self._actions = self._actions, None
-        obs, rewards, terminated, truncated, ended = self.vector.step(actions)
-        dones = terminated | truncated
+        obs, cost, terminated, truncated, valid, ended, _ = self.vector.advance(actions)
         if any(self._blank):  # written to by who got them: theirs
             self._blank = [{} if told else told for told in self._blank]
         infos = self._blank.copy()
-        for i in np.flatnonzero(ended.get("_validity", ())):
-            infos[i] = {"validity": float(ended["validity"][i])}
-        lanes = np.flatnonzero(dones)
-        if len(lanes):
-            begun = {"parameters": ended["parameters"], "_parameters": dones}
-            told_of, starts = of_lanes(ended["final_info"], lanes), of_lanes(begun, lanes)
-            for i, told, last, start in zip(lanes.tolist(), told_of, ended["final_obs"][lanes], starts):
-                told["terminal_observation"], told["TimeLimit.truncated"] = last, bool(truncated[i])
-                infos[i], self.reset_infos[i] = told, start
-        return obs, rewards.astype(np.float32), dones, infos
+        if ended is not None:
+            names, lanes = self.vector.scene.varied_plant.varied, ended.lanes.tolist()
+            columns = (ended.cost, ended.early_end_cost, ended.diverged, truncated[ended.lanes], ended.parameters)
+            for i, last, cost_i, early, diverged, late, p in zip(lanes, ended.obs, *(a.tolist() for a in columns)):
+                infos[i] = {
+                    "terminal_observation": last,
+                    "TimeLimit.truncated": late,
+                    "diverged": diverged,
+                    "cost": cost_i,
+                    "early_end_cost": early,
+                    "parameters": dict(zip(names, p)),
+                }
+        if valid:
+            for i in valid["_validity"].nonzero()[0].tolist():
+                infos[i] = {**infos[i], "validity": float(valid["validity"][i])}
+        return obs, -cost.astype(np.float32), terminated | truncated, infos
 
     def close(self) -> None:
         """Nothing is held open; may be called again."""

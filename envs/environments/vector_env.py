@@ -25,6 +25,7 @@ from .batch import Batch
 
 Array = np.ndarray
 MODES = tuple(AutoresetMode)
+NO_LANES = np.zeros(0, dtype=int)
 
 
 class PlantVectorEnv(Batch):
@@ -84,11 +85,12 @@ class PlantVectorEnv(Batch):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._supply = EpisodeSupply(scene, self.num_envs)
-        self._nominal = scene.varied_plant.nominal_parameters
+        self._names, self._nominal = scene.varied_plant.varied, scene.varied_plant.nominal_parameters
         self._first = first_observations(scene, scene.initial[0][None], self._nominal[None])[0]
         self._done = np.zeros(self.num_envs, dtype=np.int64)
         self._over = np.ones(self.num_envs, dtype=bool)
-        self._begun = False
+        self.begun = False
+        self._varied = False  # whether some lane has had other parameters than the plant's own
         self._obs = np.zeros((self.num_envs, len(scene.observe)), dtype=self._dtype)
         self.marks = {}
 
@@ -127,10 +129,12 @@ class PlantVectorEnv(Batch):
         if seeded:
             self._supply.seed(np.array(seeded), [cast(int, seeds[lane]) for lane in seeded])
         self._start(lanes, given)
-        self._begun = True
-        mask = np.zeros(self.num_envs, dtype=bool)
-        mask[lanes] = True
-        return self._obs.copy(), infos.of_episodes(self.scene, self._step, mask)
+        self.begun = True
+        return self._obs.copy(), infos.of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
+
+    def parameters_of(self, lanes: Array) -> Array:
+        """The randomised parameters (k, np) of the episodes that the lanes (k,) play."""
+        return self._step.p[:, lanes].T.astype(float)
 
     def _start(self, lanes: Array, given: list[dict[str, Any]] | None = None) -> None:
         """New episodes in the lanes (k,)."""
@@ -143,17 +147,18 @@ class PlantVectorEnv(Batch):
             x, obs, p = self._given(
                 [given[lane] for lane in lanes], *(np.tile(a, (k // len(a), 1)) for a in (x, obs, p))
             )
-        step.x[:, lanes], step.w[:, lanes], step.p[:, lanes] = x.T, w.T, p.T
+        step.x[:, lanes] = x.T
+        if self._randomise or given is not None or self._varied:
+            step.w[:, lanes], step.p[:, lanes], self._varied = w.T, p.T, True
         self._obs[lanes] = obs
         self._done[lanes] = 0
         self._over[lanes] = False
 
     def _given(self, given: list[dict[str, Any]], x: Array, obs: Array, p: Array) -> tuple[Array, Array, Array]:
         """Starts (x, obs, p), k rows each, with what the options of each give in place of what was drawn."""
-        names = self.scene.varied_plant.varied
         for k, own in enumerate(given):
             for name, value in own.get("parameters", {}).items():
-                p[k, names.index(name)] = value
+                p[k, self._names.index(name)] = value
             if own.get("parameters") and "state" not in own and self.scene.start_at_rest:
                 held = x[k, self.scene.positions(name for name, _ in self.scene.start)]
                 x[k] = initial_states(self.scene, held[None], p[k][None])[0]
@@ -165,10 +170,26 @@ class PlantVectorEnv(Batch):
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Hold `actions` (num_envs, nu) for one control period in every lane."""
+        obs, cost, terminated, truncated, valid, ended, begun = self.advance(actions)
+        n, names, found = self.num_envs, self._names, valid
+        if ended is not None:
+            found = infos.of_end(n, ended) | valid
+            if self.autoreset_mode == AutoresetMode.SAME_STEP:
+                found |= infos.of_both(n, ended, names, valid, obs)
+            else:
+                begun = np.concatenate([begun, ended.lanes])
+        if len(begun):
+            found |= infos.of_parameters(n, begun, names, self.parameters_of(begun))
+        return obs, -cost, terminated, truncated, found
+
+    def advance(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any], infos.Ended | None, Array]:
+        """`step`, with costs, and in place of infos what they are made of: where ranges of validity are left, the
+        episodes that end, the lanes where one begins.
+        """
         self._require_begun("step")
         actions = arguments.require_actions("PlantVectorEnv.step", "actions", actions, self.action_space.shape)
         step, scene = self._step, self.scene
-        waiting = np.flatnonzero(self._over)
+        waiting = self._over.nonzero()[0]
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(
                 f"PlantVectorEnv.step: lane {waiting[0]} is over; reset it with options={{'reset_mask': ...}}"
@@ -183,34 +204,34 @@ class PlantVectorEnv(Batch):
         if len(waiting):  # these lanes start again instead
             terminated[waiting] = diverged[waiting] = False
             self._done[waiting] = 0
-        ended, early = np.flatnonzero(terminated), np.zeros(0)
-        if len(ended):
+            cost[waiting] = 0.0
+        early = None
+        if np.count_nonzero(terminated):
             self._obs[diverged] = last[diverged]
-            early = early_end_cost(scene, self._done[ended], cost[ended])
-            cost[ended] += early
+            left = terminated.nonzero()[0]
+            early = np.zeros(self.num_envs)
+            early[left] = early_end_cost(scene, self._done[left], cost[left])
+            cost += early
         truncated = (self._done >= self._steps) & ~terminated
         over = terminated | truncated
-        found: dict[str, Any] = {}
+        valid: dict[str, Any] = {}
         invalid = step.reach > 1.0
         if np.count_nonzero(invalid):
             invalid &= ~diverged
             invalid[waiting] = False
             if invalid.any():
-                found["validity"], found["_validity"] = np.where(invalid, step.reach, 0.0), invalid
-        if over.any():
-            found |= infos.of_end(cost, (ended, early), diverged, over)
-        changed = over
+                valid = {"validity": np.where(invalid, step.reach, 0.0), "_validity": invalid}
+        ended = None
+        if np.count_nonzero(over):
+            lanes = over.nonzero()[0]
+            charged = np.zeros(len(lanes)) if early is None else early[lanes]
+            ended = infos.Ended(
+                lanes, cost[lanes], charged, diverged[lanes], self._obs[lanes], self.parameters_of(lanes)
+            )
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            if "cost" in found:
-                found = infos.of_both(scene, step, found, self._obs, over)
-                self._start(np.flatnonzero(over))
+            waiting = NO_LANES if ended is None else ended.lanes
         else:
-            if len(waiting):
-                cost[waiting] = 0.0
-                self._start(waiting)
-                changed = over.copy()
-                changed[waiting] = True
             self._over = over
-        if len(waiting) or "cost" in found:
-            found |= infos.of_episodes(scene, step, changed)
-        return self._obs.copy(), -cost, terminated, truncated, found
+        if len(waiting):
+            self._start(waiting)
+        return self._obs.copy(), cost, terminated, truncated, valid, ended, waiting

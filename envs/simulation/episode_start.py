@@ -51,7 +51,8 @@ def begin_each(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """As `begin`, so many episodes from each generator: those that `draw(scene, generator, 1)` gives one by one."""
     sizes = _counts(scene)
-    shares = np.concatenate([rng.random((count, sum(sizes))) for rng, count in zip(generators, counts)])
+    width = sum(sizes)
+    shares = np.concatenate([rng.random(count * width) for rng, count in zip(generators, counts)]).reshape(-1, width)
     return _begun(scene, *_scaled(scene, np.split(shares, np.cumsum(sizes)[:-1], axis=1)))
 
 

@@ -13,7 +13,7 @@ from pliant.envs.scenes.scene import Scene
 from .episode_start import begin, begin_each
 
 Array = np.ndarray
-DEPTH = 4  # episodes drawn ahead for a lane with its own stream: lanes end one by one, many are drawn at a time
+DEPTH = 8  # episodes drawn ahead for a lane with its own stream: lanes end one by one, many are drawn at a time
 
 
 def owned(state: dict[str, Any]) -> dict[str, Any]:
@@ -65,9 +65,9 @@ class EpisodeSupply:
 
     def take(self, lanes: Array, shared: Callable[[], np.random.Generator]) -> list[Array]:
         """The next episodes (x, obs, w, p) of the lanes (k,), each with k rows."""
-        own = self._seeded[lanes]
-        if own.all():
+        if len(self._streams) == self.lanes:
             return self._next_own(lanes)
+        own = self._seeded[lanes]
         if not own.any():
             return self._next(len(lanes), shared)
         found = [np.zeros((len(lanes), n)) for n in self.widths]
@@ -85,10 +85,12 @@ class EpisodeSupply:
         return taken
 
     def _next_own(self, lanes: Array) -> list[Array]:
-        if not self._left[lanes].all():
+        left = self._left[lanes]
+        if np.count_nonzero(left) < len(left):
             self._fill()
+            left = self._left[lanes]
         rows = self._next_row[lanes]
-        self._next_row[lanes], self._left[lanes] = (rows + 1) % DEPTH, self._left[lanes] - 1
+        self._next_row[lanes], self._left[lanes] = (rows + 1) % DEPTH, left - 1
         return [a[lanes, rows] for a in self._own]
 
     def _fill(self) -> None:
