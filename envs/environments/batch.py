@@ -12,6 +12,7 @@ from gymnasium.envs.registration import EnvSpec
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep
+from pliant.envs.simulation.episode_start import first_observations, initial_states
 from pliant.envs.simulation.episode_supply import EpisodeSupply, owned
 
 from . import arguments, specification
@@ -27,6 +28,7 @@ class Batch(Lanes):
     _step: ControlStep
     _supply: EpisodeSupply
     _done: Array  # control periods (num_envs,) played of each lane's episode
+    _names: tuple[str, ...]  # of the randomised parameters
     _steps: int  # periods of an episode
     begun: bool  # whether every lane has been started
 
@@ -84,3 +86,21 @@ class Batch(Lanes):
     def _require_begun(self, asked: str) -> None:
         if not self.begun:
             raise gymnasium.error.ResetNeeded(f"PlantVectorEnv.{asked}: no episode has begun; call reset first")
+
+    def parameters_of(self, lanes: Array) -> Array:
+        """The randomised parameters (k, np) of the episodes that the lanes (k,) play."""
+        return self._step.p[:, lanes].T.astype(float)
+
+    def _given(self, given: list[dict[str, Any]], x: Array, obs: Array, p: Array) -> tuple[Array, Array, Array]:
+        """Starts (x, obs, p), k rows each, with what the options of each give in place of what was drawn."""
+        for k, own in enumerate(given):
+            for name, value in own.get("parameters", {}).items():
+                p[k, self._names.index(name)] = value
+            if own.get("parameters") and "state" not in own and self.scene.start_at_rest:
+                held = x[k, self.scene.positions(name for name, _ in self.scene.start)]
+                x[k] = initial_states(self.scene, held[None], p[k][None])[0]
+            if "state" in own:
+                x[k] = own["state"]
+            if own:
+                obs[k] = first_observations(self.scene, x[k][None], p[k][None])[0]
+        return x, obs, p

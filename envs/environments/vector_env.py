@@ -14,7 +14,7 @@ from gymnasium.vector.utils import batch_space
 
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
-from pliant.envs.simulation.episode_start import early_end_cost, first_observations, initial_states
+from pliant.envs.simulation.episode_start import early_end_cost, first_observations
 from pliant.envs.simulation.episode_supply import EpisodeSupply
 from pliant.plants.core import parameters
 from pliant.plants.native.batch_kernels import FEW
@@ -132,10 +132,6 @@ class PlantVectorEnv(Batch):
         self.begun = True
         return self._obs.copy(), infos.of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
 
-    def parameters_of(self, lanes: Array) -> Array:
-        """The randomised parameters (k, np) of the episodes that the lanes (k,) play."""
-        return self._step.p[:, lanes].T.astype(float)
-
     def _start(self, lanes: Array, given: list[dict[str, Any]] | None = None) -> None:
         """New episodes in the lanes (k,)."""
         step, k = self._step, len(lanes)
@@ -153,20 +149,6 @@ class PlantVectorEnv(Batch):
         self._obs[lanes] = obs
         self._done[lanes] = 0
         self._over[lanes] = False
-
-    def _given(self, given: list[dict[str, Any]], x: Array, obs: Array, p: Array) -> tuple[Array, Array, Array]:
-        """Starts (x, obs, p), k rows each, with what the options of each give in place of what was drawn."""
-        for k, own in enumerate(given):
-            for name, value in own.get("parameters", {}).items():
-                p[k, self._names.index(name)] = value
-            if own.get("parameters") and "state" not in own and self.scene.start_at_rest:
-                held = x[k, self.scene.positions(name for name, _ in self.scene.start)]
-                x[k] = initial_states(self.scene, held[None], p[k][None])[0]
-            if "state" in own:
-                x[k] = own["state"]
-            if own:
-                obs[k] = first_observations(self.scene, x[k][None], p[k][None])[0]
-        return x, obs, p
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Hold `actions` (num_envs, nu) for one control period in every lane."""
