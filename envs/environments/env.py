@@ -140,7 +140,7 @@ class PlantEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         step = self._step
         step.x[:], step.w[:], step.p[:] = x[:, None], w[:, None], p[:, None]
         self._x, self._u = x.astype(self._dtype), self._idle
-        self._drawn = dict(zip(self._names, map(float, p)))
+        self._drawn = dict(zip(self._names, p.astype(self._dtype).tolist()))  # those it is played with
         self._done, self._over, self._begun, self._total = 0, False, True, 0.0
         self._obs = first_observations(scene, x[None], p[None])[0].astype(self._dtype)
         if self._renderer is not None:

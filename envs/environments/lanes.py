@@ -14,6 +14,7 @@ from .infos import of_lanes
 Array = np.ndarray
 SHARED = ("randomise",)  # attributes of the environment that may be set, in all lanes at once
 OWN = {"state": "states", "time": "times"}  # attributes of a lane: rows of an array
+METHODS = ("reset", "get_wrapper_attr", "has_wrapper_attr", "set_wrapper_attr")  # of a lane alone
 ABSENT = object()
 
 
@@ -109,6 +110,6 @@ class Lanes(VectorEnv[Array, Array, Array]):
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Call the method in every lane, or read the attribute."""
         lanes = range(self.num_envs)
-        if name in self.marks or name in OWN or not callable(getattr(self, name)):
+        if name in self.marks or name in OWN or not (name in METHODS or callable(getattr(self, name))):
             return tuple(self.lane_attr(name, lanes))
         return tuple(self.call_lanes(name, lanes, *args, **kwargs))
