@@ -6,7 +6,7 @@ SCENE  ?= two-link-reach
 STEP   := $(PYTHON) .ci/step.py
 PIP    := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: report test bench campaign check check-types check-house docs architecture clean
+.PHONY: report test bench campaign check check-types check-types-user check-house docs architecture clean
 
 $(VENV)/ready: pyproject.toml setup.py constraints.txt
 	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Pliant needs Python >= 3.11; set PYTHON=')"
@@ -51,6 +51,15 @@ check-types: $(VENV)/ready-to-learn
 	@$(STEP) "A copy for the type checker" build/check.log $(BIN)/python -m pip install --no-deps --target build/check .
 	MYPYPATH=build/check $(BIN)/python -m mypy -p pliant.plants -p pliant.envs -p pliant.controllers -p pliant.studies
 
+# What a user's checkers say of the README's lines, with the wheel and with the editable install.
+$(VENV)/types: $(VENV)/ready
+	@$(STEP) "A second type checker" build/set-up-types.log $(PIP) ".[dev,types]" \
+	  || echo "basedpyright does not install here: mypy alone checks" >&2
+	@touch $@
+
+check-types-user: $(VENV)/types
+	$(BIN)/python .ci/typed_readme.py
+
 check-house: $(VENV)/ready
 	$(BIN)/python docs/house/check.py
 
@@ -67,4 +76,4 @@ docs: $(VENV)/docs
 	@echo "build/site/index.html" >&2
 
 clean:
-	rm -rf $(VENV) build dist reports
+	rm -rf $(VENV) .editable build dist reports

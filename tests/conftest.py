@@ -214,7 +214,7 @@ def wheel_file(tmp_path_factory):
     copy.mkdir()
     for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, copy / name)
-    for folder in ("plants", "controllers", "envs", "studies"):
+    for folder in ("package", "plants", "controllers", "envs", "studies"):
         shutil.copytree(ROOT / folder, copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
     command = ("wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(out), str(copy))
     built = subprocess.run([sys.executable, "-m", "pip", *command], capture_output=True, text=True)

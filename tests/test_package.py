@@ -1,6 +1,8 @@
 """The package: folders that install under one name, a wheel that holds the tree, imports that stay light."""
 
 import importlib
+import os
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -28,15 +30,14 @@ def wheel(wheel_file):
 
 def test_wheel_holds_exactly_the_tree(wheel):
     inside = [name for name in wheel if ".dist-info/" not in name]
-    tree = sorted(
+    tree = [
         f"pliant/{path.relative_to(ROOT).as_posix()}"
         for folder in FOLDERS
         for path in (ROOT / folder).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
-    )
-    assert inside == tree
+    ]
+    assert inside == sorted([*tree, "pliant/__init__.py", "pliant/py.typed"])
     assert all(f"pliant/{folder}/py.typed" in inside for folder in FOLDERS)
-    assert "pliant/__init__.py" not in inside  # a namespace
     assert any(name.endswith("licenses/LICENSE") for name in wheel)
     assert any(name.endswith("entry_points.txt") for name in wheel)
 
@@ -52,6 +53,36 @@ def test_importing_plants_imports_nothing_heavy(tmp_path):
     code = f"import sys, pliant.plants; print([m for m in {HEAVY!r} if m in sys.modules])"
     done = python("-c", code, cwd=tmp_path)
     assert done.stdout.strip() == "[]", done.stdout + done.stderr
+
+
+def test_the_version_is_the_packages(installed):
+    """Of the wheel and of the install here; what is not there is no attribute, and nothing heavy is imported for it."""
+    wanted = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    code = "import pliant, sys; print(pliant.__version__, hasattr(pliant, 'nothing'), 'numpy' in sys.modules)"
+    for path in (str(installed), ""):
+        done = python("-c", code, cwd=ROOT / "tests", env=os.environ | {"PYTHONPATH": path})
+        assert done.stdout.split() == [wanted, "False", "False"], done.stderr
+
+
+def test_an_editable_install_lays_the_package_out_where_checkers_look(tmp_path):
+    """Checkers read paths in .pth files, and run no import hook: the only line must be a folder that holds pliant."""
+    pytest.importorskip("setuptools", minversion="77")
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, copy / name)
+    for folder in ("package", *FOLDERS):
+        (copy / folder).mkdir()
+        shutil.copy(ROOT / folder / "__init__.py", copy / folder)
+    code = "import sys; from setuptools import build_meta; print(build_meta.build_editable(sys.argv[1]))"
+    done = python("-c", code, str(tmp_path), cwd=copy)
+    assert done.returncode == 0, done.stderr
+    (wheel,) = tmp_path.glob("pliant-*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        (path,) = [archive.read(name).decode().strip() for name in archive.namelist() if name.endswith(".pth")]
+    assert Path(path) == copy / ".editable"
+    for folder in FOLDERS:
+        assert (Path(path) / "pliant" / folder / "__init__.py").samefile(copy / folder / "__init__.py")
 
 
 def test_every_folder_says_what_it_exports():

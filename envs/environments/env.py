@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import gymnasium
@@ -14,12 +13,14 @@ from pliant.envs import scenes
 from pliant.envs.rendering import Renderer, renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
-from pliant.envs.simulation.control_period import LARGEST, check_substep, reach_function
+from pliant.envs.simulation.control_period import check_substep, reach_function
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
 from pliant.plants.core import parameters
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.validity.ranges import left_at
+
+from . import arguments, specification
 
 
 class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
@@ -47,6 +48,9 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     randomise  False: the scene's own start and parameters, every episode the same. True: both drawn at each
                reset from `np_random` alone, uniformly within scene.start_spread and scene.randomise's factors
     options of reset: "state" (nx,) to start from, "parameters" by name, each instead of what was drawn
+
+    `gymnasium.make(..., max_episode_steps=n)` ends episodes after n periods, where that is sooner than the scene does.
+    A longer one does not lengthen them: make the environment of a scene with a longer `duration`.
     """
 
     metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 50}  # noqa: RUF012
@@ -59,13 +63,10 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         dtype: type | str = np.float64,
         render_mode: str | None = None,
     ) -> None:
-        self.scene = scene = scenes.get(scene) if isinstance(scene, str) else scene
+        self.scene = scene = arguments.require_scene("PlantEnv", scene)
         parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
-        kind = np.dtype(dtype)
-        parameters.require_choice("PlantEnv", "dtype", kind.name, ("float64", "float32"))
-        if not scene.observe:
-            raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
-        self.randomise, self.render_mode = bool(randomise), render_mode
+        kind = arguments.require_dtype("PlantEnv", dtype)
+        self.randomise, self.render_mode = arguments.require_flag("PlantEnv", "randomise", randomise), render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
@@ -77,7 +78,7 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         self._reach = NumericFunction(reach_function(scene))
         self._idle = np.zeros(scene.plant.nu)
         self._steps = scene.steps
-        self._over = True
+        self._over, self._begun = True, False
         self._renderer: Renderer | None = None
 
     @property
@@ -87,62 +88,59 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
 
     @spec.setter
     def spec(self, value: EnvSpec | None) -> None:
-        self._spec = copy.copy(value)
-        if self._spec is not None:
-            self._spec.max_episode_steps = self.scene.steps
+        self._spec = specification.own(value, self.scene.steps)
+
+    def _require_begun(self, asked: str) -> None:
+        if not self._begun:
+            raise gymnasium.error.ResetNeeded(f"PlantEnv.{asked}: no episode has begun; call reset first")
 
     @property
     def state(self) -> np.ndarray:
-        """The plant's state x (nx,), a copy."""
+        """The plant's state x (nx,), a copy. ResetNeeded before the first reset."""
+        self._require_begun("state")
         return self._x.astype(float)
 
     @property
     def time(self) -> float:
-        """Time since the episode's start [s]."""
+        """Time since the episode's start [s]. ResetNeeded before the first reset."""
+        self._require_begun("time")
         return self._done * self.scene.dt
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start an episode; see the class for what `options` may hold."""
+        """Start an episode; see the class for what `options` may hold. `seed` is an integer >= 0, or None."""
+        owner, scene = "PlantEnv.reset", self.scene
+        seed = arguments.require_seed(owner, seed)
+        given = arguments.require_start(
+            owner, scene, arguments.require_options(owner, options, arguments.OPTIONS)
+        )  # all is checked before anything changes
         super().reset(seed=seed)
-        scene, options = self.scene, options or {}
-        for key in options:
-            parameters.require_choice("PlantEnv.reset", "options", key, ("state", "parameters"))
         if self.randomise:
             starts, w, p = (drawn[0] for drawn in draw(scene, self.np_random, 1))
         else:
             starts, w, p = np.array([v for _, v in scene.start]), np.zeros(scene.plant.nw), self._nominal
-        if "parameters" in options:
-            p = self._given(p, options["parameters"])
-        if "state" in options:
-            shape = (scene.plant.nx,)
-            x = parameters.require_finite("PlantEnv.reset: options['state']", options["state"], shape).copy()
-            if not np.abs(x).max() < LARGEST:
-                raise ValueError(f"PlantEnv.reset: options['state'] = {x} must be finite numbers below {LARGEST:g}")
-        elif self.randomise or "parameters" in options:
+        if "parameters" in given:
+            p = p.copy()
+            for name, value in given["parameters"].items():
+                p[self._names.index(name)] = value
+        if "state" in given:
+            x = given["state"]
+        elif self.randomise or "parameters" in given:
             x = initial_states(scene, starts[None], p[None])[0]
         else:
             x = scene.initial[0].copy()
         step = self._step
         step.x[:], step.w[:], step.p[:] = x[:, None], w[:, None], p[:, None]
         self._x, self._u = x.astype(self._dtype), self._idle
-        self._drawn = dict(zip(self._names, map(float, p)))
-        self._done, self._over, self._total = 0, False, 0.0
+        self._drawn = dict(zip(self._names, p.astype(self._dtype).tolist()))  # those it is played with
+        self._done, self._over, self._begun, self._total = 0, False, True, 0.0
         self._obs = first_observations(scene, x[None], p[None])[0].astype(self._dtype)
         if self._renderer is not None:
             self._renderer.clear()
         if self.render_mode == "human":
             self.render()
         return self._obs.astype(self._dtype), self._info(0.0, 0.0, False, self._reach(x, self._idle, w, p)[0])
-
-    def _given(self, p: np.ndarray, values: dict[str, float]) -> np.ndarray:
-        p = p.copy()
-        for name, value in values.items():
-            parameters.require_choice("PlantEnv.reset", "options['parameters']", name, self._names)
-            parameters.put(self.scene.plant, name, float(value))  # ValueError where it is out of range
-            p[self._names.index(name)] = value
-        return p
 
     def _info(self, cost: float, early: float, diverged: bool, reach: np.ndarray) -> dict[str, Any]:
         info = {"cost": cost, "early_end_cost": early, "diverged": diverged, "parameters": self._drawn.copy()}
@@ -157,9 +155,7 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         """Hold `action` (nu,) for one control period; see the class for what comes back."""
         if self._over:
             raise gymnasium.error.ResetNeeded("PlantEnv.step: no episode is running; call reset first")
-        action = np.asarray(action, dtype=float)
-        if action.shape != self._idle.shape or not np.dot(action, action) < np.inf:
-            raise ValueError(f"PlantEnv.step: action = {action} must be {len(self._idle)} finite numbers in [-1, 1]")
+        action = arguments.require_actions("PlantEnv.step", "action", action, self._idle.shape).astype(float)
         step = self._step
         step.action[:] = action[:, None]
         step.begin(self._done)
@@ -185,6 +181,7 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         if self.render_mode is None:
             gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
             return None
+        self._require_begun("render")
         if self._renderer is None:
             self._renderer = renderer(self.scene, window=self.render_mode == "human")
         return self._renderer.draw(self._x, self._u, self.time, self._total)

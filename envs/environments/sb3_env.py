@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import operator
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -13,16 +15,24 @@ from stable_baselines3.common.vec_env import VecEnv
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.signals import OwnsArrays
 
+from . import arguments
 from .vector_env import PlantVectorEnv
+
+Indices = int | Iterable[int] | None
 
 
 class PlantVecEnv(OwnsArrays, VecEnv):
     """`num_envs` lanes of a scene for Stable-Baselines3: episodes restart in the step that ends them.
 
-    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`); observations default to float32, what its networks
-    take. Where an episode ended, infos[i] holds "terminal_observation", "TimeLimit.truncated" and "diverged", and
-    where a range of the plant's `validity` is left its largest value over its limit as "validity"; every other infos[i]
-    is an empty dictionary of its lane's own.
+    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `max_episode_steps`); observations default to
+    float32, what its networks take. Where an episode ended, infos[i] holds "terminal_observation",
+    "TimeLimit.truncated", "diverged", "cost" and "early_end_cost" of the last period and the "parameters" it was played
+    with, and where a range of the plant's `validity` is left its largest value over its limit as "validity"; every
+    other infos[i] is an empty dictionary of its lane's own.
+
+    `seed(s)` seeds lane i with s + i, which then plays the episodes of PlantEnv.reset(seed=s + i); `set_options` takes
+    what PlantEnv.reset does, for all lanes or a list with one dictionary a lane. Both serve the next `reset`. What
+    cannot be done to one lane alone (`set_attr("randomise", True, indices=0)`) is refused.
     """
 
     def __init__(
@@ -33,6 +43,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         randomise: bool = False,
         dtype: type | str = np.float32,
         threads: int | None = None,
+        max_episode_steps: int | None = None,
     ) -> None:
         self.vector = PlantVectorEnv(
             scene,
@@ -41,60 +52,115 @@ class PlantVecEnv(OwnsArrays, VecEnv):
             dtype=dtype,
             threads=threads,
             autoreset_mode=AutoresetMode.SAME_STEP,
+            max_episode_steps=max_episode_steps,
         )
-        self.render_mode = None
-        self._infos: list[dict[str, Any]] = [{} for _ in range(num_envs)]
-        self._actions = np.zeros((num_envs, self.vector.scene.plant.nu), dtype=np.float32)
-        super().__init__(num_envs, self.vector.single_observation_space, self.vector.single_action_space)
+        self._actions: np.ndarray | None = None
+        self._blank: list[dict[str, Any]] = [{} for _ in range(self.vector.num_envs)]  # new ones cost as much as a step
+        super().__init__(self.vector.num_envs, self.vector.single_observation_space, self.vector.single_action_space)
+
+    @property
+    def reset_infos(self) -> list[dict[str, Any]]:
+        """The "parameters" of the episode that each lane plays; empty before the first reset."""
+        if not self.vector.begun:
+            return [{} for _ in range(self.num_envs)]
+        names, lanes = self.vector.scene.varied_plant.varied, np.arange(self.num_envs)
+        return [{"parameters": dict(zip(names, p))} for p in self.vector.parameters_of(lanes).tolist()]
+
+    @reset_infos.setter
+    def reset_infos(self, value: list[dict[str, Any]]) -> None:
+        """What the base class begins with: empty ones, as here."""
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Seed lane i with seed + i, None at random, for the next `reset`; returns the seeds."""
+        return super().seed(arguments.require_seed("PlantVecEnv.seed", seed))
+
+    def set_options(self, options: list[dict[str, Any]] | dict[str, Any] | None = None) -> None:
+        """Options of the next `reset`: "state" (nx,) and "parameters" by name, for all lanes or for each.
+
+        ValueError for others, and for values out of range.
+        """
+        owner, n = "PlantVecEnv.set_options", self.num_envs
+        each: Any = [options or {}] * n if options is None or isinstance(options, Mapping) else options
+        if not isinstance(each, (list, tuple)) or len(each) != n:
+            raise ValueError(f"{owner}: options = {options!r} must be a dictionary, or a list of {n} of them")
+        checked = [arguments.require_options(owner, own, arguments.OPTIONS) for own in each]
+        self._options = [arguments.require_start(owner, self.vector.scene, own) for own in checked]
 
     def reset(self) -> np.ndarray:
-        """New episodes in all lanes, from the seed of the last `seed` call if there was one since the last reset."""
-        obs, _ = self.vector.reset(seed=self._seeds[0])
+        """New episodes in all lanes, with the seeds and options set since the last reset."""
+        given = self._options if any(self._options) else None
+        obs, _ = self.vector.restart(np.arange(self.num_envs), list(self._seeds), given)
         self._reset_seeds()
         self._reset_options()
+        self._actions = None
         return obs
 
     def step_async(self, actions: np.ndarray) -> None:
-        self._actions = actions
+        """Take actions (num_envs, nu) for the next `step_wait`, as they are now."""
+        self._actions = np.array(actions)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        obs, rewards, terminated, truncated, ended = self.vector.step(self._actions)
-        dones = terminated | truncated
-        infos = self._infos.copy()
-        for i in np.flatnonzero(dones):
-            infos[i] = {
-                "terminal_observation": ended["final_obs"][i],
-                "TimeLimit.truncated": bool(truncated[i]),
-                "diverged": bool(ended["diverged"][i]),
-            }
-        for i in np.flatnonzero(ended.get("_validity", ())):
-            infos[i] = {**infos[i], "validity": float(ended["validity"][i])}
-        return obs, rewards.astype(np.float32), dones, infos
+        """Observations (num_envs, no), rewards (num_envs,) float32, dones (num_envs,) and infos."""
+        if self._actions is None:
+            raise gymnasium.error.ResetNeeded("PlantVecEnv.step_wait: no actions wait; call reset, then step_async")
+        actions, self._actions = self._actions, None
+        obs, cost, terminated, truncated, valid, ended, _ = self.vector.advance(actions)
+        if any(self._blank):  # written to by who got them: theirs
+            self._blank = [{} if told else told for told in self._blank]
+        infos = self._blank.copy()
+        if ended is not None:
+            names, lanes = self.vector.scene.varied_plant.varied, ended.lanes.tolist()
+            columns = (ended.cost, ended.early_end_cost, ended.diverged, truncated[ended.lanes], ended.parameters)
+            for i, last, cost_i, early, diverged, late, p in zip(lanes, ended.obs, *(a.tolist() for a in columns)):
+                infos[i] = {
+                    "terminal_observation": last,
+                    "TimeLimit.truncated": late,
+                    "diverged": diverged,
+                    "cost": cost_i,
+                    "early_end_cost": early,
+                    "parameters": dict(zip(names, p)),
+                }
+        if valid:
+            for i in valid["_validity"].nonzero()[0].tolist():
+                infos[i] = {**infos[i], "validity": float(valid["validity"][i])}
+        return obs, -cost.astype(np.float32), terminated | truncated, infos
 
     def close(self) -> None:
+        """Nothing is held open; may be called again."""
         self.vector.close()
 
-    def _lanes(self, indices: int | Iterable[int] | None) -> Sequence[int]:
-        return list(self._get_indices(indices))
+    def get_images(self) -> Sequence[np.ndarray | None]:
+        """None for every lane, with a warning: lanes are not drawn."""
+        warnings.warn("PlantVecEnv.get_images: lanes are not drawn; PlantEnv draws one", stacklevel=2)
+        return [None] * self.num_envs
 
-    def get_attr(self, attr_name: str, indices: int | Iterable[int] | None = None) -> list[Any]:
-        """An attribute of this environment, or of the vector environment, once a lane."""
-        owner = self if attr_name in self.__dict__ else self.vector
-        return [getattr(owner, attr_name)] * len(self._lanes(indices))
+    def _lanes(self, indices: Indices) -> list[int]:
+        """The lanes named, negative ones counted from the end; IndexError where there is none."""
+        if indices is None:
+            return list(range(self.num_envs))
+        named = [indices] if isinstance(indices, (int, np.integer)) else list(indices)
+        lanes = [operator.index(i) for i in named]
+        for lane in lanes:
+            if not -self.num_envs <= lane < self.num_envs:
+                raise IndexError(f"PlantVecEnv: indices = {indices!r} must name lanes from 0 to {self.num_envs - 1}")
+        return [lane % self.num_envs for lane in lanes]
 
-    def set_attr(self, attr_name: str, value: Any, indices: int | Iterable[int] | None = None) -> None:
-        """Set an attribute of the vector environment; all lanes share it, so all must be named."""
-        if len(self._lanes(indices)) != self.num_envs:
-            raise ValueError(f"set_attr({attr_name!r}): indices = {indices} must name all lanes, which share it")
-        setattr(self.vector, attr_name, value)
+    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
+        """An attribute of each lane named: its own ("state", "time", what was set there) or the batch's."""
+        lanes = self._lanes(indices)
+        if attr_name in ("_seeds", "_options", "vector"):
+            return [getattr(self, attr_name)] * len(lanes)
+        return self.vector.lane_attr(attr_name, lanes)
 
-    def env_method(
-        self, method_name: str, *args: Any, indices: int | Iterable[int] | None = None, **kwargs: Any
-    ) -> list[Any]:
-        """Call a method of the vector environment once; its result is repeated for each lane named."""
-        return [getattr(self.vector, method_name)(*args, **kwargs)] * len(self._lanes(indices))
+    def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
+        """Set an attribute of the lanes named; ValueError where all share it and not all are, or it is fixed."""
+        lanes = self._lanes(indices)
+        self.vector.set_lane_attr(attr_name, [value] * len(lanes), lanes)
 
-    def env_is_wrapped(
-        self, wrapper_class: type[gymnasium.Wrapper], indices: int | Iterable[int] | None = None
-    ) -> list[bool]:
+    def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
+        """Call a method in the lanes named: "reset" starts those alone; ValueError where it acts on all lanes."""
+        return self.vector.call_lanes(method_name, self._lanes(indices), *args, **kwargs)
+
+    def env_is_wrapped(self, wrapper_class: type[gymnasium.Wrapper], indices: Indices = None) -> list[bool]:
+        """False: no lane is an environment that could be wrapped."""
         return [False] * len(self._lanes(indices))

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
-from pliant.envs import scenes
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
-from pliant.envs.simulation.control_period import check_substep
-from pliant.envs.simulation.episode_start import begin, early_end_cost, first_observations
+from pliant.envs.simulation.episode_start import early_end_cost, first_observations
+from pliant.envs.simulation.episode_supply import EpisodeSupply
 from pliant.plants.core import parameters
-from pliant.plants.core.signals import OwnsArrays
-from pliant.plants.native.batch_kernels import FEW, as_dtype
+from pliant.plants.native.batch_kernels import FEW
 from pliant.plants.native.thread_pool import available
 
+from . import arguments, infos
+from .batch import Batch
+
 Array = np.ndarray
+MODES = tuple(AutoresetMode)
+NO_LANES = np.zeros(0, dtype=int)
 
 
-class PlantVectorEnv(OwnsArrays, VectorEnv[Array, Array, Array]):
+class PlantVectorEnv(Batch):
     """`num_envs` lanes of a scene; see PlantEnv for action, observation, reward and the ends of an episode.
 
     | what         | is                                                                        | shape            |
@@ -34,13 +39,16 @@ class PlantVectorEnv(OwnsArrays, VectorEnv[Array, Array, Array]):
 
     autoreset_mode  "NextStep" (default): the step after an episode's end ignores its action and returns the new start,
                     with reward 0. "SameStep": the new start comes at once, and infos["final_obs"] holds the last
-                    observation. "Disabled": reset(options={"reset_mask": mask}) starts lanes again
-    randomise       draws start, parameters and disturbances of every episode of every lane from `np_random`
+                    observation, infos["final_info"] what belongs to it. "Disabled": reset(options={"reset_mask": mask})
+                    starts lanes again
+    randomise       draws start, parameters and disturbances of every episode of every lane, see `reset` for seeds
     dtype           float64, or float32 for observations and physics in single precision
     threads         None: all processors for large batches
-    infos           "diverged" (num_envs,) bool with its mask "_diverged", where an episode ended in this step;
-                    "validity" (num_envs,) with its mask "_validity", where a lane lies outside a range of the plant's
-                    `validity`: the largest value over its limit, above 1
+    max_episode_steps  periods after which an episode is truncated; None: the scene's, which is also the most
+    infos           of episodes that end in this step, each (num_envs,) with a mask "_" + its name: "cost",
+                    "early_end_cost", "diverged"; with "SameStep" also in "final_info", as are their "parameters".
+                    "parameters": by name, (num_envs,), where an episode begins or ends. "validity" (num_envs,): where
+                    a lane lies outside a range of the plant's `validity`, the largest value over its limit, above 1
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
@@ -55,133 +63,157 @@ class PlantVectorEnv(OwnsArrays, VectorEnv[Array, Array, Array]):
         threads: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
+        max_episode_steps: int | None = None,
     ) -> None:
-        self.scene = scene = scenes.get(scene) if isinstance(scene, str) else scene
-        parameters.require_count("PlantVectorEnv", "num_envs", num_envs, 1, 10_000_000)
-        parameters.require_choice("PlantVectorEnv", "render_mode", render_mode, (None,))
+        owner = "PlantVectorEnv"
+        self.scene = scene = arguments.require_scene(owner, scene)
+        parameters.require_count(owner, "num_envs", num_envs, 1, 10_000_000)
+        parameters.require_choice(owner, "render_mode", render_mode, (None,))
+        parameters.require_choice(owner, "autoreset_mode", autoreset_mode, (*MODES, *(m.value for m in MODES)))
+        self._steps = arguments.require_length(owner, scene, max_episode_steps)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        self.num_envs, self.randomise, self.render_mode = num_envs, bool(randomise), render_mode
-        self._dtype = as_dtype(dtype)
-        check_substep(scene, self.randomise)
+        self.num_envs, self.render_mode = int(num_envs), render_mode
+        self.randomise = randomise
+        self._dtype = arguments.require_dtype(owner, dtype)
         if threads is None:
             threads = available() if num_envs >= FEW else 1
-        self._step = ControlStep(scene, num_envs, self._dtype, threads)
+        parameters.require_count(owner, "threads", threads, 1, 10_000)
+        self._step = ControlStep(scene, self.num_envs, self._dtype, int(threads))
         self.single_action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.single_observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), self._dtype.type)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        x, p = scene.initial[0], scene.varied_plant.nominal_parameters
-        self._nominal_start = x, first_observations(scene, x[None], p[None])[0]
-        widths = (scene.plant.nx, len(scene.observe), scene.plant.nw, len(p))
-        self._none_drawn = [np.zeros((0, n)) for n in widths]
-        self._drawn = self._none_drawn
-        self._done = np.zeros(num_envs, dtype=np.int64)
-        self._over = np.ones(num_envs, dtype=bool)
-        self._obs = np.zeros((num_envs, len(scene.observe)), dtype=self._dtype)
-
-    @property
-    def states(self) -> Array:
-        """States (num_envs, nx), a copy."""
-        return np.ascontiguousarray(self._step.x.T)
-
-    @property
-    def native(self) -> bool:
-        """Whether compiled code runs."""
-        return self._step.native
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._supply = EpisodeSupply(scene, self.num_envs)
+        self._names, self._nominal = scene.varied_plant.varied, scene.varied_plant.nominal_parameters
+        self._first = first_observations(scene, scene.initial[0][None], self._nominal[None])[0]
+        self._done = np.zeros(self.num_envs, dtype=np.int64)
+        self._over = np.ones(self.num_envs, dtype=bool)
+        self.begun = False
+        self._varied = False  # whether some lane has had other parameters than the plant's own
+        self._obs = np.zeros((self.num_envs, len(scene.observe)), dtype=self._dtype)
+        self.marks = {}
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Start all lanes, or those of options["reset_mask"] (num_envs,) bool. One seed serves all lanes."""
-        if seed is not None and not isinstance(seed, (int, np.integer)):
-            raise ValueError(f"PlantVectorEnv.reset: seed = {seed!r} must be one integer: it seeds every lane")
-        if seed is not None:
-            self._np_random, self._np_random_seed = gymnasium.utils.seeding.np_random(int(seed))
-            self._drawn = self._none_drawn
-        options = options or {}
-        for key in options:
-            parameters.require_choice("PlantVectorEnv.reset", "options", key, ("reset_mask",))
-        mask = np.asarray(options.get("reset_mask", np.ones(self.num_envs, dtype=bool)))
-        if mask.shape != (self.num_envs,) or mask.dtype != bool:
-            raise ValueError(
-                f"PlantVectorEnv.reset: reset_mask of {mask.dtype}{mask.shape} must be ({self.num_envs},) bool"
-            )
-        self._obs = self._obs.copy()
-        self._start(np.flatnonzero(mask))
-        return self._obs.copy(), {}
+        """Start all lanes, or those of options["reset_mask"] (num_envs,) bool, of which one must be True.
 
-    def _start(self, lanes: Array) -> None:
+        seed     an integer s >= 0 seeds lane i with s + i; a sequence of num_envs of them, or of None, each lane with
+                 its own. Lane i then plays the episodes of PlantEnv.reset(seed=its seed), whatever the others do. Lanes
+                 that no seed was given draw from one stream. With a mask, only lanes that start are seeded
+        options  "state" (nx,) or (num_envs, nx) to start from, and "parameters", a number or (num_envs,) by name,
+                 each instead of what was drawn
+
+        ValueError names what is not so; nothing has changed then.
+        """
+        owner, n = "PlantVectorEnv.reset", self.num_envs
+        seeds = arguments.require_seeds(owner, seed, n)
+        options = arguments.require_options(owner, options, ("reset_mask", *arguments.OPTIONS))
+        lanes = np.arange(n)
+        if "reset_mask" in options:
+            lanes = arguments.require_mask(owner, options["reset_mask"], n)
+            if len(lanes) < n:
+                self._require_begun("reset")  # of some lanes only
+        given = arguments.require_starts(owner, self.scene, options, n)
+        if isinstance(seeds, int):
+            self._np_random, self._np_random_seed = seeding.np_random(seeds)
+            seeds = range(seeds, seeds + n)
+        return self.restart(lanes, seeds or [None] * n, given)
+
+    def restart(
+        self, lanes: Array, seeds: Sequence[int | None], given: list[dict[str, Any]] | None
+    ) -> tuple[Array, dict[str, Any]]:
+        """`reset` with its arguments checked: lanes (k,), seeds and options of every lane."""
+        seeded = [int(lane) for lane in lanes if seeds[lane] is not None]
+        if seeded:
+            self._supply.seed(np.array(seeded), [cast(int, seeds[lane]) for lane in seeded])
+        self._start(lanes, given)
+        self.begun = True
+        return self._obs.copy(), infos.of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
+
+    def _start(self, lanes: Array, given: list[dict[str, Any]] | None = None) -> None:
         """New episodes in the lanes (k,)."""
-        step = self._step
-        if self.randomise:
-            x, obs, w, p = self._draw(len(lanes))
-            step.x[:, lanes], step.w[:, lanes], step.p[:, lanes] = x.T, w.T, p.T
+        step, k = self._step, len(lanes)
+        if self._randomise:
+            x, obs, w, p = self._supply.take(lanes, lambda: self.np_random)
         else:
-            x, obs = self._nominal_start
-            step.x[:, lanes] = x[:, None]
+            x, obs, w, p = (a[None] for a in (self.scene.initial[0], self._first, np.zeros(len(step.w)), self._nominal))
+        if given is not None:
+            x, obs, p = self._given(
+                [given[lane] for lane in lanes], *(np.tile(a, (k // len(a), 1)) for a in (x, obs, p))
+            )
+        step.x[:, lanes] = x.T
+        if self._randomise or given is not None or self._varied:
+            step.w[:, lanes], step.p[:, lanes], self._varied = w.T, p.T, True
         self._obs[lanes] = obs
         self._done[lanes] = 0
         self._over[lanes] = False
 
-    def _draw(self, n: int) -> list[Array]:
-        """The next n episodes (x, obs, w, p): drawn as many at a time as there are lanes, which costs less each."""
-        if n > len(self._drawn[0]):
-            more = begin(self.scene, self.np_random, self.num_envs)
-            self._drawn = [np.concatenate(pair) for pair in zip(self._drawn, more)]
-        taken = [a[:n] for a in self._drawn]
-        self._drawn = [a[n:] for a in self._drawn]
-        return taken
-
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Hold `actions` (num_envs, nu) for one control period in every lane."""
-        actions = np.asarray(actions)
-        if actions.shape != self.action_space.shape:
-            raise ValueError(
-                f"PlantVectorEnv.step: actions have shape {actions.shape}, must be {self.action_space.shape}"
-            )
+        obs, cost, terminated, truncated, valid, ended, begun = self.advance(actions)
+        n, names, found = self.num_envs, self._names, valid
+        if ended is not None:
+            found = infos.of_end(n, ended) | valid
+            if self.autoreset_mode == AutoresetMode.SAME_STEP:
+                found |= infos.of_both(n, ended, names, valid, obs)
+            else:
+                begun = np.concatenate([begun, ended.lanes])
+        if len(begun):
+            found |= infos.of_parameters(n, begun, names, self.parameters_of(begun))
+        return obs, -cost, terminated, truncated, found
+
+    def advance(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any], infos.Ended | None, Array]:
+        """`step`, with costs, and in place of infos what they are made of: where ranges of validity are left, the
+        episodes that end, the lanes where one begins.
+        """
+        self._require_begun("step")
+        actions = arguments.require_actions("PlantVectorEnv.step", "actions", actions, self.action_space.shape)
         step, scene = self._step, self.scene
-        step.action[:] = actions.T
-        if not np.isfinite(step.action.sum()):
-            k = int(np.argmin(np.isfinite(actions).all(axis=1)))
-            raise ValueError(f"PlantVectorEnv.step: actions[{k}] = {actions[k]} must be finite numbers in [-1, 1]")
-        waiting = np.flatnonzero(self._over)
+        waiting = self._over.nonzero()[0]
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(
                 f"PlantVectorEnv.step: lane {waiting[0]} is over; reset it with options={{'reset_mask': ...}}"
             )
+        step.action[:] = actions.T
         step.begin(self._done)
         diverged, outside = step.run()
         self._done += 1
         cost = step.cost.astype(float)
         terminated = diverged | outside
-        last, self._obs = self._obs, np.ascontiguousarray(step.obs.T)
+        last, self._obs = self._obs, step.obs.T.copy()
         if len(waiting):  # these lanes start again instead
             terminated[waiting] = diverged[waiting] = False
             self._done[waiting] = 0
-        ended = np.flatnonzero(terminated)
-        if len(ended):
+            cost[waiting] = 0.0
+        early = None
+        if np.count_nonzero(terminated):
             self._obs[diverged] = last[diverged]
-            cost[ended] += early_end_cost(scene, self._done[ended], cost[ended])
-        truncated = (self._done >= scene.steps) & ~terminated
+            left = terminated.nonzero()[0]
+            early = np.zeros(self.num_envs)
+            early[left] = early_end_cost(scene, self._done[left], cost[left])
+            cost += early
+        truncated = (self._done >= self._steps) & ~terminated
         over = terminated | truncated
-        infos: dict[str, Any] = {}
-        if over.any():
-            infos = {"diverged": diverged, "_diverged": over}
+        valid: dict[str, Any] = {}
         invalid = step.reach > 1.0
         if np.count_nonzero(invalid):
             invalid &= ~diverged
             invalid[waiting] = False
             if invalid.any():
-                infos["validity"], infos["_validity"] = np.where(invalid, step.reach, 0.0), invalid
+                valid = {"validity": np.where(invalid, step.reach, 0.0), "_validity": invalid}
+        ended = None
+        if np.count_nonzero(over):
+            lanes = over.nonzero()[0]
+            charged = np.zeros(len(lanes)) if early is None else early[lanes]
+            ended = infos.Ended(
+                lanes, cost[lanes], charged, diverged[lanes], self._obs[lanes], self.parameters_of(lanes)
+            )
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            lanes = np.flatnonzero(over)
-            if len(lanes):
-                infos["final_obs"], infos["_final_obs"] = self._obs.copy(), over
-                self._start(lanes)
+            waiting = NO_LANES if ended is None else ended.lanes
         else:
-            if len(waiting):
-                cost[waiting] = 0.0
-                self._start(waiting)
             self._over = over
-        return self._obs.copy(), -cost, terminated, truncated, infos
+        if len(waiting):
+            self._start(waiting)
+        return self._obs.copy(), cost, terminated, truncated, valid, ended, waiting

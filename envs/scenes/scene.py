@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial, wraps
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,11 @@ from pliant.plants.linear.quadratic_cost import (
 from . import cost
 from .checks import checked, rows
 from .nominal_inputs import minimum_jerk_input, steady_motion
+
+if TYPE_CHECKING:
+    kept_property = property  # what checkers compare with the properties of a protocol
+else:
+    kept_property = cached_property
 
 Pairs = tuple[tuple[str, float], ...]
 Drive = Callable[[Plant, float], np.ndarray]
@@ -124,7 +129,7 @@ class Manoeuvre:
         """The plant with the randomised parameters as inputs p, in the order of `randomise`."""
         return self.plant.vary(*(path for path, _, _ in self.randomise))
 
-    @cached_property
+    @kept_property
     def initial(self) -> tuple[np.ndarray, np.ndarray]:
         """(x, u) at the start: at rest, deflections in equilibrium, or as given."""
         return self.plant.equilibrium(dict(self.start)) if self.start_at_rest else self._given(self.start)
@@ -134,7 +139,7 @@ class Manoeuvre:
         """(x, u) at the start of the motion that linear models are made along."""
         return self.initial if self.nominal_start is None else self._given(self.nominal_start)
 
-    @cached_property
+    @kept_property
     def target(self) -> tuple[np.ndarray, np.ndarray]:
         """(x, u) at the goal: at rest, deflections in equilibrium, or as given."""
         return self.plant.equilibrium(dict(self.goal)) if self.goal_at_rest else self._given(self.goal)
@@ -226,7 +231,7 @@ class Scene(Manoeuvre):
         """Cost rate [1/s] at x (..., nx), u (..., nu), y (..., ny) and t (...), which matters where the goal moves."""
         return cost.stage_cost(self, x, u, y, t)
 
-    @cached_property
+    @kept_property
     def early_end_rate(self) -> float:
         """Cost rate [1/s] added for the time left when an episode ends early, so that ending does not pay."""
         return cost.early_end_rate(self)
@@ -254,7 +259,7 @@ class Scene(Manoeuvre):
         """
         return quadratic_cost(self.feedback_model, dict(self.weights), dict(self.effort))
 
-    @cached_property
+    @kept_property
     def nominal_input(self) -> Callable[[float], np.ndarray]:
         """Inputs u(t) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
 

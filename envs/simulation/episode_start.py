@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, cast
 
@@ -25,15 +26,40 @@ def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np
 
     Uniform within the start's spread, the gusts and the parameters' factors.
     """
+    return _scaled(scene, [rng.random((n, count)) for count in _counts(scene)])
+
+
+def _counts(scene: Scene) -> list[int]:
+    """How many numbers an episode draws: for its start, its parameters and its disturbances, in this order."""
+    return [len(scene.start), len(scene.varied_plant.varied), scene.plant.nw]
+
+
+def _scaled(scene: Scene, shares: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(starts, w, p) from shares (n, count) in [0, 1) of their ranges, in the order of `_counts`."""
     own, low, high = _ranges(scene)
-    starts = own + scene.spread * rng.uniform(-1.0, 1.0, (n, len(own)))
-    p = rng.uniform(low, high, (n, len(low)))
-    return starts, scene.largest_gusts * rng.uniform(-1.0, 1.0, (n, scene.plant.nw)), p
+    of_start, of_p, of_w = shares
+    starts = own + scene.spread * (2.0 * of_start - 1.0)
+    return starts, scene.largest_gusts * (2.0 * of_w - 1.0), low + (high - low) * of_p
 
 
 def begin(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(x (n, nx), obs (n, no), w (n, nw), p (n, np)) of n randomised episodes, from where drawn."""
-    starts, w, p = draw(scene, rng, n)
+    return _begun(scene, *draw(scene, rng, n))
+
+
+def begin_each(
+    scene: Scene, generators: Sequence[np.random.Generator], counts: Sequence[int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """As `begin`, so many episodes from each generator: those that `draw(scene, generator, 1)` gives one by one."""
+    sizes = _counts(scene)
+    width = sum(sizes)
+    shares = np.concatenate([rng.random(count * width) for rng, count in zip(generators, counts)]).reshape(-1, width)
+    return _begun(scene, *_scaled(scene, np.split(shares, np.cumsum(sizes)[:-1], axis=1)))
+
+
+def _begun(
+    scene: Scene, starts: np.ndarray, w: np.ndarray, p: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     x = initial_states(scene, starts, p)
     return x, first_observations(scene, x, p), w, p
 

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pliant.plants.core.argument_gates import require_seconds, shown
 from pliant.plants.core.parameters import require_finite
@@ -107,7 +108,7 @@ class LinearModel(ModelSignals):
         )
 
     @cached_property
-    def eigenvalues(self) -> np.ndarray:
+    def eigenvalues(self) -> NDArray[np.complex128]:
         """Eigenvalues of A (nx,), complex: [1/s], or in the z plane where the model is sampled."""
         return np.linalg.eigvals(self.A).astype(complex)
 

@@ -1,0 +1,168 @@
+"""What the environments are handed, single and vector alike: actions, seeds, options of reset, lengths of episodes."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from pliant.envs.scenes import registry
+from pliant.envs.scenes.scene import Scene
+from pliant.envs.simulation.control_period import LARGEST
+from pliant.plants.core import parameters
+
+Array = np.ndarray
+LARGEST_ACTION = float(np.finfo(np.float32).max)  # the action space is of single precision
+OPTIONS = ("state", "parameters")
+
+
+def require_actions(owner: str, name: str, actions: Any, shape: tuple[int, ...]) -> Array:
+    """`actions` as an array of real numbers, as it is where it is one; ValueError unless it has `shape` and every
+    number is finite in single precision. `name`: "action" of one environment (nu,), "actions" of lanes (n, nu).
+    """
+    try:
+        found = np.asarray(actions)
+    except (ValueError, TypeError, RuntimeError) as problem:
+        raise ValueError(f"{owner}: {name} must be an array {shape} of real numbers: {problem}") from None
+    have = "have" if name == "actions" else "has"
+    if found.dtype.kind not in "fiu":
+        raise ValueError(f"{owner}: {name} {have} dtype {found.dtype}, must be real numbers")
+    if found.shape != shape:
+        raise ValueError(f"{owner}: {name} {have} shape {found.shape}, must be {shape}")
+    # the sum of squares tells at once that all is well; where it does not, each number is looked at
+    if found.dtype.kind == "f" and not np.vdot(found, found) < LARGEST_ACTION:
+        bad = np.atleast_2d(~(np.abs(found) <= LARGEST_ACTION)).any(axis=1)
+        if bad.any():
+            k = int(np.argmax(bad))
+            which = f"{name}[{k}] = {found[k]}" if name == "actions" else f"{name} = {found}"
+            raise ValueError(
+                f"{owner}: {which} must be finite numbers in [-1, 1]; beyond they are clipped, "
+                f"up to {LARGEST_ACTION:.2g}"
+            )
+    return found
+
+
+def require_seed(owner: str, seed: Any, name: str = "seed") -> int | None:
+    """`seed` as an int or None; ValueError unless it is None or an integer >= 0."""
+    if seed is None:
+        return None
+    if isinstance(seed, np.ndarray) and seed.ndim == 0:
+        seed = seed.item()
+    if isinstance(seed, bool) or not isinstance(seed, numbers.Integral) or int(seed) < 0:
+        raise ValueError(f"{owner}: {name} = {seed!r} must be an integer >= 0 or None")
+    return int(seed)
+
+
+def require_seeds(owner: str, seed: Any, lanes: int) -> int | list[int | None] | None:
+    """As require_seed; or one seed or None a lane, from any sequence of them."""
+    if not isinstance(seed, (list, tuple, range)) and not (isinstance(seed, np.ndarray) and seed.ndim):
+        return require_seed(owner, seed)
+    if len(seed) != lanes:
+        raise ValueError(f"{owner}: seed of length {len(seed)} must be one integer, None, or {lanes} of them")
+    return [require_seed(owner, item, f"seed[{k}]") for k, item in enumerate(seed)]
+
+
+def require_mask(owner: str, mask: Any, lanes: int) -> Array:
+    """Which lanes a reset starts, as their indices; ValueError unless it is (lanes,) bool and names at least one."""
+    found = np.asarray(mask)
+    if found.shape != (lanes,) or found.dtype != bool:
+        raise ValueError(f"{owner}: reset_mask of {found.dtype}{found.shape} must be ({lanes},) bool")
+    if not found.any():
+        raise ValueError(f"{owner}: reset_mask is False in every lane, must name at least one to start")
+    return np.flatnonzero(found)
+
+
+def require_options(owner: str, options: Any, allowed: tuple[str, ...]) -> dict[str, Any]:
+    """A dictionary of its own with the options of a reset; ValueError for unknown keys."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise ValueError(f"{owner}: options = {options!r} must be a dictionary or None")
+    for key in options:
+        parameters.require_choice(owner, "options", key, allowed)
+    return dict(options)
+
+
+def require_start(owner: str, scene: Scene, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The options "state" and "parameters" of one lane: a state (nx,) of its own, numbers by name in their range."""
+    found: dict[str, Any] = {}
+    if "state" in options:
+        name = f"{owner}: options['state']"
+        x = parameters.require_finite(name, options["state"], (scene.plant.nx,)).copy()
+        if not np.abs(x).max() < LARGEST:
+            raise ValueError(f"{name} = {x} must be finite numbers below {LARGEST:g}")
+        found["state"] = x
+    if "parameters" in options:
+        values = options["parameters"]
+        if not isinstance(values, Mapping):
+            raise ValueError(f"{owner}: options['parameters'] = {values!r} must be a dictionary of numbers by name")
+        found["parameters"] = {}
+        for path, value in values.items():
+            parameters.require_choice(owner, "options['parameters']", path, scene.varied_plant.varied)
+            if isinstance(value, np.ndarray) and value.ndim == 0:
+                value = value.item()
+            parameters.put(scene.plant, path, value)  # ValueError where it is no number or out of range
+            found["parameters"][path] = float(value)
+    return found
+
+
+def require_starts(owner: str, scene: Scene, options: Mapping[str, Any], lanes: int) -> list[dict[str, Any]] | None:
+    """As require_start, for each of the lanes: states (nx,) or (lanes, nx), numbers or (lanes,) of them by name.
+
+    None where neither option is there.
+    """
+    if not any(key in options for key in OPTIONS):
+        return None
+    state, values = options.get("state"), options.get("parameters", {})
+    each: list[dict[str, Any]] = [{} for _ in range(lanes)]
+    for k, own in enumerate(each):
+        if "state" in options:
+            own["state"] = state[k] if np.ndim(state) == 2 and len(state) == lanes else state
+        if "parameters" in options:
+            by_name = isinstance(values, Mapping)
+            own["parameters"] = (
+                {n: v[k] if np.shape(v) == (lanes,) else v for n, v in values.items()} if by_name else values
+            )
+    return [require_start(owner, scene, own) for own in each]
+
+
+def require_length(owner: str, scene: Scene, most: Any) -> int:
+    """Periods of an episode: the scene's, or the fewer of `max_episode_steps`."""
+    if most is None:
+        return scene.steps
+    if isinstance(most, bool) or not isinstance(most, numbers.Integral) or not 1 <= int(most) <= scene.steps:
+        raise ValueError(
+            f"{owner}: max_episode_steps = {most!r} must be an integer from 1 to {scene.steps}, the periods of scene "
+            f"{scene.name!r}; for longer episodes give the scene a longer duration"
+        )
+    return int(most)
+
+
+def require_scene(owner: str, scene: Any) -> Scene:
+    """A Scene, or the one of that name."""
+    if isinstance(scene, str):
+        return registry.get(scene)
+    if not isinstance(scene, Scene):
+        raise ValueError(f"{owner}: scene = {scene!r} must be a Scene or the name of one")
+    if not scene.observe:
+        raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
+    return scene
+
+
+def require_flag(owner: str, name: str, value: Any) -> bool:
+    """True or False, not what only counts as one of them."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{owner}.{name} = {value!r} must be True or False")
+    return bool(value)
+
+
+def require_dtype(owner: str, dtype: Any) -> np.dtype:
+    """float64 or float32, of the type or its name."""
+    try:
+        found = np.dtype(dtype)
+    except TypeError:
+        raise ValueError(f"{owner}.dtype = {dtype!r} must be one of 'float64', 'float32'") from None
+    parameters.require_choice(owner, "dtype", found.name, ("float64", "float32"))
+    return found

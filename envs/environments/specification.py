@@ -1,0 +1,34 @@
+"""The specification that Gymnasium keeps with an environment, in words that become JSON and make it again."""
+
+from __future__ import annotations
+
+import copy
+import enum
+from typing import Any
+
+import numpy as np
+from gymnasium.envs.registration import EnvSpec
+
+from pliant.envs.scenes import registry
+from pliant.envs.scenes.scene import Scene
+
+
+def own(spec: EnvSpec | None, steps: int) -> EnvSpec | None:
+    """A copy with the number of periods that the environment enforces, its keywords as JSON can hold them."""
+    if spec is None:
+        return None
+    found = copy.copy(spec)
+    found.max_episode_steps = steps
+    found.kwargs = {key: _plain(key, value) for key, value in spec.kwargs.items()}
+    return found
+
+
+def _plain(key: str, value: Any) -> Any:
+    """Scalar types by name, scenes that have one by name, enumerations by value, NumPy's numbers as Python's."""
+    if key == "dtype":
+        return np.dtype(value).name
+    if isinstance(value, Scene):
+        return value.name if value.name in registry.names() and value is registry.get(value.name) else value
+    if isinstance(value, enum.Enum):
+        return value.value
+    return value.item() if isinstance(value, np.generic) else value
