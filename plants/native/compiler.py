@@ -151,7 +151,8 @@ def _stored(command: tuple[str, ...]) -> Toolchain | None:
         fields: dict[str, Any] | None = json.loads(kernel_cache.read_text(name) or "null")
         if fields is None:
             return None
-        found = Toolchain(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
+        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()}
+        found = Toolchain(**values)
         if _plausible(found, command):
             return found
     except (ValueError, TypeError, AttributeError):  # no JSON, no text, other fields

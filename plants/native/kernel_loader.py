@@ -13,6 +13,7 @@ import threading
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 
@@ -62,10 +63,11 @@ class Kernel:
 
     def __init__(self, path: Path, dtype: np.dtype, lanes: int, entry: str = "run") -> None:
         self.dtype, self.lanes, self.path = dtype, lanes, path
-        self._run = getattr(ctypes.CDLL(str(path)), entry)
+        function: Any = getattr(ctypes.CDLL(str(path)), entry)
         pointer = ctypes.c_void_p
-        self._run.argtypes = [ctypes.c_long] * 3 + [pointer] * 3 + [ctypes.c_long]
-        self._run.restype = None
+        function.argtypes = [ctypes.c_long] * 3 + [pointer] * 3 + [ctypes.c_long]
+        function.restype = None
+        self._run: Callable[..., None] = function
 
     def bind(self, inputs: Sequence[Array], outputs: Sequence[Array]) -> Bound:
         """Fix the arrays, so that a call costs little more than the kernel."""
@@ -93,7 +95,7 @@ class Bound:
         self._in = (ctypes.c_void_p * max(1, len(inputs)))(*[a.ctypes.data for a in inputs])
         self._out = (ctypes.c_void_p * len(outputs))(*[a.ctypes.data for a in outputs])
         self._scalars = np.zeros(8)
-        self._address = ctypes.cast(kernel._run, ctypes.c_void_p)
+        self._address = ctypes.cast(cast(Any, kernel._run), ctypes.c_void_p)
         self._fixed = (ctypes.addressof(self._in), ctypes.addressof(self._out), self._scalars.ctypes.data)
 
     def __call__(self, scalars: Sequence[float] = (), count: int = 1, threads: int = 1) -> None:
