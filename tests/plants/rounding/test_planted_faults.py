@@ -14,9 +14,9 @@ def test_faults_that_change_a_result_are_caught_and_sound_kernels_pass(monkeypat
     names = ("link rates", "spin-up control")
     every = planted_faults.kernels.small()
     monkeypatch.setattr(planted_faults.kernels, "small", lambda: {name: every[name] for name in names})
-    rows = [planted_faults.run(seed) for seed in range(1000, 1016)]
+    rows = [planted_faults.run(seed) for seed in range(1000, 1010)]
     states = [row["state"] for row in rows]
-    assert states.count("caught") >= 8 and not {"missed", "refused"} & set(states), rows
+    assert states.count("caught") >= 5 and not {"missed", "refused"} & set(states), rows
     assert "sound" in states
 
 
