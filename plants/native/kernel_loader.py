@@ -18,6 +18,7 @@ from typing import Any, cast
 import numpy as np
 
 from pliant.plants.rounding.agreement import KernelMismatch, Trial, require_agreement
+from pliant.plants.toolchain import compiler_process
 
 from . import compiler, kernel_cache
 from .compiler import CompileError, NoCompiler
@@ -42,7 +43,7 @@ def wanted() -> bool:
     """False where PLIANT_NATIVE=0 asks for the virtual machine. CompilerSettingError where it says something else."""
     asked = os.environ.get("PLIANT_NATIVE", "").strip().lower()
     if asked not in (*ON, *OFF):
-        raise compiler.CompilerSettingError(
+        raise compiler_process.CompilerSettingError(
             f"PLIANT_NATIVE={os.environ['PLIANT_NATIVE']!r} must be 0 (the virtual machine alone) or 1 (compiled code)"
         )
     return asked not in OFF
