@@ -150,6 +150,7 @@ def on_virtual_machine(scene: Scene, numeric: Callable[..., Any] = NumericFuncti
     for this period, at its start; obs, reach and margin are those of x_next; sound is 0 where anything is not finite.
     """
     drive, score, sense = (numeric(f) for f in parts(scene))
+    substep: Callable[..., Any]
     if numeric is NumericFunction:
         substep = numeric(substep_function(scene))
     else:

@@ -35,6 +35,7 @@ def rate_function(plant: PlantLike) -> ca.Function:
 
 def step_reference(plant: PlantLike, method: str = "rk4", numeric: Callable[..., Any] = NumericFunction) -> Reference:
     """count steps of scalars[0] seconds, on the virtual machine or as `numeric` has it."""
+    step: Callable[..., Any]
     if numeric is NumericFunction:
         step = stepper(plant, method)
     elif METHODS[method].tableau is not None:

@@ -66,6 +66,8 @@ class BatchKernel:
         if source is not None:
             name = name if dtype == np.float64 else f"{name} in single precision"
             self.kernel = kernel_loader.load(source, dtype, trials, name=name, lanes=self.lanes)
+        if self.kernel is None:  # here, not at the first call, which may be one of several threads'
+            _ = self.reference
 
     @cached_property
     def reference(self) -> Reference:

@@ -21,14 +21,11 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
-import importlib.util
 import json
 import os
 import platform
 import shlex
-import shutil
 import subprocess
-import sys
 import tempfile
 import time
 from dataclasses import asdict, dataclass
@@ -38,11 +35,11 @@ from typing import Any
 from pliant.plants.toolchain import compiler_process
 from pliant.plants.toolchain.compiler_process import (
     CompileError,
-    CompilerSettingError,
     CompilerTimeout,
     NoCompiler,
+    candidates,
+    extra_flags,
     program,
-    words,
 )
 
 from . import kernel_cache
@@ -68,11 +65,6 @@ void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = s
 """
 
 
-def extra_flags() -> tuple[str, ...]:
-    """The flags that $PLIANT_CFLAGS adds."""
-    return words("PLIANT_CFLAGS")
-
-
 @dataclass(frozen=True)
 class Toolchain:
     """A compiler with the flags that it takes."""
@@ -88,18 +80,6 @@ class Toolchain:
     def key(self) -> str:
         """What a compiled kernel depends on besides its source."""
         return json.dumps(asdict(self), sort_keys=True)
-
-
-def candidates() -> list[tuple[str, ...]]:
-    """Compiler commands to try, best first: $CC alone where it is set."""
-    if os.environ.get("CC"):
-        if not (command := words("CC")):
-            raise CompilerSettingError(f"CC={os.environ['CC']!r} names no compiler; unset it, or say CC=gcc")
-        return [command]
-    found: list[tuple[str, ...]] = [(path,) for name in ("cc", "gcc", "clang") if (path := shutil.which(name))]
-    if importlib.util.find_spec("ziglang"):
-        found.append((sys.executable, "-m", "ziglang", "cc"))
-    return found
 
 
 def _run(
@@ -151,7 +131,8 @@ def _stored(command: tuple[str, ...]) -> Toolchain | None:
         fields: dict[str, Any] | None = json.loads(kernel_cache.read_text(name) or "null")
         if fields is None:
             return None
-        found = Toolchain(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
+        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()}
+        found = Toolchain(**values)
         if _plausible(found, command):
             return found
     except (ValueError, TypeError, AttributeError):  # no JSON, no text, other fields
@@ -175,32 +156,36 @@ def _plausible(found: Toolchain, command: tuple[str, ...]) -> bool:
     )
 
 
-def _memory(command: tuple[str, ...]) -> str:
-    return f"slow-{hashlib.sha256(repr((*command[1:], *program(command))).encode()).hexdigest()[:24]}.json"
+_memories: dict[str, tuple[float, int, str]] = {}  # by file: when, from which length on, and what was said
 
 
-_memories: dict[str, tuple[float, int, str]] = {}  # when, from which length of source on, and what was said
+def _memory(command: tuple[str, ...], flags: tuple[str, ...]) -> str:
+    key = hashlib.sha256(repr((*command[1:], *program(command), flags)).encode()).hexdigest()[:24]
+    return f"slow-{key}.json"
 
 
-def _slow(command: tuple[str, ...], length: int) -> str | None:
-    """Why a source of this length is not given to a compiler, which took too long within the hour; or None."""
-    name = _memory(command)
-    if name not in _memories:
-        try:
-            when, start, why = json.loads(kernel_cache.read_text(name) or '[0, 0, ""]')
-            _memories[name] = float(when), int(start), str(why)
-        except (ValueError, TypeError):  # not written by us
-            kernel_cache.remove(name)
-            _memories[name] = 0.0, 0, ""
-    when, start, why = _memories[name]
-    if not (0 <= time.time() - when < REMEMBERED) or length < start:
-        return None
-    return f"{why}; it is asked again an hour later, when it changes, or after `pliant cache clear` in a new process"
+def _slow(command: tuple[str, ...], length: int, flags: tuple[str, ...] = ()) -> str | None:
+    """Why a source of this length is not given to a compiler, which took too long within the hour; or None.
+
+    What took too long with some flags says nothing of others, unless nothing is answered: start 0, under no flags.
+    """
+    for name, long in ((_memory(command, ()), 0 if flags else length), (_memory(command, flags), length)):
+        if name not in _memories:
+            try:
+                when, start, why = json.loads(kernel_cache.read_text(name) or '[0, 0, ""]')
+                _memories[name] = float(when), int(start), str(why)
+            except (ValueError, TypeError):  # not written by us
+                kernel_cache.remove(name)
+                _memories[name] = 0.0, 0, ""
+        when, start, why = _memories[name]
+        if 0 <= time.time() - when < REMEMBERED and long >= start:
+            return f"{why}; it is asked again an hour later, or when it changes"
+    return None
 
 
-def _remember(command: tuple[str, ...], start: int, why: str) -> None:
-    """Keep in mind that a compiler takes too long for sources from a length on; 0: for all."""
-    name = _memory(command)
+def _remember(command: tuple[str, ...], start: int, why: str, flags: tuple[str, ...] = ()) -> None:
+    """Keep in mind that a compiler takes too long for sources from a length on; 0, with no flags: for all."""
+    name = _memory(command, flags)
     _memories[name] = time.time(), start, why
     with contextlib.suppress(OSError, kernel_cache.CacheError):  # this process knows; later ones will find out
         kernel_cache.write(name, json.dumps(_memories[name]).encode())
@@ -257,7 +242,7 @@ def digest(source: str, tools: Toolchain) -> str:
 def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
     """The shared library made from C source, as bytes. CompileError, at once where as much took too long before."""
     tools = toolchain()
-    if slow := _slow(tools.command, len(source)):
+    if slow := _slow(tools.command, len(source), flags):
         raise CompileError(slow)
     try:
         return _built(tools, source, flags)
@@ -265,7 +250,7 @@ def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
         why = f"{late} for {len(source) / 1e3:.0f} kB of C; a smaller model compiles faster"
         try:
             _built(tools, PROBE, limit=ANSWER)
-            _remember(tools.command, len(source) // 2, why)
+            _remember(tools.command, len(source) // 2, why, flags)
         except CompileError:
             _remember(tools.command, 0, why)
             toolchain.cache_clear()  # another compiler may work

@@ -13,10 +13,12 @@ import threading
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 
 from pliant.plants.rounding.agreement import KernelMismatch, Trial, require_agreement
+from pliant.plants.toolchain import compiler_process
 
 from . import compiler, kernel_cache
 from .compiler import CompileError, NoCompiler
@@ -41,7 +43,7 @@ def wanted() -> bool:
     """False where PLIANT_NATIVE=0 asks for the virtual machine. CompilerSettingError where it says something else."""
     asked = os.environ.get("PLIANT_NATIVE", "").strip().lower()
     if asked not in (*ON, *OFF):
-        raise compiler.CompilerSettingError(
+        raise compiler_process.CompilerSettingError(
             f"PLIANT_NATIVE={os.environ['PLIANT_NATIVE']!r} must be 0 (the virtual machine alone) or 1 (compiled code)"
         )
     return asked not in OFF
@@ -62,10 +64,11 @@ class Kernel:
 
     def __init__(self, path: Path, dtype: np.dtype, lanes: int, entry: str = "run") -> None:
         self.dtype, self.lanes, self.path = dtype, lanes, path
-        self._run = getattr(ctypes.CDLL(str(path)), entry)
+        function: Any = getattr(ctypes.CDLL(str(path)), entry)
         pointer = ctypes.c_void_p
-        self._run.argtypes = [ctypes.c_long] * 3 + [pointer] * 3 + [ctypes.c_long]
-        self._run.restype = None
+        function.argtypes = [ctypes.c_long] * 3 + [pointer] * 3 + [ctypes.c_long]
+        function.restype = None
+        self._run: Callable[..., None] = function
 
     def bind(self, inputs: Sequence[Array], outputs: Sequence[Array]) -> Bound:
         """Fix the arrays, so that a call costs little more than the kernel."""
@@ -93,7 +96,7 @@ class Bound:
         self._in = (ctypes.c_void_p * max(1, len(inputs)))(*[a.ctypes.data for a in inputs])
         self._out = (ctypes.c_void_p * len(outputs))(*[a.ctypes.data for a in outputs])
         self._scalars = np.zeros(8)
-        self._address = ctypes.cast(kernel._run, ctypes.c_void_p)
+        self._address = ctypes.cast(cast(Any, kernel._run), ctypes.c_void_p)
         self._fixed = (ctypes.addressof(self._in), ctypes.addressof(self._out), self._scalars.ctypes.data)
 
     def __call__(self, scalars: Sequence[float] = (), count: int = 1, threads: int = 1) -> None:

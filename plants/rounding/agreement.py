@@ -1,10 +1,11 @@
 """Does compiled code compute what its CasADi functions say? Its results against theirs in extended precision.
 
 Of every component at every point the error |native - true| is set against s, the larger of how far rounding moves that
-component (`Arithmetic`, at the kernel's precision) and of half a unit in its last place: z = error / s. Code that does
-the same operations in any order has z of about 0.1 to 0.3, 0.97 at most over the rates of nine scenes' plants in both
-precisions by gcc and clang. Refused is code with z > MOST at one point, or with a root mean square over the points
-above TOGETHER in one component: an error that is small at each point but everywhere.
+component (`Arithmetic`, at the kernel's precision) and of half a unit in its last place: z = error / s. Refused is code
+with z > MOST at one point, or with a root mean square over the points above TOGETHER in one component: an error that is
+small at each point but everywhere. Code that does the same operations in any order has z of about 0.2; 2.0 and 0.61 at
+most over every kind of kernel of nine scenes, in both precisions, by gcc, clang and gcc for x86-64-v3
+(tests/campaigns/sound_kernels.py): the limits stand 2.5 times above, for kernels that nobody has tried.
 
 A point tells nothing where the true value is not finite, or where rounding takes a digit in ten of it: Newton steps
 that diverge, mass matrices that are nearly singular. Others are drawn in its place.
@@ -28,7 +29,7 @@ Array = np.ndarray
 Reference = Callable[..., Sequence[Array]]  # (inputs (B, n) ..., scalars, count) -> outputs (B, m)
 Written = Callable[[Callable[..., Any]], Reference]  # from what makes functions numeric: NumericFunction, Arithmetic
 Draw = Callable[[np.random.Generator], Sequence[Array]]  # inputs (n, m) at m points by chance
-MOST, TOGETHER = 4.0, 1.2  # largest z at a point, largest root mean square of z over the points
+MOST, TOGETHER = 6.0, 1.5  # largest z at a point, largest root mean square of z over the points
 LOST = 0.1  # of a value that rounding may take at a point that tells something
 ROUNDS = 8  # of drawing points
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import os
 import shlex
 import shutil
 import signal
 import subprocess
+import sys
 
 from pliant.plants.core.errors import PliantError
 
@@ -37,6 +39,23 @@ def words(variable: str) -> tuple[str, ...]:
         raise CompilerSettingError(
             f"{variable}={value!r} cannot be split into words as a shell does: {wrong}"
         ) from wrong
+
+
+def extra_flags() -> tuple[str, ...]:
+    """The flags that $PLIANT_CFLAGS adds."""
+    return words("PLIANT_CFLAGS")
+
+
+def candidates() -> list[tuple[str, ...]]:
+    """Compiler commands to try, best first: $CC alone where it is set."""
+    if os.environ.get("CC"):
+        if not (command := words("CC")):
+            raise CompilerSettingError(f"CC={os.environ['CC']!r} names no compiler; unset it, or say CC=gcc")
+        return [command]
+    found: list[tuple[str, ...]] = [(path,) for name in ("cc", "gcc", "clang") if (path := shutil.which(name))]
+    if importlib.util.find_spec("ziglang"):
+        found.append((sys.executable, "-m", "ziglang", "cc"))
+    return found
 
 
 def run(command: tuple[str, ...], *args: str, text: str = "", limit: float) -> subprocess.CompletedProcess[str]:

@@ -12,6 +12,7 @@ import typer
 from pliant.plants import SingleLinkArm
 from pliant.plants.integration.batch_stepper import step_kernel
 from pliant.plants.native import compiler, kernel_cache, kernel_loader, thread_pool
+from pliant.plants.toolchain import compiler_process
 
 from .console import print_json, say, show
 from .options import AsJson
@@ -22,7 +23,7 @@ def findings() -> dict[str, Any]:
     found: dict[str, Any] = {"native wanted": None, "processors": thread_pool.available(), "advice": []}
     try:
         found["native wanted"], _ = kernel_loader.wanted(), (compiler.candidates(), compiler.extra_flags())
-    except compiler.CompilerSettingError as wrong:
+    except compiler_process.CompilerSettingError as wrong:
         found["advice"].append(str(wrong))
         return found
     found["cache folder"] = str(kernel_cache.folder())

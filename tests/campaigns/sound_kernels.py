@@ -32,6 +32,7 @@ from pliant.plants.native.scalar_codegen import TooLong
 from pliant.plants.rounding.agreement import KernelMismatch
 
 SETTINGS = (("gcc", ""), ("clang", ""), ("gcc", "-march=x86-64-v3"))
+PATIENCE = 600.0  # [s] for one compilation, also on a machine that is busy
 SINGLES = ("rates", "rk4 map", "rosenbrock map")
 
 
@@ -60,7 +61,7 @@ def run(seed: int) -> dict[str, Any]:
     compiler.toolchain.cache_clear()
     point = _point(name) if " point " in name else None
     kernel = None if point is not None else kernels.of_scenes()[name](np.dtype(precision))
-    os.environ["PLIANT_NATIVE"] = "1"
+    os.environ["PLIANT_NATIVE"], compiler.TIMEOUT = "1", PATIENCE
     began = time.perf_counter()
     try:
         with tempfile.TemporaryDirectory() as folder:

@@ -16,7 +16,9 @@ DIFFERENCE = re.compile(r"= ([\w.\[\]()]+) - ([\w.\[\]()]+);")
 INDEX = re.compile(r"\b([iogkj]\w*)\[(\d+)\](?=\[)")
 LANE = re.compile(r"\[l\]")
 LOOP = re.compile(r"(?<= < )\d+(?=;)|(?<=, )\d+(?=\);)")
-ADDRESS = re.compile(r"memcpy|ROW\[|COLUMN\[|\bvoid ")  # what would write where nothing is its own, and end the process
+ADDRESS = re.compile(
+    r"\bBLOCK\(|memcpy|ROW\[|COLUMN\[|\bvoid "
+)  # what would write where nothing is its own, and end the process
 CALL = re.compile(r"\b(SIN|COS)\b")
 
 

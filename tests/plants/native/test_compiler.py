@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from pliant.plants.native import compiler, kernel_cache, kernel_loader
+from pliant.plants.toolchain import compiler_process
 
 pytestmark = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
 SOURCE = "int answer(void) { return ANSWER; }\n"
@@ -157,13 +158,14 @@ def test_one_source_that_takes_too_long_stops_no_shorter_ones(monkeypatch, tmp_p
 
     compiler.toolchain.cache_clear()
     monkeypatch.setattr(compiler, "_run", limited)
-    source = "/* long */\n" + 40 * SOURCE.replace("ANSWER", "1")
+    source = "/* long " + 1400 * "." + "*/\n" + SOURCE.replace("ANSWER", "1")
     for _ in range(2):
         with pytest.raises(compiler.CompileError, match=r"took more than 1 s for 1 kB of C"):
             compiler.build(source)
     with pytest.raises(compiler.CompileError, match="took more than"):
         compiler.build(source[: len(source) * 3 // 4])  # more than half as long
     assert compiler.build(SOURCE.replace("ANSWER", "1"))
+    assert compiler.build(source.replace("long", "else"), ("-O0",))  # as long, but quickly compiled
     compiler.toolchain.cache_clear()
 
 
@@ -207,5 +209,5 @@ def test_flags_that_no_longer_serve_are_found_anew(toolchain, monkeypatch):
 @pytest.mark.parametrize(("name", "value"), [("CC", "  "), ("CC", 'gcc "'), ("PLIANT_CFLAGS", "-O1 'x")])
 def test_nonsense_in_the_environment_is_an_error_that_names_it(toolchain, monkeypatch, name, value):
     monkeypatch.setenv(name, value)
-    with pytest.raises(compiler.CompilerSettingError, match=f"{name}="):
+    with pytest.raises(compiler_process.CompilerSettingError, match=f"{name}="):
         toolchain(value if name == "PLIANT_CFLAGS" else "")

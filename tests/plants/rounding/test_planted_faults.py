@@ -12,11 +12,12 @@ pytestmark = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIV
 def test_faults_that_change_a_result_are_caught_and_sound_kernels_pass(monkeypatch):
     """Of two small kernels in both precisions: every kind of fault, and none."""
     names = ("link rates", "spin-up control")
+    monkeypatch.setattr(planted_faults, "POINTS", 128)
     every = planted_faults.kernels.small()
     monkeypatch.setattr(planted_faults.kernels, "small", lambda: {name: every[name] for name in names})
-    rows = [planted_faults.run(seed) for seed in range(1000, 1016)]
+    rows = [planted_faults.run(seed) for seed in range(1000, 1010)]
     states = [row["state"] for row in rows]
-    assert states.count("caught") >= 8 and not {"missed", "refused"} & set(states), rows
+    assert states.count("caught") >= 5 and not {"missed", "refused"} & set(states), rows
     assert "sound" in states
 
 

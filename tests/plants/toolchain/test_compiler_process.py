@@ -40,9 +40,9 @@ def test_what_it_started_ends_with_it(tmp_path) -> None:
     slow.write_text(f"#!/bin/sh\nsleep 10 &\necho $! > {child}\nwait\n")
     slow.chmod(0o755)
     began = time.perf_counter()
-    with pytest.raises(CompilerTimeout, match="slow took more than 1 s"):
-        run((str(slow),), limit=1.0)
-    assert time.perf_counter() - began < 5.0
+    with pytest.raises(CompilerTimeout, match="slow took more than 2 s"):
+        run((str(slow),), limit=2.0)
+    assert time.perf_counter() - began < 8.0
     state = Path(f"/proc/{child.read_text().strip()}/stat")
     assert not state.exists() or state.read_text().split()[2] == "Z"
 
