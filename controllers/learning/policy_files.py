@@ -84,6 +84,8 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
             raise ValueError(f"{OWNER}: {str(arrays_path)!r} lacks the words that format {words['format']} has")
     elif words_path.exists():
         beside = sealed_json.load(OWNER, words_path, FORMAT)
+        if set(beside) != {*WORDS, "format"}:
+            raise ValueError(f"{OWNER}: {str(words_path)!r} holds {sorted(beside)[:9]}, which are no policy's words")
         if {k: v for k, v in words.items() if k != "kind"} != beside:
             warnings.warn(
                 f"{str(words_path)!r} belongs to another policy than {arrays_path.name}, which is what is read: "

@@ -34,7 +34,7 @@ class Kind:
 
     name: str
     write: Callable[[Path, int], object]  # a version, into a folder
-    read: Callable[[Path], set[int]]  # the versions of all parts
+    read: Callable[[Path], set[float]]  # the versions of all parts
     sealed: bool = False
     settles: bool = False  # parts that readers find one by one: a kill between them is mended by the next writer
 
@@ -44,7 +44,7 @@ def motion(version: int, rows: int = 500) -> Trajectory:
     return Trajectory.from_arrays(np.linspace(0, version, rows), full, full[:, :2])
 
 
-def _motion_read(folder: Path) -> set[int]:
+def _motion_read(folder: Path) -> set[float]:
     found = Trajectory.load(folder / "run.npz")
     return set(np.unique(found.x)) | set(np.unique(found.u)) | {found.t[-1]}
 
@@ -66,12 +66,12 @@ def policy(version: int) -> Policy:
     )
 
 
-def _versions(p: Policy) -> set[int]:
+def _versions(p: Policy) -> set[float]:
     arrays = (*p.weights, *p.biases, p.mean, p.std, p.goal, p.limits, np.array([p.dt, p.made["seed"]]))
-    return {int(v) for array in arrays for v in np.unique(array)}
+    return {float(v) for array in arrays for v in np.unique(array)}
 
 
-def _policy_read(folder: Path) -> set[int]:
+def _policy_read(folder: Path) -> set[float]:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*belongs to another policy")
         return _versions(Policy.load(folder / "mine"))
@@ -93,7 +93,7 @@ def _checkpoint_write(folder: Path, version: int) -> None:
     checkpoint.save(folder, model, SimpleNamespace(obs_rms=moments), words, policy(version))
 
 
-def _checkpoint_read(folder: Path) -> set[int]:
+def _checkpoint_read(folder: Path) -> set[float]:
     import torch
 
     from pliant.controllers.learning import checkpoint
@@ -103,10 +103,10 @@ def _checkpoint_read(folder: Path) -> set[int]:
     model = SimpleNamespace(set_parameters=found.update)
     checkpoint.restore(folder, words, model, SimpleNamespace(obs_rms=moments))
     arrays = [found["policy"]["w"], found["optimizer"]["state"][0]["step"], moments.mean, moments.var]
-    seen = {int(v) for array in arrays for v in np.unique(torch.as_tensor(array).numpy())}
+    seen = {float(v) for array in arrays for v in np.unique(torch.as_tensor(array).numpy())}
     return (
         seen
-        | {words["stamp"], words["spent"], model.num_timesteps, int(moments.count)}
+        | {words["stamp"], words["spent"], model.num_timesteps, float(moments.count)}
         | _versions(checkpoint.best_of(folder))
     )
 
@@ -116,8 +116,8 @@ def _curve_write(folder: Path, version: int) -> None:
     sealed_json.save(folder / "curve.json", {"format": 2, "spent": version, "curve": points})
 
 
-def _curve_read(folder: Path) -> set[int]:
-    return {int(v) for p in rl.read_curve(folder / "curve.json") for v in (p.steps, p.seconds, p.cost)}
+def _curve_read(folder: Path) -> set[float]:
+    return {float(v) for p in rl.read_curve(folder / "curve.json") for v in (p.steps, p.seconds, p.cost)}
 
 
 def figure(version: int):
@@ -153,9 +153,9 @@ def _chart_write(folder: Path, version: int) -> None:
     found.save(folder / "map.json", folder / "map.png")
 
 
-def _chart_read(folder: Path) -> set[int]:
+def _chart_read(folder: Path) -> set[float]:
     told = json.loads((folder / "map.json").read_text())
-    return {int(told["seconds"]), int(told["margins"][1][1]), _picture_version(folder, "map.png", _chart_write)}
+    return {told["seconds"], told["margins"][1][1], _picture_version(folder, "map.png", _chart_write)}
 
 
 def _figures_write(folder: Path, version: int) -> None:
@@ -164,7 +164,7 @@ def _figures_write(folder: Path, version: int) -> None:
         registry.write("single-link", folder / "figures", lambda *_: None)
 
 
-def _figures_read(folder: Path) -> set[int]:
+def _figures_read(folder: Path) -> set[float]:
     return {_picture_version(folder, f"figures/{name}.png", _figures_write) for name in ("first", "second")}
 
 
@@ -172,7 +172,7 @@ def _board_write(folder: Path, version: int) -> None:
     tables.write(Results(version, version, (), (), {}, {}), folder / "board", f"board {version}")
 
 
-def _board_read(folder: Path) -> set[int]:
+def _board_read(folder: Path) -> set[float]:
     told = json.loads((folder / "board" / "scoreboard.json").read_text())
     text = (folder / "board" / "scoreboard.md").read_text()
     return {told["seeds"], told["seed"], int(text.split("board ")[1].split("`")[0])}
@@ -185,7 +185,7 @@ def _report_write(folder: Path, version: int) -> None:
             atomic_files.write_json(made / name, {"version": version})
 
 
-def _report_read(folder: Path) -> set[int]:
+def _report_read(folder: Path) -> set[float]:
     told = [json.loads(path.read_text())["version"] for path in (folder / "report").glob("*.json")]
     if len(told) < 3:
         raise ValueError("the report, or a part of it, is not there")
@@ -196,7 +196,7 @@ def _table_write(folder: Path, version: int) -> None:
     atomic_files.write_json(folder / "table.json", {"rows": [version] * 1000})
 
 
-def _table_read(folder: Path) -> set[int]:
+def _table_read(folder: Path) -> set[float]:
     return set(json.loads((folder / "table.json").read_text())["rows"])
 
 
@@ -206,7 +206,7 @@ def _kernel_write(folder: Path, version: int) -> None:
         kernel_cache.write("kernel-a.so", b"%d" % version * 5000)
 
 
-def _kernel_read(folder: Path) -> set[int]:
+def _kernel_read(folder: Path) -> set[float]:
     with patch.dict("os.environ", {"PLIANT_CACHE": str(folder)}):
         text = kernel_cache.read_text("kernel-a.so")
     if text is None:

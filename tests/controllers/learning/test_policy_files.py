@@ -10,6 +10,7 @@ from file_kinds import policy
 from pliant.controllers import Policy
 from pliant.controllers.learning import policy_files
 from pliant.controllers.learning.policy import FOLDER, shipped
+from pliant.plants.files import sealed_json
 
 
 def load(folder):
@@ -66,6 +67,7 @@ def changed(**changes):
         (lambda f: (f / "mine.json").write_text("{"), r"mine\.json' cannot be read"),
         (lambda f: (f / "mine.json").write_bytes(b""), r"mine\.json' is empty"),
         (lambda f: np.savez(f / "mine.npz", W1=np.array([{}], dtype=object)), r"mine\.npz' holds objects"),
+        (lambda f: sealed_json.save(f / "mine.json", {"format": 2, "curve": []}), "which are no policy's words"),
         (changed(limits=[3.0]), r"mine\.json' was edited or is damaged"),
         (changed(format=3), r"mine\.json' was written by format 3, this Pliant reads up to 2"),
         (lambda f: (f / "mine.npz").write_bytes((f / "mine.json").read_bytes()), r"mine\.npz' cannot be read"),
