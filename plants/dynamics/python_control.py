@@ -52,15 +52,14 @@ class Chosen:
         used = driven if inputs is None else _listed("inputs", inputs, driven)
         used += driving if disturbances is True else _listed("disturbances", disturbances, driving)
         seen, states = list(names(plant.outputs)), list(names(plant.states))
+        self.rows = list(range(plant.ny))  # of [y; x]
         if isinstance(outputs, str) and outputs == "states":
-            shown, of = states, plant.states
-        else:
-            shown = seen if outputs is None else _listed("outputs", outputs, [*seen, *states])
-            of = plant.outputs + plant.states
-        self.inputs, self.outputs, self.states = used, shown, states
+            seen, self.rows = states, list(range(plant.ny, plant.ny + plant.nx))
+        elif outputs is not None:
+            seen = _listed("outputs", outputs, [*seen, *states])
+            self.rows = [index(plant.outputs + plant.states, name, "output") for name in seen]
+        self.inputs, self.outputs, self.states = used, seen, states
         self.drives = [index(plant.inputs + plant.disturbances, name, "input") for name in used]
-        after = 0 if of is not plant.states else plant.ny
-        self.rows = [after + index(of, name, "output") for name in shown]  # of [y; x]
         self.plain = self.drives == list(range(plant.nu)), self.rows == list(range(plant.ny))
 
     def params(self, given: Mapping[str, Any] | None) -> dict[str, float]:
@@ -148,7 +147,7 @@ def _vector(name: str, given: Any, size: int) -> Array:
     """(size,) as python-control has it: a number for all, parts one after another, zeros for those that lack."""
     parts = given if isinstance(given, (list, tuple)) else [given]
     value = np.concatenate([np.zeros(0), *(np.ravel(np.asarray(part, dtype=float)) for part in parts)])
-    if np.ndim(given) == 0:
+    if not isinstance(given, (list, tuple)) and np.ndim(given) == 0:
         value = np.repeat(value, size)
     if len(value) > size:
         raise ValueError(f"linearize: {name} has {len(value)} numbers, must have {size}")
