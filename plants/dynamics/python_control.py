@@ -96,8 +96,6 @@ class Chosen:
 
     def seen(self, t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
         """The outputs."""
-        if min(self.rows, default=0) >= self.plant.ny:
-            return np.asarray(x)[np.array(self.rows) - self.plant.ny]
         u, w = self.drive(u)
         y = self.plant.measure(x, u, w=w, p=self.p(params), t=t)
         return y if self.plain[1] else np.concatenate([y, x])[self.rows]
@@ -170,7 +168,9 @@ def system_class() -> type[control.NonlinearIOSystem]:
             self.plant, self.chosen = chosen.plant, chosen
             signals = {kind: getattr(chosen, kind) for kind in ("states", "inputs", "outputs")}
             own = dict(zip(self.plant.varied, self.plant.nominal_parameters.tolist())) | chosen.params(params)
-            super().__init__(chosen.rates, chosen.seen, params=own, name=name, dt=0, **signals)
+            whole = chosen.rows == list(range(self.plant.ny, self.plant.ny + self.plant.nx))
+            seen = None if whole else chosen.seen  # None tells python-control that the outputs are the states
+            super().__init__(chosen.rates, seen, params=own, name=name, dt=0, **signals)
 
         @property
         def params(self) -> dict[str, Any]:
