@@ -232,8 +232,7 @@ def system_class() -> type[control.NonlinearIOSystem]:
 
 
 def _empty() -> control.NonlinearIOSystem:
-    made = system_class()
-    return made.__new__(made)
+    return object.__new__(system_class())
 
 
 def to_control(chosen: Chosen, name: str | None, params: Mapping[str, Any] | None) -> control.NonlinearIOSystem:
