@@ -197,7 +197,8 @@ class Declaration(ABC):
 
         Compiled once per user and machine, then loaded from the cache; a copy that travels compiles where it arrives.
         """
-        fast = compiled(self, COMPILED)
+        own: Any = self  # its functions are those of `Plant`
+        fast: Self = compiled(own, COMPILED)
         fast.__dict__[NATIVE] = COMPILED
         return fast
 
@@ -205,7 +206,8 @@ class Declaration(ABC):
         """What a property that is built once gives this instance: a kernel of its own where it was compiled."""
         if name not in self.__dict__.get(NATIVE, ()):
             return built
-        return compiled(dataclasses.replace(self), (name,)).__dict__[name]
+        own: Any = dataclasses.replace(self)
+        return compiled(own, (name,)).__dict__[name]
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {NATIVE: self.__dict__[NATIVE]} if NATIVE in self.__dict__ else {}

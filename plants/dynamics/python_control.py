@@ -52,15 +52,14 @@ class Chosen:
         used = driven if inputs is None else _listed("inputs", inputs, driven)
         used += driving if disturbances is True else _listed("disturbances", disturbances, driving)
         seen, states = list(names(plant.outputs)), list(names(plant.states))
+        self.rows = list(range(plant.ny))  # of [y; x]
         if isinstance(outputs, str) and outputs == "states":
-            shown, of = states, plant.states
-        else:
-            shown = seen if outputs is None else _listed("outputs", outputs, [*seen, *states])
-            of = plant.outputs + plant.states
-        self.inputs, self.outputs, self.states = used, shown, states
+            seen, self.rows = states, list(range(plant.ny, plant.ny + plant.nx))
+        elif outputs is not None:
+            seen = _listed("outputs", outputs, [*seen, *states])
+            self.rows = [index(plant.outputs + plant.states, name, "output") for name in seen]
+        self.inputs, self.outputs, self.states = used, seen, states
         self.drives = [index(plant.inputs + plant.disturbances, name, "input") for name in used]
-        after = 0 if of is not plant.states else plant.ny
-        self.rows = [after + index(of, name, "output") for name in shown]  # of [y; x]
         self.plain = self.drives == list(range(plant.nu)), self.rows == list(range(plant.ny))
 
     def params(self, given: Mapping[str, Any] | None) -> dict[str, float]:
@@ -97,8 +96,6 @@ class Chosen:
 
     def seen(self, t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
         """The outputs."""
-        if min(self.rows, default=0) >= self.plant.ny:
-            return np.asarray(x)[np.array(self.rows) - self.plant.ny]
         u, w = self.drive(u)
         y = self.plant.measure(x, u, w=w, p=self.p(params), t=t)
         return y if self.plain[1] else np.concatenate([y, x])[self.rows]
@@ -148,7 +145,7 @@ def _vector(name: str, given: Any, size: int) -> Array:
     """(size,) as python-control has it: a number for all, parts one after another, zeros for those that lack."""
     parts = given if isinstance(given, (list, tuple)) else [given]
     value = np.concatenate([np.zeros(0), *(np.ravel(np.asarray(part, dtype=float)) for part in parts)])
-    if np.ndim(given) == 0:
+    if not isinstance(given, (list, tuple)) and np.ndim(given) == 0:
         value = np.repeat(value, size)
     if len(value) > size:
         raise ValueError(f"linearize: {name} has {len(value)} numbers, must have {size}")
@@ -171,7 +168,9 @@ def system_class() -> type[control.NonlinearIOSystem]:
             self.plant, self.chosen = chosen.plant, chosen
             signals = {kind: getattr(chosen, kind) for kind in ("states", "inputs", "outputs")}
             own = dict(zip(self.plant.varied, self.plant.nominal_parameters.tolist())) | chosen.params(params)
-            super().__init__(chosen.rates, chosen.seen, params=own, name=name, dt=0, **signals)
+            whole = chosen.rows == list(range(self.plant.ny, self.plant.ny + self.plant.nx))
+            seen = None if whole else chosen.seen  # None tells python-control that the outputs are the states
+            super().__init__(chosen.rates, seen, params=own, name=name, dt=0, **signals)
 
         @property
         def params(self) -> dict[str, Any]:
@@ -233,8 +232,7 @@ def system_class() -> type[control.NonlinearIOSystem]:
 
 
 def _empty() -> control.NonlinearIOSystem:
-    made = system_class()
-    return made.__new__(made)
+    return object.__new__(system_class())
 
 
 def to_control(chosen: Chosen, name: str | None, params: Mapping[str, Any] | None) -> control.NonlinearIOSystem:
