@@ -19,7 +19,6 @@ from functools import cached_property
 from typing import Any, final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
@@ -47,9 +46,10 @@ from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear.ltv import LTVModel
 
 from .funnel import Funnel
+from .held_goal import held_by_model, held_by_plant
 from .hold_set import Hold
 from .nominal_loop import PathProgress, own_nominal
-from .period_cost import law_at_goal, period_cost, period_weight
+from .period_cost import law_at_goal, period_cost
 
 INDICES = ("time", "phase")
 
@@ -122,8 +122,7 @@ class TVLQR(OwnsArrays):
         bounds = saturation("TVLQR", limits, [s.name for s in plant.inputs])
         made = cls._about(regulator, A, B, c, x, u, dt, names, hold, bounds, index, float(t[0]))
         if hold is not None:
-            steps = HeldSteps(plant, dt, substeps, t[-1:], w, p)
-            made.hold = _held_by_plant(made, steps, hold, (Q, R, N))
+            made.hold = held_by_plant(made.K, made.x, HeldSteps(plant, dt, substeps, t[-1:], w, p), hold, (Q, R, N))
         return made
 
     @classmethod
@@ -149,15 +148,12 @@ class TVLQR(OwnsArrays):
         dt = float(steps.mean())
         if np.ptp(steps) > 1e-6 * dt:
             raise ValueError(f"TVLQR.design: nodes {steps.min():.6g} to {steps.max():.6g} s apart must be equally far")
-        found = riccati.sampled_along(ltv, Q, R, N)
+        found, u = riccati.sampled_along(ltv, Q, R, N), (ltv.u[:-1] + ltv.u[1:]) / 2
         regulator = _of_nodes(ltv, found, (Q, R, N), end)
-        u = (ltv.u[:-1] + ltv.u[1:]) / 2
-        bounds = saturation("TVLQR", limits, ltv.input_names)
-        names = ltv.state_names
-        A, B, c, start = found.A, found.B, found.c, float(ltv.t[0])
-        made = cls._about(regulator, A, B, c, ltv.x, u, dt, names, hold, bounds, index, start)
+        about = ltv.state_names, hold, saturation("TVLQR", limits, ltv.input_names), index, float(ltv.t[0])
+        made = cls._about(regulator, found.A, found.B, found.c, ltv.x, u, dt, *about)
         if hold is not None:
-            made.hold = _held_by_model(made, ltv, (Q, R, N))
+            made.hold = held_by_model(made.K, made.x, made.u, ltv, (Q, R, N))
         return made
 
     @classmethod
@@ -183,11 +179,7 @@ class TVLQR(OwnsArrays):
         require_choice("TVLQR", "index", index, INDICES)
         plant, about = scene.plant, Objective.of(scene)
         held = goal_model(scene)[0].state_names  # EquilibriumError where the goal cannot be held
-        nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
-        if isinstance(nominal, str):
-            require_choice("TVLQR.for_scene", "nominal", nominal, NOMINALS)
-        elif not isinstance(nominal, (Motion, Trajectory)):
-            raise ValueError(f"TVLQR.for_scene.nominal = {shown(nominal)} must be a motion or one of {NOMINALS}")
+        nominal = _motion_or_name(scene, nominal)
         start = scene.initial[0] if isinstance(nominal, str) else nominal.x[0]  # what it conserves is told by that
         terms, given = StageTerms(about, about.residual_expression), (np.zeros(plant.nw), plant.nominal_parameters)
         K, P = law_at_goal(about, terms, scene.substeps, effort, held, start)
@@ -273,6 +265,16 @@ def _three(hold: Any) -> Any:
     return hold
 
 
+def _motion_or_name(scene: CostedScene, nominal: Any) -> Any:
+    """The nominal asked for, or "plan" from rest to rest and "optimal" else where None; ValueError for another."""
+    nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
+    if isinstance(nominal, str):
+        require_choice("TVLQR.for_scene", "nominal", nominal, NOMINALS)
+    elif not isinstance(nominal, (Motion, Trajectory)):
+        raise ValueError(f"TVLQR.for_scene.nominal = {shown(nominal)} must be a motion or one of {NOMINALS}")
+    return nominal
+
+
 def _of_steps(found: riccati.SampledLTV, end: Any) -> TimeVaryingRegulator:
     terms = {"q": found.q, "s": found.s, "r": found.r}
     return riccati.dtvlqr(found.A, found.B, found.Q, found.R, found.N, found.c, end=end, **terms)
@@ -288,22 +290,3 @@ def _of_nodes(
         return _of_steps(joined(riccati.sampled_along(refined(ltv), *weights)), end).root
 
     return regulator._replace(error=measured(ltv, "TVLQR.design", regulator.root, other, 1, ltv.A))
-
-
-def _held_by_plant(made: TVLQR, steps: HeldSteps, hold: tuple[Any, Any, Any], weights: tuple[Any, Any, Any]) -> Hold:
-    """The held law about a period of the plant at its goal; weights Q, R, N of a period, or with a leading T."""
-    found, nx = steps.slopes(*(np.array(value, dtype=float)[None] for value in hold[1:])), len(made.reads)
-    A, B = found.slope[0][:, :nx], found.slope[0][:, nx:]
-    given = [np.zeros_like(B) if M is None else np.asarray(M, dtype=float) for M in weights]
-    Q, R, N = (M[-1] if M.ndim == 3 else M for M in given)
-    return Hold(A, B, made.K[-1], found.end[0] - made.x[-1], period_weight(Q, R, N))
-
-
-def _held_by_model(made: TVLQR, ltv: LTVModel, weights: tuple[Any, Any, Any]) -> Hold:
-    """The held law about the model's last node; weights Q, R, N of the integral."""
-    end, dt = ltv.at(-1), made.dt
-    after, period = end.discretize(dt), riccati.sampled(end.A, end.B, *weights, dt=dt)
-    dx, du = made.x[-1] - ltv.x[-1], made.u[-1] - ltv.u[-1]
-    moves = CubicSpline(ltv.t, ltv.x)(ltv.t[-1], 1) * dt  # f at the last node is c and the nominal's own rate
-    rest = after.A @ dx + after.B @ du + after.f0 + moves - dx
-    return Hold(period.A, period.B, made.K[-1], rest, period_weight(*period[2:]))

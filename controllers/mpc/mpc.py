@@ -65,21 +65,20 @@ class MPC:
         """
         self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked, exact
         self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
-        self.horizon = len(steps[0].plan[0])
-        self.tracked = dict(tracked or {})
+        self.tracked, self.horizon = dict(tracked or {}), len(steps[0].plan[0])
         self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
         self._firm = WithoutExcess() if exact else None
         self._steps, self._start, self._latest = tuple(steps), start, len(steps) - 1
         self._drift: np.ndarray | None = None  # (len(reads),) [1/s] of a goal that moves, from t = 0 on
         self._ny, m, size = len(reads), len(steps[0].low), steps[0].G.shape[1]
         self._d = np.empty(m + len(limits.low))
-        self._rows, self._free = self._d[:m], self._d[m:]
+        self._rows, self._free, self._limits = self._d[:m], self._d[m:], m > 0
         self._lower, self._upper = np.empty(m), np.empty(m)
         self._knowledge: Knowledge | None = None  # None: the reading is all there is to know
         if estimator is not None or limits.remembers:
             self._knowledge = Knowledge(size, origin, limits, estimator, target, self.tracked)
-        self._low, self._high, self._limits = limits.low, limits.high, m > 0
-        self._clips = bool(np.isfinite(limits.low).any() or np.isfinite(limits.high).any())
+        self._low, self._high = limits.low, limits.high
+        self._clips = bool(np.isfinite([limits.low, limits.high]).any())
         self.plan, self._shift = LastPlan(self.horizon, size), np.zeros(m)
         self.reset()
 
@@ -183,9 +182,9 @@ class MPC:
 
     def aim(self, values: Mapping[str, float]) -> None:
         """Bring tracked signals to other values, by name; they start at those of the model's point."""
-        values = require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal")
+        named = require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal")
         if self._knowledge is not None:
-            self._knowledge.aim(values)
+            self._knowledge.aim(named)
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]."""
