@@ -26,7 +26,7 @@ from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, unmoved
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
-from pliant.controllers.optimal_control.nominal_motions import NOMINALS, nodes, nominal_for, require_share, rests
+from pliant.controllers.optimal_control.nominal_motions import nodes, nominal_for, require_share, wanted
 from pliant.controllers.optimal_control.optimal import Motion
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.controllers.optimal_control.stage_derivatives import StageTerms
@@ -110,8 +110,8 @@ class TVLQR:
         require_instance("TVLQR.along: plant", plant, Plant)
         dt, hold = require_seconds("TVLQR.dt", dt), _three(hold)
         t, x, u = nodes(nominal, dt)
-        if x.shape[1:] != (plant.nx,) or u.shape[1:] != (plant.nu,):
-            raise ValueError(f"TVLQR.nominal has {x.shape[1]} states and {u.shape[1]} inputs, must be of the plant's")
+        for name, rows, n in (("states", x, plant.nx), ("inputs", u, plant.nu)):
+            require_finite(f"TVLQR.nominal: {name}", rows, (-1, n))
         w, p = np.zeros(plant.nw), plant.nominal_parameters
         found = HeldSteps(plant, dt, substeps, t[:-1], w, p).slopes(x[:-1], u)
         A, B = found.slope[:, :, : plant.nx], found.slope[:, :, plant.nx :]
@@ -182,11 +182,7 @@ class TVLQR:
         require_choice("TVLQR", "index", index, INDICES)
         plant, about = scene.plant, Objective.of(scene)
         held = goal_model(scene)[0].state_names  # EquilibriumError where the goal cannot be held
-        nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
-        if isinstance(nominal, str):
-            require_choice("TVLQR.for_scene", "nominal", nominal, NOMINALS)
-        elif not isinstance(nominal, (Motion, Trajectory)):
-            raise ValueError(f"TVLQR.for_scene.nominal = {shown(nominal)} must be a motion or one of {NOMINALS}")
+        nominal = wanted("TVLQR.for_scene", scene, nominal)
         start = scene.initial[0] if isinstance(nominal, str) else nominal.x[0]  # what it conserves is told by that
         terms, given = StageTerms(about, about.residual_expression), (np.zeros(plant.nw), plant.nominal_parameters)
         K, P = law_at_goal(about, terms, scene.substeps, effort, held, start)

@@ -182,9 +182,9 @@ class MPC:
 
     def aim(self, values: Mapping[str, float]) -> None:
         """Bring tracked signals to other values, by name; they start at those of the model's point."""
-        values = require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal")
+        aimed = require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal")
         if self._knowledge is not None:
-            self._knowledge.aim(values)
+            self._knowledge.aim(aimed)
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]."""

@@ -33,6 +33,17 @@ def require_share(name: str, value: Any) -> float:
     return found
 
 
+def wanted(owner: str, scene: CostedScene, nominal: Any) -> Any:
+    """A motion, or which one; None: "plan" from rest to rest, else "optimal"."""
+    if nominal is None:
+        return "plan" if rests(scene) else "optimal"
+    if isinstance(nominal, str):
+        require_choice(owner, "nominal", nominal, NOMINALS)
+    elif not isinstance(nominal, (Motion, Trajectory)):
+        raise ValueError(f"{owner}.nominal = {shown(nominal)} must be a motion or one of {', '.join(NOMINALS)}")
+    return nominal
+
+
 def nominal_for(scene: CostedScene, kind: str, reserve: float) -> Motion | Trajectory:
     """ "plan": least effort to rest at the goal; "optimal": of least cost; both with a share of the limits in reserve.
 
