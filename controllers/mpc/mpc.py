@@ -154,8 +154,11 @@ class MPC:
         cls, scene: CostedScene, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any
     ) -> Self:
         """About a scene's goal, moving or not, or along a nominal of its plant; options as there go before its own."""
-        require_scene("MPC.for_scene", scene)
-        Q, R, high = dict(scene.weights), dict(scene.effort), np.array(scene.limits, dtype=float)
+        Q, R, high = (
+            dict(require_scene("MPC.for_scene", scene).weights),
+            dict(scene.effort),
+            np.array(scene.limits, dtype=float),
+        )
         bounds = {name: (-value, value) for name, value in scene.bounds}
         given: dict[str, Any] = {"horizon": horizon, "limits": (-high, high), "bounds": bounds} | options
         if nominal is not None:
