@@ -82,8 +82,9 @@ class TrainableScene(Protocol):
     def sb3_env(self, num_envs: int, *, randomise: bool = False, threads: int | None = None) -> Any: ...
 
 
-def require_scene(owner: str, scene: Any, asked: tuple[str, ...] = TELLING) -> None:
-    """ValueError unless `scene` has what tells one; nothing of it is computed for that."""
+def require_scene(owner: str, scene: Any, asked: tuple[str, ...] = TELLING) -> Any:
+    """`scene` itself; ValueError unless it has what tells one, of which nothing is computed for that."""
     own = getattr(scene, "__dict__", {})
     if isinstance(scene, type) or not all(name in own or hasattr(type(scene), name) for name in asked):
         raise ValueError(f"{owner}.scene = {shown(scene)} must be a Scene, not {type(scene).__name__}")
+    return scene

@@ -165,6 +165,7 @@ def _read(mode: Any) -> tuple[float, float]:
     if isinstance(value, (complex, np.complexfloating)):
         if not np.isfinite(value):
             raise ValueError(f"shaper_for.modes: {shown(mode)} must be finite")
+        value = complex(value)
         size = abs(value)
         if value.real > 1e-9 * size:
             raise ValueError(f"shaper_for.modes: a mode grows at {value.real:.3g} 1/s; no command can calm it")

@@ -10,11 +10,12 @@ itself, M what it costs in a period ("Nonlinear Systems", Khalil 2002, Section 4
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
 
+from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.matrix_roots import semidefinite_root
 
 Array = np.ndarray
@@ -36,6 +37,13 @@ class Hold(NamedTuple):
     def closed(self) -> Array:
         """A - B K."""
         return np.asarray(self.A - self.B @ self.K)
+
+
+def given_hold(hold: Any) -> Any:
+    """ValueError unless it is None or K, x_goal, u_goal."""
+    if hold is not None and not (isinstance(hold, (tuple, list)) and len(hold) == 3):
+        raise ValueError(f"TVLQR.hold = {shown(hold)} must be (K, x_goal, u_goal)")
+    return hold
 
 
 def invariant(hold: Hold, P: Array) -> tuple[Array, float] | None:

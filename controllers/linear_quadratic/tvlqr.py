@@ -25,7 +25,7 @@ from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, unmoved
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
-from pliant.controllers.optimal_control.nominal_motions import NOMINALS, nodes, nominal_for, require_share, rests
+from pliant.controllers.optimal_control.nominal_motions import nodes, nodes_of, nominal_for, require_share, wanted
 from pliant.controllers.optimal_control.optimal import Motion
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.controllers.optimal_control.stage_derivatives import StageTerms
@@ -38,7 +38,6 @@ from pliant.plants.core.argument_gates import (
     require_instance,
     require_number,
     require_seconds,
-    shown,
 )
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.core.trajectory import Trajectory
@@ -47,7 +46,7 @@ from pliant.plants.linear.ltv import LTVModel
 
 from .funnel import Funnel
 from .held_goal import held_by_model, held_by_plant
-from .hold_set import Hold
+from .hold_set import Hold, given_hold
 from .nominal_loop import PathProgress, own_nominal
 from .period_cost import law_at_goal, period_cost
 
@@ -108,11 +107,8 @@ class TVLQR(OwnsArrays):
         where None. hold: (K (nu, nx), x_goal, u_goal), the law after the end; None: the last gain about the last node.
         substeps: RK4 steps a period. limits: (lowest, highest), or {input: (lowest, highest)}.
         """
-        require_instance("TVLQR.along: plant", plant, Plant)
-        dt, hold = require_seconds("TVLQR.dt", dt), _three(hold)
-        t, x, u = nodes(nominal, dt)
-        if x.shape[1:] != (plant.nx,) or u.shape[1:] != (plant.nu,):
-            raise ValueError(f"TVLQR.nominal has {x.shape[1]} states and {u.shape[1]} inputs, must be of the plant's")
+        dt, hold = require_seconds("TVLQR.dt", dt), given_hold(hold)
+        t, x, u = nodes_of(plant, nominal, dt)
         w, p = np.zeros(plant.nw), plant.nominal_parameters
         found = HeldSteps(plant, dt, substeps, t[:-1], w, p).slopes(x[:-1], u)
         A, B = found.slope[:, :, : plant.nx], found.slope[:, :, plant.nx :]
@@ -143,7 +139,7 @@ class TVLQR(OwnsArrays):
         The nominal input is held at its mean between nodes. Options as in `along`. NodeWarning, and `regulator.error`,
         where the nodes are too far apart for the cost to go to be known to a thousandth (riccati/node_distance.py).
         """
-        hold = _three(hold)
+        hold = given_hold(hold)
         steps = np.diff(require_instance("TVLQR.design: ltv", ltv, LTVModel).t)
         dt = float(steps.mean())
         if np.ptp(steps) > 1e-6 * dt:
@@ -176,10 +172,9 @@ class TVLQR(OwnsArrays):
         require_scene("TVLQR.for_scene", scene)
         reserve = require_share("TVLQR.for_scene.reserve", reserve)
         effort = require_number("TVLQR.for_scene.effort", effort, "positive")
-        require_choice("TVLQR", "index", index, INDICES)
         plant, about = scene.plant, Objective.of(scene)
         held = goal_model(scene)[0].state_names  # EquilibriumError where the goal cannot be held
-        nominal = _motion_or_name(scene, nominal)
+        nominal = wanted("TVLQR.for_scene", scene, nominal)
         start = scene.initial[0] if isinstance(nominal, str) else nominal.x[0]  # what it conserves is told by that
         terms, given = StageTerms(about, about.residual_expression), (np.zeros(plant.nw), plant.nominal_parameters)
         K, P = law_at_goal(about, terms, scene.substeps, effort, held, start)
@@ -256,23 +251,6 @@ class TVLQR(OwnsArrays):
             y = y - self.drift * (t - self.start - last * self.dt)
         u = self._offsets[k] - self._gains[k].dot(y)
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
-
-
-def _three(hold: Any) -> Any:
-    """ValueError unless it is None or K, x_goal, u_goal."""
-    if hold is not None and not (isinstance(hold, (tuple, list)) and len(hold) == 3):
-        raise ValueError(f"TVLQR.hold = {shown(hold)} must be (K, x_goal, u_goal)")
-    return hold
-
-
-def _motion_or_name(scene: CostedScene, nominal: Any) -> Any:
-    """The nominal asked for, or "plan" from rest to rest and "optimal" else where None; ValueError for another."""
-    nominal = ("plan" if rests(scene) else "optimal") if nominal is None else nominal
-    if isinstance(nominal, str):
-        require_choice("TVLQR.for_scene", "nominal", nominal, NOMINALS)
-    elif not isinstance(nominal, (Motion, Trajectory)):
-        raise ValueError(f"TVLQR.for_scene.nominal = {shown(nominal)} must be a motion or one of {NOMINALS}")
-    return nominal
 
 
 def _of_steps(found: riccati.SampledLTV, end: Any) -> TimeVaryingRegulator:

@@ -154,10 +154,9 @@ class MPC:
         cls, scene: CostedScene, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any
     ) -> Self:
         """About a scene's goal, moving or not, or along a nominal of its plant; options as there go before its own."""
-        require_scene("MPC.for_scene", scene)
-        Q, R, high = dict(scene.weights), dict(scene.effort), np.array(scene.limits, dtype=float)
+        Q, R = dict(require_scene("MPC.for_scene", scene).weights), dict(scene.effort)
         bounds = {name: (-value, value) for name, value in scene.bounds}
-        given: dict[str, Any] = {"horizon": horizon, "limits": (-high, high), "bounds": bounds} | options
+        given: dict[str, Any] = {"horizon": horizon, "limits": _both(scene.limits), "bounds": bounds} | options
         if nominal is not None:
             require_instance("MPC.for_scene: nominal", nominal, Trajectory)
             return cls.along(scene.plant.linearize_along(nominal), Q, R, **given)
@@ -242,6 +241,12 @@ class MPC:
     def __reduce__(self) -> tuple[Any, ...]:  # a copy goes on as the original would, and apart from it
         known = None if self._knowledge is None else self._knowledge.state
         return _again, sealed((self._made, self._drift, self.record, self.plan, known, self._at, self._multipliers))
+
+
+def _both(limits: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest inputs of a scene's limits."""
+    high = np.array(limits, dtype=float)
+    return -high, high
 
 
 def _again(*state: Any) -> MPC:

@@ -9,8 +9,16 @@ import numpy as np
 
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
-from pliant.plants.core.argument_gates import require_choice, require_number, require_seconds, shown
+from pliant.plants.core.argument_gates import (
+    require_choice,
+    require_finite,
+    require_instance,
+    require_number,
+    require_seconds,
+    shown,
+)
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.dynamics.plant import Plant
 
 from .optimal import Motion, driven, optimal
 from .plan import plan
@@ -31,6 +39,17 @@ def require_share(name: str, value: Any) -> float:
     if not 0 <= found < 1:
         raise ValueError(f"{name} = {found!r} must be >= 0 and < 1")
     return found
+
+
+def wanted(owner: str, scene: CostedScene, nominal: Any) -> Any:
+    """A motion, or which one; None: "plan" from rest to rest, else "optimal"."""
+    if nominal is None:
+        return "plan" if rests(scene) else "optimal"
+    if isinstance(nominal, str):
+        require_choice(owner, "nominal", nominal, NOMINALS)
+    elif not isinstance(nominal, (Motion, Trajectory)):
+        raise ValueError(f"{owner}.nominal = {shown(nominal)} must be a motion or one of {', '.join(NOMINALS)}")
+    return nominal
 
 
 def nominal_for(scene: CostedScene, kind: str, reserve: float) -> Motion | Trajectory:
@@ -89,3 +108,12 @@ def nodes(nominal: Motion | Trajectory, dt: float) -> tuple[np.ndarray, np.ndarr
     if nominal.hold == "zero-order":
         return t, at_nodes.x, at_nodes.u[:-1]
     return t, at_nodes.x, (at_nodes.u[:-1] + at_nodes.u[1:]) / 2
+
+
+def nodes_of(plant: Plant, nominal: Motion | Trajectory, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`nodes` of a motion in a plant's states and inputs."""
+    require_instance("TVLQR.along: plant", plant, Plant)
+    t, x, u = nodes(nominal, dt)
+    for name, rows, n in (("states", x, plant.nx), ("inputs", u, plant.nu)):
+        require_finite(f"TVLQR.nominal: {name}", rows, (-1, n))
+    return t, x, u

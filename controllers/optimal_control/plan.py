@@ -108,11 +108,11 @@ def plan(
     at = {steps: _rest(scene, time)}
     if via is not None and not isinstance(via, Mapping):
         raise ValueError(f"plan.via = {shown(via)} must be values by name for each time [s]")
-    for moment, values in (via or {}).items():
+    for moment, passed in (via or {}).items():
         k = round(require_number("plan.via", moment, unit="s") / dt)
         if not 1 <= k < steps:
             raise ValueError(f"plan.via at {moment!r} s must be within [{dt:g}, {(steps - 1) * dt:g}] s")
-        at[k] = require_by_name(f"plan.via[{moment!r}]", values)
+        at[k] = require_by_name(f"plan.via[{moment!r}]", passed)
     return optimal(
         objective,
         x0,

@@ -172,7 +172,7 @@ def require_flag(name: str, value: Any) -> bool:
     return value
 
 
-def require_instance(name: str, value: Any, kind: type[T], *, what: str = "") -> T:
+def require_instance(name: str, value: T, kind: type, *, what: str = "") -> T:
     """`value` itself; ValueError unless it is of `kind`; `what` tells it in words where the type's name does not."""
     if not isinstance(value, kind):
         word = what or kind.__name__
@@ -215,7 +215,7 @@ def unit_vector(name: str, value: Any) -> tuple[float, ...]:
     return tuple(found.tolist())
 
 
-def require_all(name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
+def require_all(name: str, value: Any, kind: type) -> tuple[Any, ...]:
     """A tuple of objects of `kind`, from a tuple or a list of them."""
     found = as_tuple(name, value)
     for i, item in enumerate(found):
@@ -254,7 +254,7 @@ def require_function(name: str, value: Any) -> Callable[..., Any]:
     """`value` itself; ValueError unless it can be called."""
     if not callable(value):
         raise ValueError(f"{name} = {shown(value)} must be a function, not {_type(value)}")
-    return value  # type: ignore[no-any-return]
+    return value
 
 
 def require_path(name: str, value: Any) -> Path:

@@ -81,7 +81,7 @@ def writable_folder(option: str, path: Path | None) -> None:
         return
     nearest = next((p for p in (path, *path.parents) if p.exists()), Path())
     if not nearest.is_dir():
-        raise ValueError(f"{option} {str(path)!r}: {str(nearest)!r} is no folder")
+        raise ValueError(f"{option} {str(path)!r}: {str(nearest)!r} must be a folder")
     if not os.access(nearest, os.W_OK):
         raise ValueError(f"{option} {str(path)!r}: nothing can be written into {str(nearest)!r}")
     if max((len(os.fsencode(part)) for part in path.parts), default=0) > LONGEST_NAME:
