@@ -17,7 +17,7 @@ CALM, WILD = np.zeros(2), np.ones(2)
 
 
 def masses(vector: PlantVectorEnv, others: np.ndarray, count: int = 4) -> list[float]:
-    """The first payloads [kg] that lane 0 plays, without torque, while the others are driven, which ends theirs early."""
+    """The first payloads [kg] that lane 0 plays, without torque, while the others are driven, which ends theirs."""
     found: list[float] = []
     while len(found) < count:
         told = vector.step(np.stack([CALM, others, others]))[4]
