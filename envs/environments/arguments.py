@@ -115,7 +115,8 @@ def require_starts(owner: str, scene: Scene, options: Mapping[str, Any], lanes: 
     """
     if not any(key in options for key in OPTIONS):
         return None
-    state, values = options.get("state"), options.get("parameters", {})
+    state: Any = options.get("state")
+    values = options.get("parameters", {})
     each: list[dict[str, Any]] = [{} for _ in range(lanes)]
     for k, own in enumerate(each):
         if "state" in options:

@@ -32,7 +32,7 @@ class Batch(OwnsArrays, Lanes):
     _steps: int  # periods of an episode
     begun: bool  # whether every lane has been started
 
-    @property  # type: ignore[override]
+    @property
     def spec(self) -> EnvSpec | None:
         """The registered specification, with the max_episode_steps that this class enforces."""
         return getattr(self, "_spec", None)

@@ -75,7 +75,8 @@ class Lanes(VectorEnv[Array, Array, Array]):
         if name == "reset":
             return self._reset_lanes(lanes, *args, **kwargs)
         if name == "get_wrapper_attr":
-            return self.lane_attr(*args, lanes, **kwargs)
+            (attribute,) = args
+            return self.lane_attr(attribute, lanes)
         if name == "has_wrapper_attr":
             return [name in self.marks or hasattr(self, str(args[0]))] * len(lanes)
         if name == "set_wrapper_attr":

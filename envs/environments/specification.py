@@ -19,7 +19,7 @@ def own(spec: EnvSpec | None, steps: int) -> EnvSpec | None:
         return None
     found = copy.copy(spec)
     found.max_episode_steps = steps
-    found.kwargs = {key: _plain(key, value) for key, value in spec.kwargs.items()}
+    found.kwargs = {key: _plain(key, value) for key, value in spec.kwargs.items() if key != "max_episode_steps"}
     return found
 
 

@@ -84,6 +84,7 @@ class PlantVectorEnv(Batch):
         self.single_observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), self._dtype.type)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._shape = self.num_envs, scene.plant.nu
         self._supply = EpisodeSupply(scene, self.num_envs)
         self._names, self._nominal = scene.varied_plant.varied, scene.varied_plant.nominal_parameters
         self._first = first_observations(scene, scene.initial[0][None], self._nominal[None])[0]
@@ -118,7 +119,7 @@ class PlantVectorEnv(Batch):
         given = arguments.require_starts(owner, self.scene, options, n)
         if isinstance(seeds, int):
             self._np_random, self._np_random_seed = seeding.np_random(seeds)
-            seeds = range(seeds, seeds + n)
+            return self.restart(lanes, range(seeds, seeds + n), given)
         return self.restart(lanes, seeds or [None] * n, given)
 
     def restart(
@@ -169,7 +170,7 @@ class PlantVectorEnv(Batch):
         episodes that end, the lanes where one begins.
         """
         self._require_begun("step")
-        actions = arguments.require_actions("PlantVectorEnv.step", "actions", actions, self.action_space.shape)
+        actions = arguments.require_actions("PlantVectorEnv.step", "actions", actions, self._shape)
         step, scene = self._step, self.scene
         waiting = self._over.nonzero()[0]
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:

@@ -51,6 +51,11 @@ def test_nothing_returned_is_changed_later_nor_reaches_inside(scene, lanes, mode
         for leaf in leaves(held[-1]):
             if isinstance(leaf, np.ndarray):
                 leaf[...] = 1  # a user writes into what is theirs
+        if lanes > 1 and len(held) % 3 == 0:  # one lane starts anew, the others' observations come again
+            first = np.arange(lanes) == 0
+            np.testing.assert_equal(
+                kept.reset(options={"reset_mask": first}), calm.reset(options={"reset_mask": first.copy()})
+            )
     assert np.array_equal(kept.states, calm.states)
 
 
@@ -112,3 +117,12 @@ def test_rendering_says_that_lanes_are_not_drawn() -> None:
     vector = PlantVectorEnv(SCENE, 2)
     vector.close()
     vector.close()
+
+
+@pytest.mark.parametrize("lanes", [1, 3])
+def test_observations_of_one_signal_are_no_view_of_the_kernels(lanes) -> None:
+    """Transposed, one row is contiguous already: the step before, which a diverged lane shows again, would be lost."""
+    vector = PlantVectorEnv(ONE_SIGNAL, lanes)
+    vector.reset()
+    vector.step(np.zeros((lanes, 1)))
+    assert not np.shares_memory(vector._obs, vector._step.obs)
