@@ -48,7 +48,7 @@ check: $(VENV)/ready-to-learn
 	@$(MAKE) --no-print-directory check-types check-house
 
 check-types: $(VENV)/ready-to-learn
-	@rm -rf build/check
+	@rm -rf build/check build/lib
 	@$(STEP) "A copy for the type checker" build/check.log $(BIN)/python -m pip install --no-deps --target build/check .
 	MYPYPATH=build/check $(BIN)/python -m mypy -p pliant.plants -p pliant.envs -p pliant.controllers -p pliant.studies
 

@@ -18,7 +18,6 @@ from pliant.plants.core.argument_gates import real_array, require_choice, requir
 from pliant.plants.core.signals import rows_by_name
 from pliant.plants.linear.conserved import conserved, free, moved
 from pliant.plants.linear.lti import LinearModel
-from pliant.plants.linear.ltv import LTVModel
 
 from .late_loops import LateLoop
 from .linear_laws import Array, LinearLaw, closed_matrix, law_of, readings_under_way
@@ -82,7 +81,7 @@ def plant_of(model: LinearModel, law: LinearLaw) -> tuple[Array, Array, Array, A
     return A, B, C, np.zeros((len(C), nu)) if law.delay else D
 
 
-def loop(model: LinearModel | LTVModel, controller: Any, *, at: str = "input") -> Loop:
+def loop(model: LinearModel, controller: Any, *, at: str = "input") -> Loop:
     """The loop of a controller around a model of the plant, broken at the plant's inputs or at what is read.
 
     ValueError where the model varies in time or lacks what the controller reads, PliantError for controllers without a
