@@ -25,7 +25,11 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "plants/core/imports.py": {"attribute"},  # of a module
     "plants/native/compiler.py": {"s"},  # lines of /proc/cpuinfo
     "plants/native/slp_codegen.py": {"text"},  # C source
-    "controllers/learning/policy.py": {"name", "path.name", "path.name.removesuffix('.npz')"},  # arrays and files
+    "controllers/learning/policy_files.py": {"name", "path.name", "path.name.removesuffix('.npz')"},  # arrays and files
+    "controllers/learning/checkpoint.py": {"name"},  # arrays
+    "plants/files/leftovers.py": {"entry.name"},  # files
+    "plants/files/sealed_arrays.py": {"archive.comment", "name"},  # files
+    "plants/native/kernel_cache.py": {"p.name"},  # files
     "studies/fidelity/choice.py": {"r.note"},
     "studies/common/machine.py": {"line"},  # of /proc/cpuinfo
     "studies/figures/speed_accuracy.py": {"(row.failure or '')"},

@@ -107,7 +107,8 @@ def saturation(owner: str, limits: Any, inputs: Sequence[str]) -> tuple[np.ndarr
         signals = as_signals(f"{owner}.inputs", inputs, len(inputs), "u")
         for name, value in limits.items():
             i = index(signals, name, f"{owner}.limits: input")
-            low[i], high[i] = (end(f"{owner}.limits[{name!r}]", one) for one in pair(f"{owner}.limits", value))
+            own = f"{owner}.limits[{name!r}]"
+            low[i], high[i] = (end(own, one) for one in pair(own, value))
     elif limits is not None:
         low, high = (each(f"{owner}.limits", one, len(inputs)).copy() for one in pair(f"{owner}.limits", limits))
     for i, name in enumerate(inputs):

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pliant.plants.core import parameters
+from pliant.plants.core.argument_gates import require_finite
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.core.trajectory import Trajectory
@@ -162,7 +163,7 @@ def _orbit_rate(craft: SpacecraftDeclaration, p: Any) -> Array:
     path = "environment.orbit.rate"
     if path not in craft.varied:
         return np.asarray(parameters.get(craft, path), dtype=float)
-    values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)
+    values = require_finite("natural_frequencies.p", craft.nominal_parameters if p is None else p, (len(craft.varied),))
     return values[..., craft.varied.index(path)]
 
 
@@ -273,7 +274,7 @@ def natural_frequencies(craft: SpacecraftDeclaration, x0: Any, p: Any) -> Array:
     values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)
     bodies = dataclasses.replace(craft, varied=())
     for path, value in zip(craft.varied, values):
-        if path.startswith("appendages."):  # the hub's part is in the mass matrix
+        if path.partition(".")[0] == "appendages":  # the hub's part is in the mass matrix
             bodies = parameters.put(bodies, path, float(value))
     at = craft.layout
     n, first = 6 + len(craft.coordinates), at.quaternion.stop - 6

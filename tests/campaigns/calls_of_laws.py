@@ -75,6 +75,8 @@ REASONS = {  # patterns of module and name
     "controllers.learning.evaluation.Evaluation": RESULT,
     "controllers.learning.evaluation.Training": RESULT,
     "controllers.learning.policy.shipped": NOTHING,
+    "controllers.learning.policy_files*": INNER,
+    "controllers.linear_quadratic.held_goal*": INNER,
     "controllers.learning.policy.Policy.from_sb3_zip": "reads a pickle: tests/controllers/learning/test_sb3_export.py",
     "controllers.learning.sb3_export*": INNER,
     "controllers.learning.torch_threads*": NOTHING,

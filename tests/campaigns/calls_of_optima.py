@@ -21,8 +21,10 @@ from pliant.controllers import (
     plan,
     rl,
 )
+from pliant.controllers.learning.settings import CURVE_FORMAT
 from pliant.controllers.optimal_control.nominal_motions import nominal_for, rigid_nominal
 from pliant.controllers.optimal_control.optimal import bound
+from pliant.plants.files import sealed_json
 
 SCENES = {"scene": Object(SCENE)}
 STATES = Array(STATE)
@@ -126,6 +128,8 @@ def learning_calls() -> list[Call]:
     arrays, folder = policy_arrays(), Path(tempfile.mkdtemp())
     made = law("policy")
     made.save(folder / "kept")
+    curve = folder / "curve.json"
+    sealed_json.save(curve, {"format": CURVE_FORMAT, "curve": []})
     layers = {"weights": Objects(arrays["weights"]), "biases": Objects(arrays["biases"])}
     rows = {name: Array(arrays[name]) for name in ("mean", "std", "goal", "limits")}
     words = {
@@ -163,6 +167,7 @@ def learning_calls() -> list[Call]:
         Call("Policy.for_scene", Policy.for_scene, {"name": Choice("single-link-slew")}, compare=False),
         Call("PPOSettings", rl.PPOSettings, common | ppo),
         Call("SACSettings", rl.SACSettings, common | sac),
+        Call("rl.read_curve", rl.read_curve, {"path": Place(curve)}),
         Call("rl.evaluate", rl.evaluate, {"policy": Object(made), "scene": Object(SCENE)}),
     ]
 

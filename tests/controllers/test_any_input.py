@@ -60,7 +60,7 @@ def test_readings_are_acted_on_within_the_limits_or_refused(law):
         (np.full(n, np.inf), r"y\[0\] = inf must be finite"),
         (np.full(n, 1e200), r"y\[0\] = 1e\+200 must be within"),
         (np.zeros(n + 1), "y has shape"),
-        (None, "y has shape"),
+        (None, "y = None must be an array of real numbers"),
     ):
         with pytest.raises(ValueError, match=rf"{owner}\.{said}"):
             law.act(0.0, bad)
@@ -72,7 +72,7 @@ def test_readings_are_acted_on_within_the_limits_or_refused(law):
 @pytest.mark.parametrize("t", [np.nan, np.inf])
 def test_times_that_are_none_are_refused(kind, t):
     found = kind.for_scene(SLEW)
-    with pytest.raises(ValueError, match=r"\.t = (nan|inf) must be finite"):
+    with pytest.raises(ValueError, match=r"\.t = (nan|inf) must be a finite number"):
         found.act(t, np.zeros(len(found.reads)))
 
 
@@ -104,7 +104,7 @@ def test_copies_share_nothing(law):
         ("ab", "must be a pair"),
         ((5.0, -5.0), r"limits of hub_torque = \(5, -5\) must be lowest < highest"),
         ((5.0, 5.0), "must be lowest < highest"),
-        ((np.nan, 5.0), "must be lowest < highest"),
+        ((np.nan, 5.0), "limits = nan must be numbers"),
         ((np.zeros(3), 5.0), r"limits has shape \(3,\), must be a number or \(1,\)"),
         ({"hub_torque": 5.0}, r"limits\['hub_torque'\] = 5.0 must be a pair"),
         ({"torque": (-1, 1)}, "'torque' must be one of hub_torque"),
@@ -142,7 +142,7 @@ def test_wrong_options_of_mpc_are_named(wrong, said):
 
 def test_mpc_aims_at_numbers():
     law = MPC.design(MODEL, Q, R, dt=0.02, track=("hub_angle",))
-    with pytest.raises(ValueError, match=r"MPC.aim\['hub_angle'\] = nan must be finite"):
+    with pytest.raises(ValueError, match=r"MPC.aim.*\['hub_angle'\] = nan must be a finite number"):
         law.aim({"hub_angle": np.nan})
 
 
@@ -162,7 +162,7 @@ def test_integrals_do_not_run_backward():
     law.act(1.5, y)
     assert law.xi[0] == pytest.approx(0.05)
     for t in (1.2, np.nan):
-        with pytest.raises(ValueError, match=r"LQR.t = .* must be >= 1.5"):
+        with pytest.raises(ValueError, match=r"LQR.t = .* must be (>= 1.5|a finite number)"):
             law.act(t, y)
     assert law.xi[0] == pytest.approx(0.05)
     law.reset()
@@ -282,7 +282,7 @@ def test_other_wrong_options_are_named(make, said):
     [
         ({"tolerance": -1.0}, "optimal.tolerance = -1.0 must be > 0"),
         ({"iterations": 0}, "optimal.iterations = 0"),
-        ({"at": {5: {"hub_angle": np.nan}}}, r"optimal.at\[5\]\['hub_angle'\] = nan must be finite"),
+        ({"at": {5: {"hub_angle": np.nan}}}, r"optimal.at\[5\]\['hub_angle'\] = nan must be a finite number"),
         ({"terminal": -EYE}, "optimal.terminal has eigenvalue -1"),
     ],
 )

@@ -125,5 +125,5 @@ def test_shipped_policies_load_without_a_word(name):
 @pytest.mark.parametrize("path", [None, 3, "", ".npz"])
 def test_what_is_no_path_is_refused(path):
     for call in (Policy.load, policy(1).save):
-        with pytest.raises(ValueError, match="Policy: path"):
+        with pytest.raises(ValueError, match=r"Policy.*path"):
             call(path)

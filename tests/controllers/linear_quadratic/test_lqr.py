@@ -167,11 +167,13 @@ def test_reads_may_be_the_plants_own_names():
 
 
 def test_for_plant_uses_the_plants_own_linear_model():
-    class Linear:
-        def linearize(self, x0, u0):
+    class Linear(SingleLinkArm):
+        def feedback_model(self, x0, u0=None, *, p=None):
             return arm(x0, u0)
 
-    controller = LQR.for_plant(Linear(), np.ones(4), np.ones(1), np.eye(4), np.eye(1), dt=0.1, limits=(-3, 3))
+    controller = LQR.for_plant(
+        Linear(link=SingleLinkArm.textbook().link), np.ones(4), np.ones(1), np.eye(4), np.eye(1), dt=0.1, limits=(-3, 3)
+    )
     np.testing.assert_array_equal(controller.x0, np.ones(4))
     np.testing.assert_array_equal(controller.K, LQR.design(arm(), np.eye(4), np.eye(1), dt=0.1).K)
 

@@ -49,8 +49,8 @@ def test_the_campaign_sees_a_parameter_without_effect(monkeypatch):
         (ARM, "payload.mass.real", "float has no 'real'; no parts"),
         (ARM, "payload.offset.3", "tuple has no '3'; it holds 3"),
         (ARM, "", "TwoLinkArm has no ''"),
-        (ARM, 0, "must be a name, as 'payload.mass'"),
-        (ARM, ["payload.mass"], "must be a name"),
+        (ARM, 0, "must be a string"),
+        (ARM, ["payload.mass"], "must be a string"),
         (ARM, "kinematics", "is not a physical quantity"),
     ],
 )

@@ -70,5 +70,5 @@ def test_spacecraft(run, words, says, about_the_goal):
 
 def test_bad_input_ends_with_its_message(run):
     done = run("two-link-reach", *SHORT, "--period", "-3")
-    assert done.exit_code == 2 and "floquet.period = -3.0 must be > 0" in done.stderr
+    assert done.exit_code == 2 and "--period = -3.0 must be > 0" in done.stderr
     assert run("no-such-scene").exit_code == 2
