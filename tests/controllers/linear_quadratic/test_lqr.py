@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 from pliant.controllers import LQR, Controller, Feedback, riccati
 from pliant.envs import scenes
+from pliant.plants import SingleLinkArm
 from pliant.plants.core.errors import EquilibriumError, UncontrollableError
 from pliant.plants.core.signals import Signal
 from pliant.plants.linear.lti import LinearModel
