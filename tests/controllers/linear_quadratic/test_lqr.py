@@ -173,7 +173,13 @@ def test_for_plant_uses_the_plants_own_linear_model():
             return arm(x0, u0)
 
     controller = LQR.for_plant(
-        Linear(link=SingleLinkArm.textbook().link), np.ones(4), np.ones(1), np.eye(4), np.eye(1), dt=0.1, limits=(-3, 3)
+        Linear(link=SingleLinkArm.textbook().link, modes=1),
+        np.ones(4),
+        np.ones(1),
+        np.eye(4),
+        np.eye(1),
+        dt=0.1,
+        limits=(-3, 3),
     )
     np.testing.assert_array_equal(controller.x0, np.ones(4))
     np.testing.assert_array_equal(controller.K, LQR.design(arm(), np.eye(4), np.eye(1), dt=0.1).K)
