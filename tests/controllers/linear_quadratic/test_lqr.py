@@ -173,7 +173,7 @@ def test_for_plant_uses_the_plants_own_linear_model():
             return arm(x0, u0)
 
     controller = LQR.for_plant(
-        Linear(link=SingleLinkArm.textbook().link, modes=1),
+        Linear(link=SingleLinkArm.textbook().link, kinematics="linear", modes=1),
         np.ones(4),
         np.ones(1),
         np.eye(4),
