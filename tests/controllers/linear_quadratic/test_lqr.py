@@ -169,7 +169,7 @@ def test_reads_may_be_the_plants_own_names():
 
 def test_for_plant_uses_the_plants_own_linear_model():
     class Linear(SingleLinkArm):
-        def feedback_model(self, x0, u0=None, *, p=None):
+        def linearize(self, x0, u0=None, *, w=None, p=None, t=0.0):
             return arm(x0, u0)
 
     controller = LQR.for_plant(
