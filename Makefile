@@ -36,11 +36,9 @@ bench: $(VENV)/bench
 	$(BIN)/python benchmarks/run.py $(BENCH)
 
 # Long hunts for faults that no test has time for, each a script that exits non-zero when it finds one.
-SHARED := by_seed.py dense_solutions.py late_delays.py random_loops.py argument_calls.py argument_kinds.py kinds_of_laws.py laws_at_hand.py calls_of_designs.py \
-	calls_of_laws.py calls_of_optima.py calls_of_plants.py calls_of_scene_laws.py calls_of_scenes.py calls_of_studies.py  # parts of campaigns, none themselves
 campaign: $(VENV)/ready-to-learn
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m campaign
-	@set -e; for script in $(filter-out $(addprefix %/,$(SHARED)),$(wildcard tests/campaigns/*.py)); do echo "$$script" >&2; $(BIN)/python $$script; done
+	@set -e; for script in $$(grep -l __main__ tests/campaigns/*.py); do echo "$$script" >&2; $(BIN)/python $$script; done
 
 check: $(VENV)/ready-to-learn
 	$(BIN)/ruff check .
