@@ -157,7 +157,7 @@ def kept(
     if path is not None:
         try:
             return load(path)
-        except (OSError, AttributeError):
+        except OSError:
             path.unlink(missing_ok=True)
     aside = write_aside(make())
     try:
