@@ -111,7 +111,8 @@ def toolchain() -> Toolchain:
             stored = _stored(command)
             if stored is None:
                 stored = _probe(command)
-                kernel_cache.write(_toolchain_file(command), json.dumps(asdict(stored)).encode())
+                with contextlib.suppress(OSError):  # a full disk is not the compiler's fault; later processes ask anew
+                    kernel_cache.write(_toolchain_file(command), json.dumps(asdict(stored)).encode())
             return stored
         except (CompileError, OSError) as failure:
             if isinstance(failure, CompilerTimeout) and not _slow(command, 0):
