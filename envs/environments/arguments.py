@@ -11,7 +11,7 @@ import numpy as np
 from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_period import LARGEST
-from pliant.plants.core import parameters
+from pliant.plants.core import argument_gates, parameters
 
 Array = np.ndarray
 LARGEST_ACTION = float(np.finfo(np.float32).max)  # the action space is of single precision
@@ -66,7 +66,10 @@ def require_seeds(owner: str, seed: Any, lanes: int) -> int | list[int | None] |
 
 def require_mask(owner: str, mask: Any, lanes: int) -> Array:
     """Which lanes a reset starts, as their indices; ValueError unless it is (lanes,) bool and names at least one."""
-    found = np.asarray(mask)
+    try:
+        found = np.asarray(mask)
+    except (ValueError, TypeError, RuntimeError) as problem:
+        raise ValueError(f"{owner}: reset_mask must be ({lanes},) bool: {problem}") from None
     if found.shape != (lanes,) or found.dtype != bool:
         raise ValueError(f"{owner}: reset_mask of {found.dtype}{found.shape} must be ({lanes},) bool")
     if not found.any():
@@ -118,15 +121,29 @@ def require_starts(owner: str, scene: Scene, options: Mapping[str, Any], lanes: 
     state: Any = options.get("state")
     values = options.get("parameters", {})
     each: list[dict[str, Any]] = [{} for _ in range(lanes)]
+    shape = _shape(f"{owner}: options['state']", state)
     for k, own in enumerate(each):
         if "state" in options:
-            own["state"] = state[k] if np.ndim(state) == 2 and len(state) == lanes else state
+            own["state"] = state[k] if len(shape) == 2 and shape[0] == lanes else state
         if "parameters" in options:
             by_name = isinstance(values, Mapping)
             own["parameters"] = (
-                {n: v[k] if np.shape(v) == (lanes,) else v for n, v in values.items()} if by_name else values
+                {
+                    n: v[k] if _shape(f"{owner}: options['parameters'][{n!r}]", v) == (lanes,) else v
+                    for n, v in values.items()
+                }
+                if by_name
+                else values
             )
     return [require_start(owner, scene, own) for own in each]
+
+
+def _shape(name: str, value: Any) -> tuple[int, ...]:
+    """The shape of what is one thing for all lanes or one a lane; ValueError where rows differ in length."""
+    try:
+        return np.shape(value)
+    except (ValueError, TypeError, RuntimeError):
+        raise ValueError(f"{name} = {argument_gates.shown(value)} must have rows of one length") from None
 
 
 def require_length(owner: str, scene: Scene, most: Any) -> int:
@@ -162,7 +179,7 @@ def require_flag(owner: str, name: str, value: Any) -> bool:
 def require_dtype(owner: str, dtype: Any) -> np.dtype:
     """float64 or float32, of the type or its name."""
     try:
-        found = np.dtype(dtype)
+        found = np.dtype(dtype if dtype is not None else "none")  # which NumPy takes for float64
     except TypeError:
         raise ValueError(f"{owner}.dtype = {dtype!r} must be one of 'float64', 'float32'") from None
     parameters.require_choice(owner, "dtype", found.name, ("float64", "float32"))

@@ -174,7 +174,7 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             self.render()
         truncated = self._over and not terminated
         info = self._info(cost, early, diverged, step.reach)
-        return self._obs.copy(), -cost, terminated, truncated, info
+        return self._obs.copy(), 0.0 - cost, terminated, truncated, info  # no -0 where nothing is charged
 
     def render(self) -> np.ndarray | None:
         """The plant, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""

@@ -123,7 +123,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         if valid:
             for i in valid["_validity"].nonzero()[0].tolist():
                 infos[i] = {**infos[i], "validity": float(valid["validity"][i])}
-        return obs, -cost.astype(np.float32), terminated | truncated, infos
+        return obs, (0.0 - cost).astype(np.float32), terminated | truncated, infos
 
     def close(self) -> None:
         """Nothing is held open; may be called again."""

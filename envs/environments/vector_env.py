@@ -163,7 +163,7 @@ class PlantVectorEnv(Batch):
                 begun = np.concatenate([begun, ended.lanes])
         if len(begun):
             found |= infos.of_parameters(n, begun, names, self.parameters_of(begun))
-        return obs, -cost, terminated, truncated, found
+        return obs, 0.0 - cost, terminated, truncated, found  # no -0 where nothing is charged
 
     def advance(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any], infos.Ended | None, Array]:
         """`step`, with costs, and in place of infos what they are made of: where ranges of validity are left, the

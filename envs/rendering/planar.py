@@ -6,6 +6,7 @@ Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a sp
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,9 @@ class Renderer:
         if window:
             import matplotlib.pyplot as plt
 
-            self.figure = plt.figure(scene.name, figsize=(6, 6))
+            self.figure = plt.figure(figsize=(6, 6))  # its own: a figure of a name is the same one for all who ask
+            if self.figure.canvas.manager is not None:
+                self.figure.canvas.manager.set_window_title(scene.name)
             plt.show(block=False)
         else:
             from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -100,6 +103,17 @@ class Renderer:
         bar = axes.add_patch(Rectangle((0.5, height), 0.0, 0.018, color=LINKS[1], lw=0, **options))
         axes.plot([0.5, 0.5], [height - 0.004, height + 0.022], color=INK, lw=1, transform=axes.transAxes)
         return bar
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A figure does not travel: what it shows is drawn anew."""
+        return {"scene": self.scene, "window": self.window, "path": [np.array(point) for point in self._path]}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        Renderer.__init__(self, state["scene"], window=state["window"])
+        self._path += [np.array(point) for point in state["path"]]
+
+    def __copy__(self) -> Renderer:
+        return deepcopy(self)
 
     def clear(self) -> None:
         """Forget the tip's path."""

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import real_array, require_flag, require_names, shown
 from pliant.plants.core.signals import index, names
 
 if TYPE_CHECKING:
@@ -50,7 +51,11 @@ class Chosen:
         self.plant = plant
         driven, driving = list(names(plant.inputs)), list(names(plant.disturbances))
         used = driven if inputs is None else _listed("inputs", inputs, driven)
-        used += driving if disturbances is True else _listed("disturbances", disturbances, driving)
+        used += (
+            driving
+            if isinstance(disturbances, (bool, np.bool_)) and disturbances
+            else _listed("disturbances", disturbances, driving)
+        )
         seen, states = list(names(plant.outputs)), list(names(plant.states))
         self.rows = list(range(plant.ny))  # of [y; x]
         if isinstance(outputs, str) and outputs == "states":
@@ -65,6 +70,8 @@ class Chosen:
     def params(self, given: Mapping[str, Any] | None) -> dict[str, float]:
         """Values by name; ValueError where a name is not varied or a value is no number."""
         known = self.plant.varied
+        if given is not None and not isinstance(given, Mapping):
+            raise ValueError(f"params = {shown(given)} must be values by name, or None")
         for name, value in (given or {}).items():
             if name not in known and not isinstance(given, Shared):
                 may = ", ".join(known) or "(none: see `vary`)"
@@ -128,23 +135,19 @@ def _is_number(value: Any) -> bool:
 
 def _listed(kind: str, given: Any, known: Sequence[str]) -> list[str]:
     """The names that are given, each once and known."""
-    if given is False or given is None:
+    if given is None or (isinstance(given, (bool, np.bool_)) and kind == "disturbances" and not given):
         return []
-    listed = [given] if isinstance(given, str) else list(given) if isinstance(given, (list, tuple)) else None
-    if listed is None or not all(isinstance(name, str) for name in listed):
-        raise ValueError(f"to_control: {kind} = {given!r} must be names")
+    listed = list(require_names(f"to_control: {kind}", [given] if isinstance(given, str) else given))
     for name in listed:
         if name not in known:
             raise ValueError(f"to_control: {kind} {name!r} must be one of {', '.join(known) or '(there are none)'}")
-    if len(set(listed)) != len(listed):
-        raise ValueError(f"to_control: {kind} = {given!r} must be distinct names")
     return listed
 
 
 def _vector(name: str, given: Any, size: int) -> Array:
     """(size,) as python-control has it: a number for all, parts one after another, zeros for those that lack."""
     parts = given if isinstance(given, (list, tuple)) else [given]
-    value = np.concatenate([np.zeros(0), *(np.ravel(np.asarray(part, dtype=float)) for part in parts)])
+    value = np.concatenate([np.zeros(0), *(np.ravel(real_array(f"linearize: {name}", part)) for part in parts)])
     if not isinstance(given, (list, tuple)) and np.ndim(given) == 0:
         value = np.repeat(value, size)
     if len(value) > size:
@@ -203,6 +206,7 @@ def system_class() -> type[control.NonlinearIOSystem]:
             """
             if unknown := set(given) - {*NAMES, *NAMES.values()}:
                 raise TypeError(f"linearize: unrecognized keywords {sorted(unknown)}; exact derivatives have no eps")
+            copy_names, minimal = require_flag("copy_names", copy_names), require_flag("minimal", minimal)
             if isinstance(x0, control.OperatingPoint):
                 x0, u0 = x0.states, x0.inputs if u0 is None else u0
             x = self.plant.rest_state if x0 is None else _vector("x0", x0, self.plant.nx)

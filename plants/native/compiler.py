@@ -32,7 +32,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from pliant.plants.toolchain import compiler_process
+from pliant.plants.toolchain import compiler_process, shared_library
 from pliant.plants.toolchain.compiler_process import (
     CompileError,
     CompilerTimeout,
@@ -111,7 +111,8 @@ def toolchain() -> Toolchain:
             stored = _stored(command)
             if stored is None:
                 stored = _probe(command)
-                kernel_cache.write(_toolchain_file(command), json.dumps(asdict(stored)).encode())
+                with contextlib.suppress(OSError):  # a full disk is not the compiler's fault; later processes ask anew
+                    kernel_cache.write(_toolchain_file(command), json.dumps(asdict(stored)).encode())
             return stored
         except (CompileError, OSError) as failure:
             if isinstance(failure, CompilerTimeout) and not _slow(command, 0):
@@ -203,20 +204,25 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
         source.write_text(PROBE)
 
         def takes(*more: str) -> bool:
+            output.unlink(missing_ok=True)
             done = _run(command, *flags, "-Werror", *more, "-c", str(source), "-o", str(output))
-            return done.returncode == 0
+            return done.returncode == 0 and output.exists()
 
         if not takes():
             raise CompileError("does not compile a small C file")
+        refused = CompileError(f"does not take PLIANT_CFLAGS={shlex.join(extra)}")
+        if extra and not takes(*extra):  # at once, as all that follows is in vain then
+            raise refused
         flags += [flag for flag in (*OPTIONAL, *wide, *own) if takes(flag)]
-        if extra and not takes(*extra):
-            raise CompileError(f"does not take PLIANT_CFLAGS={shlex.join(extra)}")
         flags += extra
-        takes()  # the object with all flags, for the link probe
+        if not takes():  # the object with all flags, for the link probe
+            raise refused
         link = []
+        made = Path(folder, "probe.so")
         for libraries in LINKS:
-            done = _run(command, "-shared", str(output), "-o", str(Path(folder, "probe.so")), *libraries)
+            done = _run(command, "-shared", str(output), "-o", str(made), *libraries)
             if done.returncode == 0:
+                _whole(command, made)
                 link = list(libraries)
                 break
         else:
@@ -275,5 +281,13 @@ def _built(tools: Toolchain, source: str, flags: tuple[str, ...] = (), limit: fl
         ):
             done = _run(tools.command, *arguments, limit=limit)
             if done.returncode:
-                raise CompileError(f"{tools.command[0]} failed: {done.stderr.strip()[:500]}")
-        return Path(so).read_bytes()
+                said = done.stderr.strip()[:500] or f"it ended with {done.returncode} and no word"
+                raise CompileError(f"{tools.command[0]} failed: {said}")
+        return _whole(tools.command, Path(so))
+
+
+def _whole(command: tuple[str, ...], made: Path) -> bytes:
+    """The shared library that a compiler wrote; CompileError where it wrote none, or not all of it."""
+    if not made.is_file():
+        raise CompileError(f"{command[0]} says that it has compiled and linked, but wrote no shared library")
+    return shared_library.require_whole(made.read_bytes(), command[0])

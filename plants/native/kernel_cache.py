@@ -59,7 +59,12 @@ def checked_folder(create: bool = True) -> Path:
     """The cache folder, made if missing; CacheError where it, or a folder above it, is open to other users."""
     path = folder()
     if create:
-        path.mkdir(parents=True, exist_ok=True, mode=0o700)
+        try:
+            path.mkdir(parents=True, exist_ok=True, mode=0o700)
+        except OSError as failure:
+            raise CacheError(
+                f"the cache folder {path} cannot be made: {failure}. Set PLIANT_CACHE to a folder of your own"
+            ) from failure
     if path.exists():
         check_own(path)
         for above in path.absolute().parents:
@@ -89,6 +94,12 @@ def path_of(name: str) -> Path | None:
         check_own(path)
         data = path.read_bytes()
     except FileNotFoundError:
+        return None
+    except IsADirectoryError:
+        try:
+            path.rmdir()
+        except OSError as failure:
+            raise CacheError(f"{path} is a folder, must be a file that Pliant writes: remove it") from failure
         return None
     if unseal(data) is None:
         path.unlink(missing_ok=True)
@@ -157,7 +168,7 @@ def kept(
     if path is not None:
         try:
             return load(path)
-        except (OSError, AttributeError):
+        except OSError:
             path.unlink(missing_ok=True)
     aside = write_aside(make())
     try:

@@ -18,7 +18,7 @@ from typing import Any, cast
 import numpy as np
 
 from pliant.plants.rounding.agreement import KernelMismatch, Trial, require_agreement
-from pliant.plants.toolchain import compiler_process
+from pliant.plants.toolchain import compiler_process, shared_library
 
 from . import compiler, kernel_cache
 from .compiler import CompileError, NoCompiler
@@ -64,7 +64,7 @@ class Kernel:
 
     def __init__(self, path: Path, dtype: np.dtype, lanes: int, entry: str = "run") -> None:
         self.dtype, self.lanes, self.path = dtype, lanes, path
-        function: Any = getattr(ctypes.CDLL(str(path)), entry)
+        (function,) = shared_library.functions(path, entry)
         pointer = ctypes.c_void_p
         function.argtypes = [ctypes.c_long] * 3 + [pointer] * 3 + [ctypes.c_long]
         function.restype = None

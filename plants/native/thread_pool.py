@@ -12,6 +12,8 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import Any
 
+from pliant.plants.toolchain import shared_library
+
 from . import compiler, kernel_cache
 
 SOURCE = """
@@ -97,7 +99,7 @@ def spreader() -> Any:
         spread = kernel_cache.kept(
             name,
             lambda: compiler.build(SOURCE, ("-pthread",)),
-            lambda path: ctypes.CDLL(str(path)).spread,
+            lambda path: shared_library.functions(path, "spread")[0],
         )
     except (compiler.CompileError, kernel_cache.CacheError, OSError):
         return None  # the pool is a convenience: kernel_loader.load has told why nothing compiles

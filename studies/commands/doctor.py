@@ -39,7 +39,11 @@ def findings() -> dict[str, Any]:
         tools = compiler.toolchain()
     except (compiler.CompileError, kernel_cache.CacheError, OSError) as missing:
         found["compiler"] = None
-        found["advice"].append(f"{missing}. Install gcc or clang (or `pip install ziglang`), or set CC")
+        told, cause = str(missing), not isinstance(missing, kernel_cache.CacheError)
+        if cause:
+            found["advice"].append(f"{told}. Install gcc or clang (or `pip install ziglang`), or set CC")
+        elif told not in found["advice"]:
+            found["advice"].append(told)
         return found
     found["compiler"] = " ".join(tools.command)
     found["version"] = tools.version

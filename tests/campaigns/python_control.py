@@ -206,6 +206,41 @@ def parameters_that_are_no_numbers_are_refused() -> None:
 
 
 @check
+def parameters_that_are_no_mapping_are_refused() -> None:
+    x, u = np.zeros(4), np.zeros(2)
+    for bad in ([2.0], "payload.mass", 5, ("payload.mass", 2.0)):
+        refused(lambda bad=bad: arm(params=bad), ValueError)
+        refused(lambda bad=bad: arm().dynamics(0.0, x, u, params=bad), ValueError)
+        refused(lambda bad=bad: ct.linearize(arm(), x, u, params=bad), ValueError)
+
+
+@check
+def points_that_are_no_real_numbers_are_refused() -> None:
+    for bad in ("abc", 1j * np.ones(4), [[1, 2], ["3"]], object(), [None] * 4):
+        refused(lambda bad=bad: ct.linearize(arm(), bad, 0.0), ValueError)
+        refused(lambda bad=bad: ct.linearize(arm(), 0.0, bad), ValueError)
+    refused(lambda: arm().linearize(0.0, 0.0, copy_names=3), ValueError)
+    refused(lambda: arm().linearize(0.0, 0.0, minimal="yes"), ValueError)
+
+
+@check
+def names_come_in_any_sequence() -> None:
+    for listed in (
+        ["tip_y", "tip_x"],
+        ("tip_y", "tip_x"),
+        np.array(["tip_y", "tip_x"]),
+        (n for n in ("tip_y", "tip_x")),
+    ):
+        assert list(arm(outputs=listed).output_labels) == ["tip_y", "tip_x"]
+    assert list(arm(inputs=np.array(["tau2"])).input_labels) == ["tau2"]
+    assert list(arm(disturbances=np.True_).input_labels) == list(arm(disturbances=True).input_labels)
+    for bad in (1, 0, {"tau1": 1}, {"tau1"}, b"tau1", [1], True):
+        refused(lambda bad=bad: arm(inputs=bad), ValueError)
+    for bad in (1, 0, {"tip_force_x"}, b"x", [None], "tau1"):
+        refused(lambda bad=bad: arm(disturbances=bad), ValueError)
+
+
+@check
 def update_and_output_functions_stand_alone() -> None:
     s = arm()
     other = ct.nlsys(s.updfcn, s.outfcn, inputs=2, outputs=s.noutputs, states=4)

@@ -141,3 +141,32 @@ def test_lengths_of_episodes() -> None:
     for most in (SCENE.steps + 1, 0, -1, 2.0, True, "3"):
         with pytest.raises(ValueError, match=f"from 1 to {SCENE.steps}, the periods of scene 'two-link-reach'"):
             arguments.require_length("x", SCENE, most)
+
+
+def test_rows_of_unequal_length_are_refused_by_name(pair) -> None:
+    """NumPy's own words name neither the environment nor the option."""
+    _, vector = pair
+    nx = vector.scene.plant.nx
+    for name, value in (
+        ("reset_mask", [True, [False]]),
+        ("state", [[0.0] * nx, [0.0]]),
+        ("parameters", {"payload.mass": [1.0, [1.0, 2.0]]}),
+    ):
+        with pytest.raises(ValueError, match=f"PlantVectorEnv.reset.*{name}"):
+            vector.reset(options={name: value})
+
+
+def test_no_type_is_no_type_of_numbers() -> None:
+    for make in (PlantEnv, PlantVectorEnv):
+        with pytest.raises(ValueError, match="dtype = None"):
+            make("single-link-slew", dtype=None)
+
+
+def test_a_step_that_charges_nothing_has_the_reward_0_of_either_kind() -> None:
+    """Not -0, which single ones of Gymnasium's vector environments do not give where an episode begins."""
+    scene = scenes.get("single-link-slew")
+    vector = PlantVectorEnv(scene, 2, max_episode_steps=1)
+    vector.reset(seed=0)
+    vector.step(np.zeros((2, 1), dtype=np.float32))
+    rewards = vector.step(np.zeros((2, 1), dtype=np.float32))[1]
+    assert not rewards.any() and not np.signbit(rewards).any()

@@ -1,11 +1,15 @@
 """Pictures of a scene in its plane."""
 
+import copy
+import pickle
+
 import gymnasium
 import numpy as np
 import pytest
 
 import pliant.envs
 from pliant.envs import scenes
+from pliant.envs.rendering import renderer
 
 IDS = [pliant.envs.environment_id(name) for name in scenes.names()]
 LINKS = {"two-link-reach": 2, "slider-crank-run": 2}  # drawn; one in the other scenes
@@ -32,3 +36,27 @@ def test_outline_ends_at_the_tip(env_id: str) -> None:
         y = dict(zip((s.name for s in plant.outputs), plant.measure(x)))
         end = [y["slider_x"], 0.0] if "slider_x" in y else [y["tip_x"], y["tip_y"]]
         np.testing.assert_allclose(links[-1, -1], end, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["single-link-slew", "spacecraft-slew"])
+def test_a_picture_goes_on_where_its_copy_arrives(name: str) -> None:
+    """Also the tip's path; a figure that was pickled has no canvas to be drawn on."""
+    drawn = renderer(scenes.get(name))
+    x, u = scenes.get(name).initial[0], np.zeros(scenes.get(name).plant.nu)
+    drawn.draw(x, u, 0.0, 0.0)
+    copies = [copy.deepcopy(drawn), copy.copy(drawn), pickle.loads(pickle.dumps(drawn))]
+    picture = drawn.draw(scenes.get(name).target[0], u, 0.1, 1.0)
+    for twin in copies:
+        np.testing.assert_array_equal(twin.draw(scenes.get(name).target[0], u, 0.1, 1.0), picture)
+        assert twin.figure is not drawn.figure
+
+
+def test_two_windows_of_a_scene_are_two() -> None:
+    """pyplot gives all who ask for a figure of one name the same: the second drew into the first, and closed it."""
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pyplot.switch_backend("agg")
+    one, two = (renderer(scenes.get("single-link-slew"), window=True) for _ in range(2))
+    assert one.figure is not two.figure
+    two.close()
+    assert pyplot.fignum_exists(one.figure.number)
+    one.close()

@@ -26,6 +26,8 @@ SAMPLE = (
     *("the_linear_system_is_named", "names_are_copied_or_generic", "signals_of_the_linear_system_are_named"),
     *("names_that_do_not_fit_are_refused", "other_keywords_are_refused", "parameters_reach_into_a_loop"),
     *("linearisation_has_as_many_states_as_the_system", "response_takes_parameters", "copies_are_apart"),
+    *("parameters_that_are_no_mapping_are_refused", "points_that_are_no_real_numbers_are_refused"),
+    "names_come_in_any_sequence",
     *("state_space_is_the_model", "operating_point_takes_parameters", "state_feedback_of_the_plant"),
 )
 

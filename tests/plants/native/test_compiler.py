@@ -64,6 +64,13 @@ def test_flags_that_the_compiler_does_not_know_are_named(toolchain):
         toolchain("-no-such-flag")
 
 
+@pytest.mark.parametrize("flags", ["-fsyntax-only", "--version", "--help"])
+def test_flags_under_which_nothing_is_compiled_are_named(toolchain, flags):
+    """The compiler ends with status 0, and leaves no object: an earlier one was once taken for it."""
+    with pytest.raises(compiler.CompileError, match=flags):
+        toolchain(flags)
+
+
 def test_the_link_step_has_no_added_flags(toolchain, monkeypatch):
     """-ffast-math there would set flush-to-zero for the whole process."""
     toolchain("-DANSWER=42")
@@ -211,3 +218,29 @@ def test_nonsense_in_the_environment_is_an_error_that_names_it(toolchain, monkey
     monkeypatch.setenv(name, value)
     with pytest.raises(compiler_process.CompilerSettingError, match=f"{name}="):
         toolchain(value if name == "PLIANT_CFLAGS" else "")
+
+
+@pytest.mark.parametrize("left", [None, b"", b"Segmentation fault", "half"])
+def test_what_a_compiler_leaves_is_looked_at(toolchain, monkeypatch, left):
+    """It ends with status 0 and wrote nothing, something else or half a library, which would end the process."""
+    tools, run = toolchain("-DANSWER=42"), compiler._run
+
+    def spoilt(command, *args, **options):
+        done = run(command, *args, **options)
+        if "-shared" in args:
+            made = Path(args[args.index("-o") + 1])
+            whole = made.read_bytes()
+            made.unlink() if left is None else made.write_bytes(whole[: len(whole) // 2] if left == "half" else left)
+        return done
+
+    monkeypatch.setattr(compiler, "_run", spoilt)
+    with pytest.raises(compiler.CompileError, match="wrote"):
+        compiler._built(tools, SOURCE)
+    with pytest.raises(compiler.CompileError, match="wrote"):  # nor is it taken for one that works
+        compiler._probe(tools.command)
+
+
+def test_a_compiler_that_does_nothing_is_none(monkeypatch, tmp_path):
+    monkeypatch.setattr(compiler, "_run", lambda *a, **k: subprocess.CompletedProcess(a, 0, "", ""))
+    with pytest.raises(compiler.CompileError, match="small C file"):
+        compiler._probe(("true",))

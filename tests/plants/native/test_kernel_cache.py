@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pliant.plants.native import kernel_cache, kernel_loader
+from pliant.plants.native import compiler, kernel_cache, kernel_loader
 
 needs_compiler = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
 
@@ -162,3 +162,31 @@ def test_a_cache_open_to_others_is_said_and_the_virtual_machine_serves(folder: P
     done = subprocess.run([sys.executable, "-c", STEP], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("False ")
     assert "may be written by others" in done.stderr
+
+
+@needs_compiler
+def test_a_cache_that_cannot_be_made_is_not_blamed_on_the_compiler(monkeypatch, tmp_path):
+    """A file where the folder should be, as a path that is too long or lies in /proc: it once said to install gcc."""
+    (tmp_path / "file").write_text("mine")
+    for where in ("file", "file/below", "a" * 300):
+        monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / where))
+        with pytest.raises(kernel_cache.CacheError, match="PLIANT_CACHE"):
+            kernel_cache.checked_folder()
+        compiler.toolchain.cache_clear()
+        with pytest.raises(kernel_cache.CacheError, match="cannot be made"):
+            compiler.toolchain()
+    compiler.toolchain.cache_clear()
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_a_folder_in_the_place_of_a_file_goes_where_it_is_empty(monkeypatch, tmp_path):
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "cache" / "kernel-1.so").mkdir(parents=True, mode=0o700)
+    assert kernel_cache.path_of("kernel-1.so") is None
+    kernel_cache.write("kernel-1.so", b"whole")
+    assert kernel_cache.read_text("kernel-1.so") == "whole"
+    full = tmp_path / "cache" / "kernel-2.so"
+    (full / "inner").mkdir(parents=True)
+    with pytest.raises(kernel_cache.CacheError, match="is a folder"):
+        kernel_cache.path_of("kernel-2.so")
+    assert (full / "inner").exists()
