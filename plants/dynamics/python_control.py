@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.signals import index, names
 
 if TYPE_CHECKING:
@@ -65,13 +66,16 @@ class Chosen:
     def params(self, given: Mapping[str, Any] | None) -> dict[str, float]:
         """Values by name; ValueError where a name is not varied or a value is no number."""
         known = self.plant.varied
-        for name, value in (given or {}).items():
+        given = {} if given is None else given
+        if not isinstance(given, Mapping):
+            raise ValueError(f"params = {shown(given)} must be values by name")
+        for name, value in given.items():
             if name not in known and not isinstance(given, Shared):
                 may = ", ".join(known) or "(none: see `vary`)"
                 raise ValueError(f"params[{name!r}]: {type(self.plant).__name__}.to_control() takes {may}")
             if name in known and not _is_number(value):
-                raise ValueError(f"params[{name!r}] = {value!r} must be a finite number")
-        return {name: float(given[name]) for name in known if given and name in given}
+                raise ValueError(f"params[{name!r}] = {shown(value)} must be a finite number")
+        return {name: float(given[name]) for name in known if name in given}
 
     def p(self, params: Mapping[str, Any]) -> Array | None:
         """p (np,) of the plant; None where nothing is varied."""
@@ -132,7 +136,7 @@ def _listed(kind: str, given: Any, known: Sequence[str]) -> list[str]:
         return []
     listed = [given] if isinstance(given, str) else list(given) if isinstance(given, (list, tuple)) else None
     if listed is None or not all(isinstance(name, str) for name in listed):
-        raise ValueError(f"to_control: {kind} = {given!r} must be names")
+        raise ValueError(f"to_control: {kind} = {shown(given)} must be names")
     for name in listed:
         if name not in known:
             raise ValueError(f"to_control: {kind} {name!r} must be one of {', '.join(known) or '(there are none)'}")
@@ -238,5 +242,5 @@ def _empty() -> control.NonlinearIOSystem:
 def to_control(chosen: Chosen, name: str | None, params: Mapping[str, Any] | None) -> control.NonlinearIOSystem:
     """The plant as a control.NonlinearIOSystem; see `Plant.to_control`."""
     if name is not None and not isinstance(name, str):
-        raise ValueError(f"to_control: name = {name!r} must be a string")
+        raise ValueError(f"to_control: name = {shown(name)} must be a string")
     return system_class()(chosen, type(chosen.plant).__name__ if name is None else name, params)
