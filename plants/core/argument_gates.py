@@ -3,8 +3,7 @@
     real_array, finite_array, require_finite   numbers of any layout and real type, as float64; of one shape
     require_number, require_seconds            one number within a range
     require_count, require_counts              an integer within a range, a tuple of them
-    require_choice, require_flag               one of a few values
-    require_instance, require_all              an object of a type, a tuple of them
+    require_choice, require_flag, require_all  one of a few values, a tuple of objects of a type
     require_names, require_text, require_path  distinct names, words, a file or a folder
     as_tuple, in_order, unit_vector            a tuple from what is meant as one
     require_by_name, require_mapping           numbers by name, anything by name
@@ -26,7 +25,6 @@ import numpy as np
 
 T = TypeVar("T")
 UNORDERED = (str, bytes, bytearray, memoryview, Mapping, Set, type)
-
 RANGES = {
     "positive": ("> 0", lambda v: v > 0),
     "nonnegative": (">= 0", lambda v: v >= 0),

@@ -141,3 +141,9 @@ def test_lengths_of_episodes() -> None:
     for most in (SCENE.steps + 1, 0, -1, 2.0, True, "3"):
         with pytest.raises(ValueError, match=f"from 1 to {SCENE.steps}, the periods of scene 'two-link-reach'"):
             arguments.require_length("x", SCENE, most)
+
+
+def test_infinity_in_half_precision_is_no_action():
+    """float16 holds no bound of single precision: compared in it, infinity is not beyond the bound."""
+    with pytest.raises(ValueError, match=r"action = \[inf\] must be finite"):
+        arguments.require_actions("step", "action", np.array([np.inf], np.float16), (1,))

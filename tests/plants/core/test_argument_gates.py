@@ -131,7 +131,7 @@ class Failing:
 )
 def test_what_has_no_order_is_no_tuple_of_names(value):
     for gate in (gates.require_names, lambda name, given: as_signals(name, given, None, "")):
-        with pytest.raises(ValueError, match="a = .* must be a tuple of names"):
+        with pytest.raises(ValueError, match=r"a = .* must be a tuple of names"):
             gate("a", value)
 
 
@@ -155,7 +155,7 @@ def test_lists_without_end_and_vectors_of_symbols_are_no_quantities():
 @pytest.mark.parametrize("size", [1e300, -1e300, 1e76])
 def test_a_number_whose_fourth_power_is_none_is_refused(size):
     """The naive way: a width of 1e300 m ends in an OverflowError of Python's power, 300 lines below."""
-    with pytest.raises(ValueError, match="a = .* at most 1e\\+75"):
+    with pytest.raises(ValueError, match=r"a = .* at most 1e\+75"):
         gates.require_number("a", size)
     with pytest.raises(ValueError, match=r"diameter = "):
         Beam.circular(1.0, abs(size), Material(density=1.0, E=1.0, G=1.0))
@@ -165,7 +165,7 @@ def test_what_has_to_be_positive_is_not_next_to_nothing():
     with pytest.raises(ValueError, match="from 1e-75"):
         gates.require_number("a", 5e-324, "positive")
     assert gates.require_number("a", 5e-324) == 5e-324
-    with pytest.raises(ValueError, match="discretize.dt"):
+    with pytest.raises(ValueError, match=r"discretize\.dt"):
         LinearModel.from_matrices([[-1.0]], [[1.0]]).discretize(5e-324)
 
 
