@@ -163,7 +163,7 @@ def require_dtype(owner: str, dtype: Any) -> np.dtype:
     """float64 or float32, of the type or its name."""
     try:
         found = np.dtype(dtype)
-    except TypeError:
+    except (TypeError, ValueError, RecursionError):
         raise ValueError(f"{owner}.dtype = {shown(dtype)} must be one of 'float64', 'float32'") from None
     parameters.require_choice(owner, "dtype", found.name, ("float64", "float32"))
     return found
