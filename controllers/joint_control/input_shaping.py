@@ -16,7 +16,7 @@ Several modes: the shapers one after the other, which is the convolution of thei
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import pairwise
@@ -27,6 +27,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from pliant.plants.core.argument_gates import (
+    finite_array,
+    in_order,
     real_array,
     require_choice,
     require_count,
@@ -77,7 +79,7 @@ class Shaper(OwnsArrays):
         """sum A_i command(t - t_i); `command` holds its first value before 0 and its last after its end."""
         require_function("Shaper.command", command)
         impulses = list(zip(self.times.tolist(), self.amplitudes.tolist()))
-        return lambda t: sum(a * np.asarray(command(t - s), dtype=float) for s, a in impulses)
+        return lambda t: sum(a * finite_array("Shaper.command(t)", command(t - s)) for s, a in impulses)
 
     def __mul__(self, other: Shaper) -> Shaper:
         """One after the other; impulses at the same time become one."""
@@ -141,10 +143,8 @@ def shaper_for(
     if hasattr(modes, "eigenvalues") and hasattr(modes, "modes") and hasattr(modes, "dt"):
         values = modal_analysis.rates(modes.eigenvalues, modes.dt)
         modes = light(values[values.imag * (modes.dt or 0.0) < NYQUIST], most)
-    elif isinstance(modes, type) or not isinstance(modes, Iterable) or isinstance(modes, (str, bytes, Mapping, Set)):
-        raise ValueError(
-            f"shaper_for.modes = {shown(modes)} must be a linear model, or a sequence of modes or frequencies"
-        )
+    else:
+        modes = in_order("shaper_for.modes", modes, "a linear model, or a sequence of modes or frequencies")
     found = [_read(mode) for mode in modes]
     if not found:
         raise ValueError("shaper_for.modes must hold at least one mode that oscillates")

@@ -14,6 +14,7 @@ from pliant.plants.core.argument_gates import (
     require_finite,
     require_instance,
     require_number,
+    require_parts,
     require_seconds,
     shown,
 )
@@ -23,6 +24,7 @@ from pliant.plants.dynamics.plant import Plant
 from .optimal import Motion, driven, optimal
 from .plan import plan
 
+MOST_PERIODS = 1_000_000  # of control, in a nominal motion
 NOMINALS = ("plan", "optimal", "rigid")
 STILL = 1e-6  # largest rate of a state that rests
 
@@ -95,6 +97,7 @@ def nodes(nominal: Motion | Trajectory, dt: float) -> tuple[np.ndarray, np.ndarr
     dt = require_seconds("TVLQR.dt", dt)
     if not isinstance(nominal, (Motion, Trajectory)):
         raise ValueError(f"the nominal = {shown(nominal)} must be a Motion or a Trajectory")
+    require_parts("TVLQR.dt", dt, float(nominal.t[-1] - nominal.t[0]), MOST_PERIODS, "periods")
     T = round((nominal.t[-1] - nominal.t[0]) / dt)
     if T < 1:
         raise ValueError(f"the nominal takes {nominal.t[-1] - nominal.t[0]:g} s, must be at least dt = {dt:g} s")

@@ -16,7 +16,7 @@ from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.magnus import halvings, with_cost
 
-from .checks import columns_even
+from .checks import columns_even, sized
 from .checks import known_names as _names
 from .checks import require_reached as _require_reached
 from .checks import system as _system
@@ -150,8 +150,8 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     A, B = _system(A, B)
     dt = require_seconds("dt", dt)
     nx, nu = B.shape
-    N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
-    Q, R = require_finite("Q", Q, (nx, nx)), require_finite("R", R, (nu, nu))
+    N = np.zeros((nx, nu)) if N is None else sized("N", N, (nx, nu))
+    Q, R = sized("Q", Q, (nx, nx)), sized("R", R, (nu, nu))
     F = np.vstack([np.hstack([A, B]), np.zeros((nu, nx + nu))])
     M = np.block([[Q, N], [N.T, R]])
     F, M = F * dt, M * dt
@@ -168,7 +168,7 @@ def _design(A: Any, B: Any, Q: Any, R: Any, N: Any, names: Sequence[str] | None,
     nx, nu = B.shape
     known = _names(names, nx)
     Q, R = _weight("Q", Q, nx, definite=False), _weight("R", R, nu, definite=True)
-    N = np.zeros((nx, nu)) if N is None else require_finite("N", N, (nx, nu))
+    N = np.zeros((nx, nu)) if N is None else sized("N", N, (nx, nu))
     if N.any():
         _weight("[[Q, N], [N', R]]", np.block([[Q, N], [N.T, R]]), nx + nu, definite=False)
     problem = Problem(A, B, Q, R, N)

@@ -8,12 +8,20 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sla
 
-from pliant.plants.core.argument_gates import require_finite, require_names
+from pliant.plants.core.argument_gates import LARGEST, require_finite, require_names, shown
 from pliant.plants.core.errors import UncontrollableError
 from pliant.plants.linear.modal_analysis import dominant, eigen, stays
 
 ROUNDING = 1e-13  # of the largest entry of a weight
 UNREACHED = 1e-10  # least singular value of [A - s I, B] over |A - s I| of a mode that is not reached
+
+
+def sized(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """require_finite, with entries up to LARGEST: products of larger ones are no numbers."""
+    found: np.ndarray = require_finite(name, value, shape)
+    if np.abs(found).max(initial=0.0) > LARGEST:
+        raise ValueError(f"{name} = {shown(value)} must be at most {LARGEST:g} in size")
+    return found
 
 
 def require_reached(
@@ -62,8 +70,8 @@ def _state_of(z: np.ndarray, position: np.ndarray, right: np.ndarray) -> int:
 
 def system(A: Any, B: Any, name: str = "B") -> tuple[np.ndarray, np.ndarray]:
     A = require_finite("A", A, (-1, -1))
-    A = require_finite("A", A, (len(A), len(A)))
-    return A, require_finite(name, B, (len(A), -1))
+    A = sized("A", A, (len(A), len(A)))
+    return A, sized(name, B, (len(A), -1))
 
 
 def known_names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
@@ -75,7 +83,7 @@ def known_names(names: Sequence[str] | None, n: int) -> tuple[str, ...]:
 
 def weight_matrix(name: str, value: Any, n: int, *, definite: bool) -> np.ndarray:
     """A symmetric weight (n, n), positive (semi)definite in any units; see `indefinite`."""
-    weight = require_finite(name, value, (n, n))
+    weight = sized(name, value, (n, n))
     unit, off = _own_units(weight), np.abs(weight - weight.T)
     rounding = ROUNDING * np.abs(weight).max(initial=0.0)
     skew = off > np.maximum(1e-9 * unit[:, None] * unit, rounding)

@@ -12,6 +12,7 @@ from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_period import LARGEST
 from pliant.plants.core import argument_gates, parameters
+from pliant.plants.core.argument_gates import as_number, shown
 
 Array = np.ndarray
 LARGEST_ACTION = float(np.finfo(np.float32).max)  # the action space is of single precision
@@ -24,8 +25,8 @@ def require_actions(owner: str, name: str, actions: Any, shape: tuple[int, ...])
     """
     try:
         found = np.asarray(actions)
-    except (ValueError, TypeError, RuntimeError) as problem:
-        raise ValueError(f"{owner}: {name} must be an array {shape} of real numbers: {problem}") from None
+    except Exception:  # whatever an object's own __array__ raises
+        raise ValueError(f"{owner}: {name} must be an array {shape} of real numbers") from None
     have = "have" if name == "actions" else "has"
     if found.dtype.kind not in "fiu":
         raise ValueError(f"{owner}: {name} {have} dtype {found.dtype}, must be real numbers")
@@ -33,7 +34,7 @@ def require_actions(owner: str, name: str, actions: Any, shape: tuple[int, ...])
         raise ValueError(f"{owner}: {name} {have} shape {found.shape}, must be {shape}")
     # the sum of squares tells at once that all is well; where it does not, each number is looked at
     if found.dtype.kind == "f" and not np.vdot(found, found) < LARGEST_ACTION:
-        bad = np.atleast_2d(~(np.abs(found) <= LARGEST_ACTION)).any(axis=1)
+        bad = np.atleast_2d(~(np.abs(found.astype(float)) <= LARGEST_ACTION)).any(axis=1)
         if bad.any():
             k = int(np.argmax(bad))
             which = f"{name}[{k}] = {found[k]}" if name == "actions" else f"{name} = {found}"
@@ -48,10 +49,9 @@ def require_seed(owner: str, seed: Any, name: str = "seed") -> int | None:
     """`seed` as an int or None; ValueError unless it is None or an integer >= 0."""
     if seed is None:
         return None
-    if isinstance(seed, np.ndarray) and seed.ndim == 0:
-        seed = seed.item()
-    if isinstance(seed, bool) or not isinstance(seed, numbers.Integral) or int(seed) < 0:
-        raise ValueError(f"{owner}: {name} = {seed!r} must be an integer >= 0 or None")
+    seed = as_number(seed)
+    if isinstance(seed, (bool, np.timedelta64)) or not isinstance(seed, numbers.Integral) or int(seed) < 0:
+        raise ValueError(f"{owner}: {name} = {shown(seed)} must be an integer >= 0 or None")
     return int(seed)
 
 
@@ -82,7 +82,7 @@ def require_options(owner: str, options: Any, allowed: tuple[str, ...]) -> dict[
     if options is None:
         return {}
     if not isinstance(options, Mapping):
-        raise ValueError(f"{owner}: options = {options!r} must be a dictionary or None")
+        raise ValueError(f"{owner}: options = {shown(options)} must be a dictionary or None")
     for key in options:
         parameters.require_choice(owner, "options", key, allowed)
     return dict(options)
@@ -163,7 +163,7 @@ def require_scene(owner: str, scene: Any) -> Scene:
     if isinstance(scene, str):
         return registry.get(scene)
     if not isinstance(scene, Scene):
-        raise ValueError(f"{owner}: scene = {scene!r} must be a Scene or the name of one")
+        raise ValueError(f"{owner}: scene = {shown(scene)} must be a Scene or the name of one")
     if not scene.observe:
         raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
     return scene
@@ -172,7 +172,7 @@ def require_scene(owner: str, scene: Any) -> Scene:
 def require_flag(owner: str, name: str, value: Any) -> bool:
     """True or False, not what only counts as one of them."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"{owner}.{name} = {value!r} must be True or False")
+        raise ValueError(f"{owner}.{name} = {shown(value)} must be True or False")
     return bool(value)
 
 
@@ -180,7 +180,7 @@ def require_dtype(owner: str, dtype: Any) -> np.dtype:
     """float64 or float32, of the type or its name."""
     try:
         found = np.dtype(dtype if dtype is not None else "none")  # which NumPy takes for float64
-    except TypeError:
-        raise ValueError(f"{owner}.dtype = {dtype!r} must be one of 'float64', 'float32'") from None
+    except (TypeError, ValueError, RecursionError):
+        raise ValueError(f"{owner}.dtype = {shown(dtype)} must be one of 'float64', 'float32'") from None
     parameters.require_choice(owner, "dtype", found.name, ("float64", "float32"))
     return found

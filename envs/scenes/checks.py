@@ -37,6 +37,7 @@ RANGES: dict[str, tuple[str, Callable[[float], bool]]] = {
     "effort": ("> 0", lambda v: v > 0),
     "gusts": ("finite and >= 0", lambda v: v >= 0),
 }
+NUMBERS = ("duration", "dt", "move_time", "start_spread", "tolerance")
 LARGEST = 10_000_000  # control periods of an episode
 
 
@@ -45,6 +46,8 @@ def checked(scene: Scene) -> dict[str, Any]:
     owner = f"scene {require_text('Scene.name', scene.name)!r}"
     require_text("Scene.about", scene.about, empty=True)
     plant = require_instance("Scene.plant", scene.plant, Plant)
+    for name in NUMBERS:  # which no symbol may stand for
+        require_number(f"{owner}: {name}", getattr(scene, name))
     found: dict[str, Any] = {}
     found["substeps"] = _substeps(owner, scene.substeps)
     if not scene.duration < LARGEST * scene.dt:

@@ -1,21 +1,12 @@
 """The gates that arguments pass: what is no real number, no count, no name or of another type is refused in words.
 
-    real_array       numbers of any layout and real type, as float64
-    finite_array     finite ones of any shape
-    require_finite   of one shape
-    require_number   one number within a range
-    require_count    an integer within a range
-    require_counts   a tuple of them
-    require_choice   one of a few values
-    require_instance an object of a type
-    require_names    distinct names
-    require_all      a tuple of objects of a type
-    as_tuple         a tuple from what is meant as one
-    unit_vector      three numbers of length 1
-    require_by_name  numbers by name; require_mapping: anything by name
-    require_text     words
-    require_function what can be called
-    require_path     a file or a folder
+    real_array, finite_array, require_finite   numbers of any layout and real type, as float64; of one shape
+    require_number, require_seconds            one number within a range
+    require_count, require_counts              an integer within a range, a tuple of them
+    require_choice, require_flag, require_all  one of a few values, a tuple of objects of a type
+    require_names, require_text, require_path  distinct names, words, a file or a folder
+    as_tuple, in_order, unit_vector            a tuple from what is meant as one
+    require_by_name, require_mapping           numbers by name, anything by name
 
 Each raises ValueError with the name of the argument, its value and what it must be.
 """
@@ -33,14 +24,16 @@ from typing import Any, TypeVar
 import numpy as np
 
 T = TypeVar("T")
-
+UNORDERED = (str, bytes, bytearray, memoryview, Mapping, Set, type)
 RANGES = {
     "positive": ("> 0", lambda v: v > 0),
     "nonnegative": (">= 0", lambda v: v >= 0),
     "finite": ("a finite number", lambda v: True),
 }
 SHORTEST, LONGEST = 1e-15, 1e9  # [s] between which a step of a machine lies
-SHOWN = 120  # characters of a value in a message
+LEAST, LARGEST = 1e-75, 1e75  # sizes of one number: fourth powers are finite; what has to be > 0 is not below
+BYTES = ("b", "B", "c")  # formats of memory that holds no numbers
+DEEPEST, SHOWN = 8, 120  # lists in lists; characters of a value in a message
 
 
 def shown(value: Any) -> str:
@@ -57,8 +50,10 @@ def real_array(name: str, value: Any) -> np.ndarray:
     if type(value) is np.ndarray and value.dtype == np.float64 and value.dtype.isnative:
         return value
     try:
-        array = np.asarray(value)
-    except (TypeError, ValueError, RuntimeError):
+        array = None if isinstance(value, bytearray) else np.asarray(value)
+    except Exception:  # whatever an object's own __array__, __len__ or __getitem__ raises
+        array = None
+    if array is None or (isinstance(value, memoryview) and value.format in BYTES):
         raise ValueError(f"{name} = {shown(value)} must be an array of real numbers, rows of one length") from None
     if np.ma.is_masked(value):
         raise ValueError(f"{name} has {np.ma.count_masked(value)} masked entries, must be real numbers")
@@ -85,13 +80,14 @@ def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
 
 def finite_array(name: str, value: Any) -> np.ndarray:
     """`value` as a float array of any shape, finite."""
-    array = real_array(name, value)
-    return np.asarray(require_finite(name, array, array.shape))
+    return np.asarray(require_finite(name, array := real_array(name, value), array.shape))
 
 
 def as_number(value: Any) -> Any:
-    """A number as Python has it, of a NumPy scalar or an array without dimensions; what is none stays."""
+    """A number as Python has it, of a NumPy scalar or an array or tensor without dimensions; what is none stays."""
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        return value if value.dtype.kind in "mM" else value.item()  # a date that is none would be None
+    if type(value).__module__ == "torch" and getattr(value, "ndim", None) == 0:
         return value.item()
     return value
 
@@ -101,7 +97,8 @@ def require_number(
 ) -> float:
     """`value` as a float; ValueError unless it is one number, finite, within RANGES[allowed] and [least, most]."""
     text, holds = RANGES[allowed]
-    if type(value) is float and math.isfinite(value) and holds(value) and least <= value <= most:
+    small = LEAST if allowed == "positive" else 0.0
+    if type(value) is float and holds(value) and least <= value <= most and small <= abs(value) <= LARGEST:
         return value
     value = as_number(value)
     if math.isfinite(least):
@@ -114,13 +111,16 @@ def require_number(
     finite = -sys.float_info.max <= value <= sys.float_info.max
     if not (finite and holds(value) and least <= value <= most):
         raise ValueError(f"{name} = {shown(value)} must be {text}{unit}")
+    if not small <= abs(value) <= LARGEST:
+        sizes = f"of a size from {small:g} to {LARGEST:g}" if small else f"at most {LARGEST:g} in size"
+        raise ValueError(f"{name} = {shown(value)} must be {text}{unit}, {sizes}")
     return float(value)
 
 
 def require_count(owner: str, name: str, value: Any, lowest: int, highest: int) -> int:
     """`value` as an int; ValueError unless it is an integer within [lowest, highest]."""
     value = as_number(value)
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not lowest <= int(value) <= highest:
+    if not (isinstance(value, numbers.Integral) and _real(value) and lowest <= int(value) <= highest):
         raise ValueError(f"{owner}.{name} = {shown(value)} must be an integer from {lowest} to {highest}")
     return int(value)
 
@@ -138,7 +138,7 @@ def require_counts(
     return counts
 
 
-def require_seconds(name: str, value: Any, least: float = 0.0, most: float = math.inf) -> float:
+def require_seconds(name: str, value: Any, least: float = 0.0, most: float = LARGEST) -> float:
     """`value` as a float [s]; ValueError unless it is a finite number > 0 and within [least, most]."""
     value = as_number(value)
     if not (_real(value) and 0 < value <= sys.float_info.max):
@@ -185,9 +185,7 @@ def require_names(
     name: str, value: Any, known: Collection[str] | None = None, kind: str = "name", *, repeated: bool = False
 ) -> tuple[str, ...]:
     """`value` as a tuple of strings, distinct unless `repeated`; ValueError for a bare string or one not `known`."""
-    if isinstance(value, (str, bytes, Mapping, Set, type)) or not isinstance(value, Iterable):
-        raise ValueError(f"{name} = {shown(value)} must be a tuple of names")
-    found = tuple(value)
+    found = in_order(name, value, "a tuple of names")
     for i, item in enumerate(found):
         if not isinstance(item, str):
             raise ValueError(f"{name}[{i}] = {shown(item)} must be a string")
@@ -196,6 +194,16 @@ def require_names(
     if not repeated and len(set(found)) != len(found):
         raise ValueError(f"{name} = {shown(found)} must be distinct names")
     return tuple(map(str, found))
+
+
+def in_order(name: str, value: Any, what: str) -> tuple[Any, ...]:
+    """A tuple of what has an order: no word or set, no 0-d array, no expression, no iterator that fails."""
+    if isinstance(value, Iterable) and not isinstance(value, UNORDERED):
+        try:
+            return tuple(value)
+        except Exception as error:
+            raise ValueError(f"{name} = {shown(value)} must be {what}") from error
+    raise ValueError(f"{name} = {shown(value)} must be {what}")
 
 
 def as_tuple(name: str, value: Any) -> tuple[Any, ...]:
@@ -235,12 +243,16 @@ def require_mapping(name: str, value: Any, known: Collection[str] | None = None,
     """Anything by name, as a dict; ValueError where it is no mapping, or a name is not `known`."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{name} = {shown(value)} must be values by name, not {_type(value)}")
-    for key in value:
+    try:
+        found = dict(value)
+    except Exception as error:
+        raise ValueError(f"{name} = {shown(value)} must be values by name") from error
+    for key in found:
         if not isinstance(key, str):
             raise ValueError(f"{name} has the key {shown(key)}, must be names")
         if known is not None and key not in known:
             raise ValueError(f"{name}: {kind} {key!r} must be one of {', '.join(known) or '(there are none)'}")
-    return {str(key): one for key, one in value.items()}
+    return {str(key): one for key, one in found.items()}
 
 
 def require_text(name: str, value: Any, *, empty: bool = False) -> str:
@@ -266,17 +278,17 @@ def require_path(name: str, value: Any) -> Path:
     return Path(text)
 
 
-def nested(value: Any) -> Any:
-    """Lists, tuples and arrays as tuples of Python's numbers, however deep; anything else as it is."""
+def nested(value: Any, depth: int = DEEPEST) -> Any:
+    """Lists, tuples and arrays as tuples of Python's numbers, `depth` deep; anything else as it is."""
     if isinstance(value, np.ndarray) and value.ndim:
         value = value.tolist()
-    if isinstance(value, (list, tuple)):
-        return tuple(nested(item) for item in value)
+    if isinstance(value, (list, tuple)) and depth:
+        return tuple(nested(item, depth - 1) for item in value)
     return as_number(value)
 
 
 def _real(value: Any) -> bool:
-    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+    return isinstance(value, numbers.Real) and not isinstance(value, (bool, np.timedelta64))
 
 
 def _type(value: Any) -> str:

@@ -8,12 +8,13 @@ tuples ("hub_inertia.0"). A CasADi expression passes unchecked: that is how a pa
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import Any, TypeVar
 
 import casadi as ca
 
 from .argument_gates import (  # noqa: F401 -- the gates stand here too, as they did
+    LARGEST,
+    LEAST,
     LONGEST,
     RANGES,
     SHORTEST,
@@ -82,12 +83,11 @@ def validate(obj: Any) -> None:
             if (
                 type(value) is float
                 and () in told["shapes"]
-                and math.isfinite(value)
+                and LEAST <= abs(value) <= LARGEST
                 and RANGES[told["allowed"]][1](value)
             ):
                 continue  # as most are, at little cost
-            if not is_symbolic(value):
-                object.__setattr__(obj, field.name, _checked(f"{type(obj).__name__}.{field.name}", nested(value), told))
+            object.__setattr__(obj, field.name, _checked(f"{type(obj).__name__}.{field.name}", nested(value), told))
     for path in getattr(obj, "varied", ()):
         unit_of(obj, path)
 
@@ -111,6 +111,8 @@ def _check_entries(name: str, value: Any, allowed: str, unit: str) -> None:
             _check_entries(f"{name}[{i}]", item, allowed, unit)
     elif not is_symbolic(value):
         require_number(name, value, allowed, unit)
+    elif value.numel() != 1:
+        raise ValueError(f"{name} = {shown(value)} has shape {value.shape}, must be one number or one symbol [{unit}]")
 
 
 def _has_shape(value: Any, shape: tuple[int, ...]) -> bool:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
-from .argument_gates import real_array, require_instance, shown
+from .argument_gates import in_order, real_array, require_instance, shown
 from .parameters import require_finite
 
 GAUSS = 0.5 + np.sqrt(3.0) / 6.0 * np.array([-1.0, 1.0])  # two-point Gauss-Legendre nodes on [0, 1]
@@ -119,22 +119,20 @@ def rows_by_name(model: HasRows, wanted: Iterable[str], kind: str = "state or ou
     return Rows(at, *found)
 
 
-def as_signals(owner: str, given: Sequence[str | Signal] | None, n: int, prefix: str) -> tuple[Signal, ...]:
-    """`n` distinct signals from names or signals; prefix1 .. prefixn where `given` is None."""
-    if given is None:
+def as_signals(owner: str, given: Sequence[str | Signal] | None, n: int | None, prefix: str) -> tuple[Signal, ...]:
+    """`n` distinct signals from names or signals, any number where None; prefix1 .. prefixn where `given` is None."""
+    if given is None and n is not None:
         return tuple(Signal(f"{prefix}{i + 1}", "") for i in range(n))
     signals = tuple(s if isinstance(s, Signal) else Signal(s, "") for s in _given_names(owner, given))
-    if len(signals) != n:
+    if n is not None and len(signals) != n:
         raise ValueError(f"{owner} = {names(signals)} must be {n} names")
-    if len(set(names(signals))) != n:
+    if len(set(names(signals))) != len(signals):
         raise ValueError(f"{owner} = {names(signals)} must be distinct names")
     return signals
 
 
 def _given_names(owner: str, given: Any) -> tuple[Any, ...]:
-    if isinstance(given, (str, bytes, Mapping)) or not isinstance(given, Iterable):
-        raise ValueError(f"{owner} = {shown(given)} must be a tuple of names")
-    found = tuple(given)
+    found = in_order(owner, given, "a tuple of names")
     for i, item in enumerate(found):
         if not isinstance(item, (str, Signal)):
             raise ValueError(f"{owner}[{i}] = {shown(item)} must be a name or a Signal")

@@ -47,10 +47,12 @@ class Trajectory(OwnsArrays):
 
     def __post_init__(self) -> None:
         require_choice("Trajectory", "hold", self.hold, ("zero-order", "linear"))
+        if not isinstance(self.stats, Mapping):
+            raise ValueError(f"Trajectory.stats = {shown(self.stats)} must be values by name")
         object.__setattr__(self, "t", read_only_times("Trajectory.t", self.t))
         for kind in KINDS:
             signals = getattr(self, kind)
-            object.__setattr__(self, kind, as_signals(f"Trajectory.{kind}", signals, len(signals), ""))
+            object.__setattr__(self, kind, as_signals(f"Trajectory.{kind}", signals, None, ""))
         sizes = {"x": self.states, "dx": self.states, "u": self.inputs, "y": self.outputs}
         sizes["w"] = self.disturbances
         for name, signals in sizes.items():
@@ -83,6 +85,8 @@ class Trajectory(OwnsArrays):
         """
         t = read_only_times("Trajectory.t", t)
         x = require_finite("Trajectory.x", x, (len(t), -1))
+        if plant is not None and not all(hasattr(plant, kind) for kind in (*KINDS, "measure")):
+            raise ValueError(f"Trajectory.from_arrays: plant = {shown(plant)} must be a Plant")
         if plant is not None:
             states, inputs, outputs, disturbances = (
                 getattr(plant, kind) for kind in ("states", "inputs", "outputs", "disturbances")
@@ -101,10 +105,10 @@ class Trajectory(OwnsArrays):
             np.zeros((len(t), 0)) if y is None else y,
             states=as_signals("Trajectory.states", states, x.shape[1], "x"),
             inputs=as_signals("Trajectory.inputs", inputs, u.shape[1], "u"),
-            outputs=as_signals("Trajectory.outputs", outputs, len(outputs), ""),
+            outputs=as_signals("Trajectory.outputs", outputs, None, ""),
             dx=dx,
             w=w,
-            disturbances=as_signals("Trajectory.disturbances", disturbances, len(disturbances), ""),
+            disturbances=as_signals("Trajectory.disturbances", disturbances, None, ""),
             hold=hold,
         )
 
@@ -198,7 +202,7 @@ class Trajectory(OwnsArrays):
         try:
             fields: dict[str, Any] = dict(found.arrays)
             fields |= {kind: tuple(_signal(pair) for pair in about[kind]) for kind in KINDS}
-            return cls(**fields, stats=dict(about["stats"]), hold=about["hold"])
+            return cls(**fields, stats=about["stats"], hold=about["hold"])
         except KeyError as error:
             raise ValueError(f"Trajectory.load: {str(path)!r} lacks {error}") from None
         except (TypeError, ValueError) as error:

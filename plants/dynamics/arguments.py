@@ -54,7 +54,7 @@ def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Argum
 def require_times(plant: Declaration, t: Any) -> np.ndarray:
     """t [s], () or (B,), finite."""
     time = real_array(f"{type(plant).__name__}.t", t)
-    if time.ndim > 1:
+    if time.ndim > 1 or not time.size:
         raise ValueError(f"{type(plant).__name__}.t has shape {time.shape}, must be a number or (B,) [s]")
     return require_finite(f"{type(plant).__name__}.t", time, time.shape)
 

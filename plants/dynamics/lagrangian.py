@@ -14,7 +14,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_flag, require_names
+from pliant.plants.core.argument_gates import require_flag, require_names, shown
 from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
@@ -219,6 +219,8 @@ class LagrangianPlant(MechanicalPlant):
         free = [i for i in range(n) if i not in held]
         values, M = self._arguments(x, p=p)[0], self.mass_matrix(x, p=p)[np.ix_(free, free)]
         K = self._stiffness(*values)[0][np.ix_(free, free)]
+        if not (np.isfinite(K).all() and np.isfinite(M).all()):
+            raise ValueError(f"natural_frequencies.x0 = {shown(x0)}: the equations linearised there are not finite")
         squares = natural_squares(K, M)
         found = np.sign(squares) * np.sqrt(np.abs(squares))
         return found if rigid else found[np.abs(found) > 1e-6 * np.abs(found).max(initial=0.0)]

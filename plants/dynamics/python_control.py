@@ -70,15 +70,16 @@ class Chosen:
     def params(self, given: Mapping[str, Any] | None) -> dict[str, float]:
         """Values by name; ValueError where a name is not varied or a value is no number."""
         known = self.plant.varied
-        if given is not None and not isinstance(given, Mapping):
-            raise ValueError(f"params = {shown(given)} must be values by name, or None")
-        for name, value in (given or {}).items():
+        given = {} if given is None else given
+        if not isinstance(given, Mapping):
+            raise ValueError(f"params = {shown(given)} must be values by name")
+        for name, value in given.items():
             if name not in known and not isinstance(given, Shared):
                 may = ", ".join(known) or "(none: see `vary`)"
                 raise ValueError(f"params[{name!r}]: {type(self.plant).__name__}.to_control() takes {may}")
             if name in known and not _is_number(value):
-                raise ValueError(f"params[{name!r}] = {value!r} must be a finite number")
-        return {name: float(given[name]) for name in known if given and name in given}
+                raise ValueError(f"params[{name!r}] = {shown(value)} must be a finite number")
+        return {name: float(given[name]) for name in known if name in given}
 
     def p(self, params: Mapping[str, Any]) -> Array | None:
         """p (np,) of the plant; None where nothing is varied."""
@@ -242,5 +243,5 @@ def _empty() -> control.NonlinearIOSystem:
 def to_control(chosen: Chosen, name: str | None, params: Mapping[str, Any] | None) -> control.NonlinearIOSystem:
     """The plant as a control.NonlinearIOSystem; see `Plant.to_control`."""
     if name is not None and not isinstance(name, str):
-        raise ValueError(f"to_control: name = {name!r} must be a string")
+        raise ValueError(f"to_control: name = {shown(name)} must be a string")
     return system_class()(chosen, type(chosen.plant).__name__ if name is None else name, params)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_flag, require_number
+from pliant.plants.core.argument_gates import require_flag, require_function, require_number, shown
 from pliant.plants.core.errors import IntegrationError, StabilityLimitError
 from pliant.plants.core.parameters import require_choice, require_parts, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
@@ -43,13 +43,16 @@ def simulate(
     t = read_only_times("t", t)
     require_choice("simulate", "method", method, (*ADAPTIVE, "cvodes", *METHODS))
     if (step is not None) != (method in METHODS):
-        raise ValueError(f"step = {step!r} must be a number of seconds for {', '.join(METHODS)}, and None otherwise")
+        known = ", ".join(METHODS)
+        raise ValueError(f"step = {shown(step)} must be a number of seconds for {known}, and None otherwise")
     if step is not None:
         step = require_seconds("step", step)
         require_parts("step", step, float(t[-1] - t[0]), MOST_STEPS, "steps")
     for name, value in (("rtol", rtol), ("atol", atol)):
         require_number(name, value, "positive", most=1.0)
-    if require_flag("simulate.audit", audit) and not (hasattr(plant, "net_power") and method == "dop853"):
+    if progress is not None:
+        require_function("simulate.progress", progress)
+    if (audit := require_flag("simulate.audit", audit)) and not (hasattr(plant, "net_power") and method == "dop853"):
         raise ValueError(f'audit = True needs a plant with energies and method "dop853", not {method!r}')
     (_, x, _, w, p), batch = plant._arguments(plant.rest_state if x0 is None else x0, None, w, p)
     if batch is not None:

@@ -166,7 +166,13 @@ def _slowest_limit(plant: PlantLike, x: Any, method: str, u: Any, p: Any) -> tup
     tableau, order = METHODS[method].tableau, METHODS[method].order
     if tableau is None:
         return np.inf, 0j
-    poles = np.linalg.eigvals(plant.jacobians(x, u, p=p)[0])
+    for name, value, size in (("u", u, plant.nu), ("p", p, len(getattr(plant, "varied", ())))):
+        if value is not None:
+            require_finite(f"step_limit.{name}", value, (size,))
+    slopes = plant.jacobians(x, u, p=p)[0]
+    if not np.isfinite(slopes).all():
+        raise ValueError(f"step_limit.x = {shown(x)}: the equations linearised there are not finite")
+    poles = np.linalg.eigvals(slopes)
     fastest = np.abs(poles).max(initial=0.0)
     found = [(np.inf, 0j)]
     for pole in poles:

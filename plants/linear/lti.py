@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pliant.plants.core.argument_gates import require_seconds, shown
+from pliant.plants.core.argument_gates import LEAST, require_seconds, shown
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
 
@@ -57,7 +57,7 @@ class LinearModel(ModelSignals):
             object.__setattr__(self, name, read_only(f"LinearModel.{name}", getattr(self, name), shape))
         self._check_signals()
         if self.dt is not None:
-            object.__setattr__(self, "dt", require_seconds("LinearModel.dt", self.dt))
+            object.__setattr__(self, "dt", require_seconds("LinearModel.dt", self.dt, LEAST))
 
     @classmethod
     def from_matrices(
@@ -119,7 +119,7 @@ class LinearModel(ModelSignals):
     def discretize(self, dt: float) -> LinearModel:
         """The sampled model, exact for inputs and disturbances held over each step dt [s]; f0 included."""
         self._require_continuous("discretize")
-        dt = require_seconds("discretize.dt", dt)
+        dt = require_seconds("discretize.dt", dt, LEAST)
         Phi, held, _ = held_response(self.A, self._drives, np.array([dt]))
         nu, nw = len(self.inputs), len(self.disturbances)
         B, E, f0 = np.split(held[0], [nu, nu + nw], axis=1)

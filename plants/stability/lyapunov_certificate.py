@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg as sla
 
-from pliant.plants.core.argument_gates import require_count, require_number, require_seconds
+from pliant.plants.core.argument_gates import LEAST, require_count, require_number, require_seconds
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
@@ -69,7 +69,7 @@ def lyapunov(
     """
     alpha = None if alpha is None else require_number("lyapunov.alpha", alpha, unit="1/s")
     most = require_count("lyapunov", "most", most, 1, 10_000_000)
-    period = None if period is None else require_seconds("lyapunov.period", period)
+    period = None if period is None else require_seconds("lyapunov.period", period, LEAST)
     if period is not None and (periodic is False or isinstance(model, LinearModel)):
         raise ValueError(f"lyapunov.period = {period:g} s of a model that is constant or not repeated, must be None")
     if isinstance(model, LinearModel):

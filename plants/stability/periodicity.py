@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_seconds
+from pliant.plants.core.argument_gates import LEAST, require_seconds
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 
@@ -103,7 +103,7 @@ def one_period(
 
 def require_period(period: float) -> float:
     """[s], > 0."""
-    return require_seconds("floquet.period", period)
+    return require_seconds("floquet.period", period, LEAST)
 
 
 def pieced(joined: PiecewiseLTV, period: float, keep: list[int]) -> tuple[list[Path], list[np.ndarray], float, str]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -23,7 +22,15 @@ from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.episode_start import draw, early_end_cost, initial_states
 from pliant.plants import PliantError
-from pliant.plants.core.argument_gates import require_count, require_finite, require_instance
+from pliant.plants.core.argument_gates import (
+    real_array,
+    require_count,
+    require_finite,
+    require_function,
+    require_instance,
+    require_names,
+    require_seconds,
+)
 from pliant.plants.core.signals import OwnsArrays, names
 
 from .evaluation_scene import signal_ranges
@@ -141,7 +148,7 @@ def rollout(scene: Scene, controller: Controller, conditions: Conditions | None 
             failure = f"{type(error).__name__} at {now:.4g} s: {error}"
             break
         act_ns[k] = clock() - before
-        wanted = np.asarray(wanted, dtype=float).reshape(-1)
+        wanted = real_array("rollout: controller.act", wanted).reshape(-1)
         if wanted.shape != limits.shape or not np.isfinite(wanted).all():
             failure = f"the controller gave {wanted} at {now:.4g} s, must be {plant.nu} finite numbers"
             break
@@ -182,9 +189,11 @@ def _left(scene: Scene, signals: np.ndarray, done: int) -> str:
 
 def _picks(scene: Scene, controller: Controller) -> np.ndarray:
     """Places of what the controller reads in [x; y]."""
-    if controller.dt is not None and abs(controller.dt - scene.dt) > 1e-9 * scene.dt:
-        raise ValueError(f"rollout: controller.dt = {controller.dt} s must be the scene's {scene.dt} s, or None")
-    reads: Sequence[str] = tuple(controller.reads) or names(scene.plant.outputs)
+    dt = None if controller.dt is None else require_seconds("rollout: controller.dt", controller.dt)
+    if dt is not None and abs(dt - scene.dt) > 1e-9 * scene.dt:
+        raise ValueError(f"rollout: controller.dt = {dt} s must be the scene's {scene.dt} s, or None")
+    require_function("rollout: controller.reset", controller.reset)
+    reads = require_names("rollout: controller.reads", controller.reads, repeated=True) or names(scene.plant.outputs)
     return np.array(scene.positions(reads), dtype=int)
 
 

@@ -8,6 +8,7 @@ import inspect
 import os
 import shutil
 import sys
+import tempfile
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -69,7 +70,7 @@ def writable(option: str, path: Path | None) -> None:
         raise ValueError(f"{option} {str(path)!r} must be a file")
     if not path.parent.is_dir():
         raise ValueError(f"{option} {str(path)!r}: there is no folder {str(path.parent)!r}")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
+    if not (os.access(path, os.W_OK) if path.exists() else _takes_files(path.parent)):
         raise ValueError(f"{option} {str(path)!r} cannot be written")
     if len(os.fsencode(path.name)) > LONGEST_NAME:
         raise ValueError(f"{option} has a name of {len(path.name)} characters, must be at most {LONGEST_NAME} bytes")
@@ -82,10 +83,19 @@ def writable_folder(option: str, path: Path | None) -> None:
     nearest = next((p for p in (path, *path.parents) if p.exists()), Path())
     if not nearest.is_dir():
         raise ValueError(f"{option} {str(path)!r}: {str(nearest)!r} must be a folder")
-    if not os.access(nearest, os.W_OK):
+    if not _takes_files(nearest):
         raise ValueError(f"{option} {str(path)!r}: nothing can be written into {str(nearest)!r}")
     if max((len(os.fsencode(part)) for part in path.parts), default=0) > LONGEST_NAME:
         raise ValueError(f"{option} has a name of more than {LONGEST_NAME} bytes")
+
+
+def _takes_files(folder: Path) -> bool:
+    """Whether a file can be made there: rights alone do not tell it of /proc, or of a full or read-only disk."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
 
 
 def drawable(path: Path | None) -> None:

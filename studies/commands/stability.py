@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from pliant.plants.core.argument_gates import require_seconds
+from pliant.plants.core.argument_gates import LEAST, require_seconds
 from pliant.studies.figures.stability import evidence
 from pliant.studies.figures.style import save
 from pliant.studies.stability.verdicts import left_out, verdict_at_goal, verdict_of
@@ -28,8 +28,8 @@ def stability(
 ) -> None:
     """Say whether deviations from a scene's nominal motion grow, by which method, and where no method can tell."""
     chosen = scene_with(scene, settings or [])
-    period = None if period is None else require_seconds("--period", period)
-    window = None if window is None else require_seconds("--window", window)
+    period = None if period is None else require_seconds("--period", period, LEAST)
+    window = None if window is None else require_seconds("--window", window, LEAST)
     drawable(plot)
     options = {"period": period, "periodic": None if repeated else False, "window": window}
     with bar(f"stability {chosen.name}") as tell:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 Pairs = Iterator[tuple[str, Any]]
@@ -21,6 +22,13 @@ class Hostile:
 
     def __repr__(self) -> str:
         raise RuntimeError("no repr")
+
+
+class Failing:
+    """What can be gone through, and fails as soon as it is."""
+
+    def __iter__(self) -> Iterator[Any]:
+        raise RuntimeError("no first")
 
 
 @dataclass(frozen=True)
@@ -40,6 +48,12 @@ class Kind:
         yield "a set", {1.0, 2.0}
         yield "a class", int
         yield "Ellipsis", ...
+        yield "an expression", ca.SX.sym("a", 2)
+        yield "a duration", np.timedelta64(1, "ns")
+        yield "no date", np.datetime64("NaT")
+        yield "an array of no number", np.array("abc")
+        yield "lists without end", _endless()
+        yield "an iterator that fails", Failing()
 
     def good(self) -> Pairs:
         """The same in another guise."""
@@ -290,6 +304,12 @@ class Call:
     positional: tuple[str, ...] = ()
     compare: bool = True
     long: bool = False  # a valid call takes long: only nonsense is tried, which is refused before
+
+
+def _endless() -> list[Any]:
+    found: list[Any] = []
+    found.append(found)
+    return found
 
 
 def _with(a: np.ndarray, value: float) -> np.ndarray:

@@ -161,3 +161,9 @@ def test_what_only_alternates_from_sample_to_sample_has_no_frequency():
     model = LinearModel.from_matrices([[-0.99]], [[1.0]], dt=0.1)
     with pytest.raises(ValueError, match="at least one mode that oscillates"):
         shaper_for(model)
+
+
+@pytest.mark.parametrize("value", ["1.0", "", [None], float("nan"), 1j])
+def test_a_command_that_gives_no_number_is_refused_when_called(value):
+    with pytest.raises(ValueError, match=r"Shaper\.command\(t\)"):
+        shape(lambda t: value, [4.0])(0.5)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pliant.controllers import riccati
 from pliant.controllers.riccati.checks import known_names, require_reached, system, weight_matrix
 from pliant.plants import UncontrollableError
 
@@ -29,3 +30,12 @@ def test_shapes_names_and_signs():
     ):
         with pytest.raises(ValueError, match=message):
             call()
+
+
+@pytest.mark.parametrize("name", ["A", "B", "Q", "R", "N"])
+def test_entries_whose_products_are_no_numbers_are_refused_by_name(name):
+    """The naive way ends in "SVD did not converge", or in "array must not contain infs or NaNs"."""
+    given = {"A": np.eye(2), "B": np.eye(2), "Q": np.eye(2), "R": np.eye(2), "N": np.zeros((2, 2))}
+    for design in (riccati.lqr, lambda **k: riccati.sampled(**k, dt=0.1)):
+        with pytest.raises(ValueError, match=rf"{name} = .* at most 1e\+75 in size"):
+            design(**given | {name: np.full((2, 2), 1e160)})

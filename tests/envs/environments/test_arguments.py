@@ -170,3 +170,9 @@ def test_a_step_that_charges_nothing_has_the_reward_0_of_either_kind() -> None:
     vector.step(np.zeros((2, 1), dtype=np.float32))
     rewards = vector.step(np.zeros((2, 1), dtype=np.float32))[1]
     assert not rewards.any() and not np.signbit(rewards).any()
+
+
+def test_infinity_in_half_precision_is_no_action():
+    """float16 holds no bound of single precision: compared in it, infinity is not beyond the bound."""
+    with pytest.raises(ValueError, match=r"action = \[inf\] must be finite"):
+        arguments.require_actions("step", "action", np.array([np.inf], np.float16), (1,))

@@ -4,6 +4,7 @@ import inspect
 from fractions import Fraction
 
 import bad_input
+import casadi as ca
 import numpy as np
 import pytest
 from argument_kinds import Hostile
@@ -11,8 +12,9 @@ from calls_of_models import model_calls
 from calls_of_plants import plant_calls
 
 import pliant.plants
-from pliant.plants import beams, stability
+from pliant.plants import Beam, LinearModel, Material, Payload, beams, stability
 from pliant.plants.core import argument_gates as gates
+from pliant.plants.core.signals import as_signals
 
 SAMPLE = 700  # of some 11,000 calls: tests/campaigns/bad_input.py makes them all
 
@@ -111,3 +113,65 @@ def test_every_public_callable_has_a_call():
             failure = inspect.isclass(thing) and issubclass(thing, (Exception, Warning))
             if own and callable(thing) and not failure and name not in INNER:
                 assert name in named or any(n.startswith(f"{name}.") for n in named), name
+
+
+def endless():
+    found = []
+    found.append(found)
+    return found
+
+
+class Failing:
+    def __iter__(self):
+        raise RuntimeError("no first")
+
+
+@pytest.mark.parametrize(
+    "value", [np.array("a"), np.array(1.0), ca.SX.sym("a", 2), ca.DM([1, 2]), Failing(), {"a"}, "a"]
+)
+def test_what_has_no_order_is_no_tuple_of_names(value):
+    for gate in (gates.require_names, lambda name, given: as_signals(name, given, None, "")):
+        with pytest.raises(ValueError, match=r"a = .* must be a tuple of names"):
+            gate("a", value)
+
+
+def test_what_numpy_would_read_as_numbers_is_refused():
+    for value in (np.timedelta64(1, "ns"), np.datetime64("NaT"), bytearray(b"12345678"), ca.SX.sym("a", 2), endless()):
+        with pytest.raises(ValueError, match="a = "):
+            gates.require_number("a", value)
+        with pytest.raises(ValueError, match=r"a = |a has"):
+            gates.require_finite("a", value, (8,))
+        with pytest.raises(ValueError, match=r"o\.a = "):
+            gates.require_count("o", "a", value, 0, 9)
+
+
+def test_lists_without_end_and_vectors_of_symbols_are_no_quantities():
+    for value in (endless(), ca.SX.sym("a", 2), np.timedelta64(1, "ns")):
+        with pytest.raises(ValueError, match=r"Payload\.mass = "):
+            Payload(mass=value)
+    assert Payload(mass=ca.SX.sym("m")).mass.is_scalar()
+
+
+@pytest.mark.parametrize("size", [1e300, -1e300, 1e76])
+def test_a_number_whose_fourth_power_is_none_is_refused(size):
+    """The naive way: a width of 1e300 m ends in an OverflowError of Python's power, 300 lines below."""
+    with pytest.raises(ValueError, match=r"a = .* at most 1e\+75"):
+        gates.require_number("a", size)
+    with pytest.raises(ValueError, match=r"diameter = "):
+        Beam.circular(1.0, abs(size), Material(density=1.0, E=1.0, G=1.0))
+
+
+def test_what_has_to_be_positive_is_not_next_to_nothing():
+    with pytest.raises(ValueError, match="from 1e-75"):
+        gates.require_number("a", 5e-324, "positive")
+    assert gates.require_number("a", 5e-324) == 5e-324
+    with pytest.raises(ValueError, match=r"discretize\.dt"):
+        LinearModel.from_matrices([[-1.0]], [[1.0]]).discretize(5e-324)
+
+
+def test_a_tensor_without_dimensions_is_a_number():
+    torch = pytest.importorskip("torch")
+    assert (
+        gates.require_number("a", torch.tensor(2.0)) == 2.0
+        and gates.require_count("o", "a", torch.tensor(2), 1, 3) == 2
+    )

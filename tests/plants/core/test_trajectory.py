@@ -1,6 +1,7 @@
 """Trajectory: columns by name, resampling at its order, round trip through a file, bad input."""
 
 import builtins
+import dataclasses
 import json
 
 import numpy as np
@@ -224,3 +225,16 @@ def test_bad_names():
         Trajectory.from_arrays([0, 1], np.zeros((2, 1)), states=["a", "b"])
     with pytest.raises(ValueError, match="must be distinct names"):
         Trajectory.from_arrays([0, 1], np.zeros((2, 2)), states=["a", "a"])
+
+
+@pytest.mark.parametrize("given", [{"outputs": 3}, {"disturbances": object()}, {"plant": 3}, {"states": np.array("a")}])
+def test_what_has_no_length_and_what_is_no_plant_is_refused_by_name(given):
+    with pytest.raises(ValueError, match=rf"Trajectory.*{next(iter(given))} = "):
+        Trajectory.from_arrays([0.0, 1.0], np.zeros((2, 1)), **given)
+
+
+def test_stats_that_cannot_be_saved_are_refused_when_made():
+    motion = Trajectory.from_arrays([0.0, 1.0], np.zeros((2, 1)))
+    for stats in ([["a", 1]], None, 3):
+        with pytest.raises(ValueError, match=r"Trajectory\.stats = "):
+            dataclasses.replace(motion, stats=stats)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import warnings
 
 import casadi as ca
 import numpy as np
@@ -264,3 +265,10 @@ def test_outputs_of_all_fidelities_agree_as_stiffness_grows():
                 tips.append([motion["tip_x"], motion["tip_y"]])
             spread.append(np.abs(np.array(tips) - tips[0]).max())
         assert spread[1] < 0.15 * spread[0] < 1e-2
+
+
+def test_frequencies_about_a_state_beyond_numbers_are_refused_in_words():
+    arm = TwoLinkArm.textbook()
+    with warnings.catch_warnings(), pytest.raises(ValueError, match=r"natural_frequencies\.x0 = .* not finite"):
+        warnings.simplefilter("ignore")
+        arm.natural_frequencies(np.full(arm.nx, 1e160))

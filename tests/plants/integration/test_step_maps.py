@@ -1,6 +1,7 @@
 """Integration: orders, step limits of known oscillators, agreement of methods, inputs of every form."""
 
 import dataclasses
+import warnings
 from dataclasses import dataclass
 from math import factorial
 
@@ -317,3 +318,17 @@ def test_progress_is_told_of_the_time_reached():
     seen = []
     SingleLinkArm.textbook().simulate(np.zeros(6), [1.0], np.linspace(0, 0.1, 5), progress=seen.append)
     np.testing.assert_allclose(seen, np.linspace(0, 0.1, 5)[1:])
+
+
+@pytest.mark.parametrize(("name", "value"), [("u", [[0.0]]), ("p", [1.0]), ("u", "abc")])
+def test_a_limit_is_of_one_point(name, value):
+    arm = SingleLinkArm.textbook()
+    with pytest.raises(ValueError, match=rf"step_limit\.{name} "):
+        step_limit(arm, np.zeros(arm.nx), **{name: value})
+
+
+def test_a_state_too_large_for_the_equations_is_refused_in_words():
+    arm = SingleLinkArm.textbook()
+    with warnings.catch_warnings(), pytest.raises(ValueError, match=r"step_limit\.x = .* not finite"):
+        warnings.simplefilter("ignore")
+        step_limit(arm, np.full(arm.nx, 1e200))

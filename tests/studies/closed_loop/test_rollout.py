@@ -192,3 +192,26 @@ def test_bad_input():
 def test_time_of_every_act_is_measured():
     run = rollout(play(SLEW), regulator(SLEW))
     assert run.act_ns.shape == (SLEW.steps,) and (run.act_ns > 0).all()
+
+
+class Odd:
+    """A controller of one's own."""
+
+    dt, reads = None, ("hub_angle",)
+
+    def reset(self):
+        pass
+
+    def act(self, t, y):
+        return np.zeros(1)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("dt", float("nan")), ("dt", "0.02"), ("reads", b"ab"), ("reads", 3), ("reset", 3), ("act", lambda t, y: ["1.0"])],
+)
+def test_a_controller_with_an_odd_part_is_refused_by_its_name(name, value):
+    law = Odd()
+    setattr(law, name, value)
+    with pytest.raises(ValueError, match=rf"controller\.{name} = "):
+        rollout(scenes.get("single-link-slew"), law)

@@ -1,9 +1,12 @@
 """What the commands share: names that never break, settings by name, JSON."""
 
+from pathlib import Path
+
 import pytest
 from typer.testing import CliRunner
 
 from pliant.envs import environment_id, scenes
+from pliant.studies.commands import console
 from pliant.studies.commands.cli import app
 from pliant.studies.commands.console import BORDERS, column_widths, listed, say, scene_with, show
 
@@ -63,3 +66,16 @@ def test_settings_change_keywords_parameters_and_fields():
     assert dict(scene.goal)["hub_angle_rate"] == 4.0 and scene.plant.link.E == 8e10 and scene.duration == 30.0
     with pytest.raises(ValueError, match="must be NAME=VALUE"):
         scene_with("spin-up", ["speed"])
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="a folder with rights, and without room for files")
+def test_a_folder_that_takes_no_files_is_refused_before_the_work():
+    for gate, path in ((console.writable_folder, "/proc/x/y"), (console.writable, "/proc/x.png")):
+        with pytest.raises(ValueError, match=r"--out '/proc/x.*written"):
+            gate("--out", Path(path))
+
+
+def test_asking_leaves_nothing(tmp_path):
+    console.writable_folder("--out", tmp_path / "a" / "b")
+    console.writable("--out", tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
