@@ -212,11 +212,10 @@ class LagrangianPlant(MechanicalPlant):
         From M and the stiffness d(-r)/dq; negative stiffness gives a negative "frequency" -sqrt(|w^2|).
         Frequencies below 1e-6 of the largest are rigid-body modes and are left out unless `rigid`.
         """
-        n = len(self.coordinates)
         x = np.zeros(self.nx) if x0 is None else arguments.one_state(self, x0)
         rigid, locked = require_flag("rigid", rigid), require_names("natural_frequencies.locked", locked)
         held = [index(self.coordinates, name, "coordinate") for name in locked] + list(self.driven)
-        free = [i for i in range(n) if i not in held]
+        free = [i for i in range(len(self.coordinates)) if i not in held]
         values, M = self._arguments(x, p=p)[0], self.mass_matrix(x, p=p)[np.ix_(free, free)]
         K = self._stiffness(*values)[0][np.ix_(free, free)]
         if not (np.isfinite(K).all() and np.isfinite(M).all()):
@@ -227,6 +226,5 @@ class LagrangianPlant(MechanicalPlant):
 
     @built_once
     def _stiffness(self) -> NumericFunction:
-        n = len(self.coordinates)
-        _, x, _, _, _ = self.symbols
-        return function("stiffness", list(self.symbols), [ca.jacobian(-self._terms[1], x)[:, :n]], matrices=True)
+        q = self.symbols[1][: len(self.coordinates)]
+        return function("stiffness", list(self.symbols), [ca.jacobian(-self._terms[1], q)], matrices=True)
