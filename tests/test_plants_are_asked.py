@@ -29,6 +29,7 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "controllers/learning/checkpoint.py": {"name"},  # arrays
     "plants/files/leftovers.py": {"entry.name"},  # files
     "plants/files/sealed_arrays.py": {"archive.comment", "name"},  # files
+    "plants/toolchain/shared_library.py": {"content"},  # of a file
     "plants/native/kernel_cache.py": {"p.name"},  # files
     "studies/fidelity/choice.py": {"r.note"},
     "studies/common/machine.py": {"line"},  # of /proc/cpuinfo

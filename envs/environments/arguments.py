@@ -33,7 +33,7 @@ def require_actions(owner: str, name: str, actions: Any, shape: tuple[int, ...])
     if found.shape != shape:
         raise ValueError(f"{owner}: {name} {have} shape {found.shape}, must be {shape}")
     # the sum of squares tells at once that all is well; where it does not, each number is looked at
-    if found.dtype.kind == "f" and not np.vdot(found, found) < LARGEST_ACTION:
+    if found.dtype.kind == "f" and not float(np.vdot(found, found)) < LARGEST_ACTION:
         bad = np.atleast_2d(~(np.abs(found.astype(float)) <= LARGEST_ACTION)).any(axis=1)
         if bad.any():
             k = int(np.argmax(bad))

@@ -163,7 +163,7 @@ def _orbit_rate(craft: SpacecraftDeclaration, p: Any) -> Array:
     path = "environment.orbit.rate"
     if path not in craft.varied:
         return np.asarray(parameters.get(craft, path), dtype=float)
-    values = require_finite("natural_frequencies.p", craft.nominal_parameters if p is None else p, (len(craft.varied),))
+    values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)
     return values[..., craft.varied.index(path)]
 
 
@@ -271,7 +271,7 @@ def natural_frequencies(craft: SpacecraftDeclaration, x0: Any, p: Any) -> Array:
     x = np.array(one_state(craft, x0))
     x[craft.layout.velocity] = 0.0
     x[craft.layout.omega.start :] = 0.0
-    values = craft.nominal_parameters if p is None else np.asarray(p, dtype=float)
+    values = require_finite("natural_frequencies.p", craft.nominal_parameters if p is None else p, (len(craft.varied),))
     bodies = dataclasses.replace(craft, varied=())
     for path, value in zip(craft.varied, values):
         if path.partition(".")[0] == "appendages":  # the hub's part is in the mass matrix
