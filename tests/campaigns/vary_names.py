@@ -19,8 +19,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-os.environ.setdefault("PLIANT_NATIVE", "0")  # compilers have nothing to do with names
-
 import by_seed
 import numpy as np
 
@@ -154,4 +152,5 @@ def summary(rows: list[dict[str, Any]]) -> str:
 
 
 if __name__ == "__main__":
+    os.environ.setdefault("PLIANT_NATIVE", "0")  # compilers have nothing to do with names
     by_seed.main(__doc__, len(pairs()), run, summary, lambda row: bool(row["fault"]))
