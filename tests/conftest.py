@@ -232,8 +232,15 @@ def installed(wheel_file, tmp_path_factory):
     return folder
 
 
+SETTINGS = {name: os.environ.get(name) for name in ("CC", "PLIANT_NATIVE", "PLIANT_CFLAGS", "PLIANT_CACHE")}
+
+
 def pytest_collection_finish():
-    """What is there by now stays: the collector of garbage need not go through it again and again."""
+    """What is there by now stays: the collector of garbage need not go through it again and again.
+
+    No module may have turned the compiler off, or to other settings, as it was imported: every test would be of those.
+    """
+    assert {name: os.environ.get(name) for name in SETTINGS} == SETTINGS
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
