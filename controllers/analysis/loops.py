@@ -18,6 +18,7 @@ from pliant.plants.core.argument_gates import real_array, require_choice, requir
 from pliant.plants.core.signals import rows_by_name
 from pliant.plants.linear.conserved import conserved, free, moved
 from pliant.plants.linear.lti import LinearModel
+from pliant.plants.linear.ltv import LTVModel
 
 from .late_loops import LateLoop
 from .linear_laws import Array, LinearLaw, closed_matrix, law_of, readings_under_way
@@ -81,23 +82,23 @@ def plant_of(model: LinearModel, law: LinearLaw) -> tuple[Array, Array, Array, A
     return A, B, C, np.zeros((len(C), nu)) if law.delay else D
 
 
-def loop(model: LinearModel, controller: Any, *, at: str = "input") -> Loop:
+def loop(model: LinearModel | LTVModel, controller: Any, *, at: str = "input") -> Loop:
     """The loop of a controller around a model of the plant, broken at the plant's inputs or at what is read.
 
     ValueError where the model varies in time or lacks what the controller reads, PliantError for controllers without a
     linear form.
     """
-    require_instance("loop.model", model, LinearModel, what="LinearModel: a loop has margins at rest")
+    plant = require_instance("loop.model", model, LinearModel, what="LinearModel: a loop has margins at rest")
     require_choice("loop", "at", at, ("input", "output"))
     law = law_of(controller)
-    A, B, C, D = plant_of(model, law)
+    A, B, C, D = plant_of(plant, law)
     first, second = ((A, B, C, D), (law.A, law.B, law.C, law.D))
-    channels = model.input_names
+    channels = plant.input_names
     if at == "output":
         first, second, channels = second, first, law.reads
     (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
     wide = np.block([[A1, np.zeros((len(A1), len(A2)))], [B2 @ C1, A2]])
-    late = None if law.dt is None or model.dt is not None else LateLoop(moved(model, felt_by(law, model)), law, at)
+    late = None if law.dt is None or plant.dt is not None else LateLoop(moved(plant, felt_by(law, plant)), law, at)
     return Loop(
         wide,
         np.vstack([B1, B2 @ D1]),
@@ -105,9 +106,9 @@ def loop(model: LinearModel, controller: Any, *, at: str = "input") -> Loop:
         D2 @ D1,
         law.dt,
         channels,
-        conserved(model).names,
+        conserved(plant).names,
         late,
-        free(model, felt_by(law, model)),
+        free(plant, felt_by(law, plant)),
     )
 
 
