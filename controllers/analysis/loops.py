@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import real_array, require_choice, require_instance, require_number
+from pliant.plants.core.argument_gates import real_array, require_choice, require_instance, require_number, shown
 from pliant.plants.core.signals import rows_by_name
 from pliant.plants.linear.conserved import conserved, free, moved
 from pliant.plants.linear.lti import LinearModel
@@ -88,17 +88,18 @@ def loop(model: LinearModel | LTVModel, controller: Any, *, at: str = "input") -
     ValueError where the model varies in time or lacks what the controller reads, PliantError for controllers without a
     linear form.
     """
-    plant = require_instance("loop.model", model, LinearModel, what="LinearModel: a loop has margins at rest")
+    if not isinstance(model, LinearModel):
+        raise ValueError(f"loop.model = {shown(model)} must be a LinearModel: a loop has margins at rest")
     require_choice("loop", "at", at, ("input", "output"))
     law = law_of(controller)
-    A, B, C, D = plant_of(plant, law)
+    A, B, C, D = plant_of(model, law)
     first, second = ((A, B, C, D), (law.A, law.B, law.C, law.D))
-    channels = plant.input_names
+    channels = model.input_names
     if at == "output":
         first, second, channels = second, first, law.reads
     (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
     wide = np.block([[A1, np.zeros((len(A1), len(A2)))], [B2 @ C1, A2]])
-    late = None if law.dt is None or plant.dt is not None else LateLoop(moved(plant, felt_by(law, plant)), law, at)
+    late = None if law.dt is None or model.dt is not None else LateLoop(moved(model, felt_by(law, model)), law, at)
     return Loop(
         wide,
         np.vstack([B1, B2 @ D1]),
@@ -106,9 +107,9 @@ def loop(model: LinearModel | LTVModel, controller: Any, *, at: str = "input") -
         D2 @ D1,
         law.dt,
         channels,
-        conserved(plant).names,
+        conserved(model).names,
         late,
-        free(plant, felt_by(law, plant)),
+        free(model, felt_by(law, model)),
     )
 
 
