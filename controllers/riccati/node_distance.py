@@ -32,7 +32,7 @@ FEW = 8  # intervals, which have not the order of many: it is measured, whatever
 MISSED = 0.03  # of an entry's range: how far half of the nodes may miss the others before it is measured
 TURN = 0.35  # [rad] of the fastest pole within an interval, before it is measured
 POLES = 9  # nodes at which poles are looked at
-SAFE = 3.0  # on the difference, where they are few, or where it is no more than the error
+SAFE = 3.0  # on the difference, where nodes are few or do not tell of each other, or it is no more than the error
 LARGEST = 0.3  # error that is told: what changes by more has no order, and may be off by any multiple of it
 ORDER = 4
 ROUNDING = 1e-9  # of an entry: what does not vary
@@ -48,8 +48,7 @@ def doubtful(model: LTVModel, rates: Array) -> bool | None:
 
     None where A and B do not vary by more than rounding: no node is needed. c moves no gain.
     """
-    values = np.concatenate([M.reshape(len(model.t), -1) for M in (model.A, model.B)], axis=1)
-    values = values[:, np.ptp(values, axis=0) > ROUNDING * np.abs(values).max(axis=0)]
+    values = _varying(model)
     if not values.shape[1]:
         return None
     if len(model.t) - 1 <= FEW:
@@ -58,12 +57,23 @@ def doubtful(model: LTVModel, rates: Array) -> bool | None:
     looked = np.unique(np.linspace(0, len(rates) - 1, POLES).astype(int))
     if np.abs(np.linalg.eigvals(rates[looked])).max() * h.max() > TURN:
         return True
+    return not _told_by_others(h, values)
+
+
+def _told_by_others(h: Array, values: Array) -> bool:
+    """Whether the nodes left out lie where their neighbours put them, h apart, or bend away from there evenly."""
     left, right, far = h[0:-1:2], h[1::2], values[2::2]
     before, at = values[0:-2:2], values[1:-1:2]
     n = min(len(far), len(before), len(at))
     missed = at[:n] - before[:n] - (left / (left + right))[:n, None] * (far[:n] - before[:n])
     bend = np.abs(np.diff(missed, axis=0)).max(axis=0, initial=0.0)  # what is left of the chord, but for its own change
-    return bool((bend > MISSED * np.ptp(values, axis=0)).any())
+    return bool((bend <= MISSED * np.ptp(values, axis=0)).all())
+
+
+def _varying(model: LTVModel) -> Array:
+    """The entries (nt, k) of A and B that vary by more than rounding."""
+    values = np.concatenate([M.reshape(len(model.t), -1) for M in (model.A, model.B)], axis=1)
+    return values[:, np.ptp(values, axis=0) > ROUNDING * np.abs(values).max(axis=0)]
 
 
 def halved(model: LTVModel) -> LTVModel:
@@ -108,7 +118,8 @@ def measured(
     if nodes > 2:
         kept = np.unique(np.append(np.arange(0, nodes, every), nodes - 1))
         try:
-            found = _apart(roots[kept], coarse()) * (SAFE if every == 1 or nodes - 1 <= FEW else 1.0)
+            ordered = every > 1 and nodes - 1 > FEW and _told_by_others(np.diff(model.t), _varying(model))
+            found = _apart(roots[kept], coarse()) * (1.0 if ordered else SAFE)
         except PliantError:  # half of the nodes are too far apart to be solved: how far all of them are is not told
             found = float("inf")
         if found > LARGEST:
