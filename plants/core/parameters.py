@@ -39,18 +39,19 @@ def quantity(
     default: Any = dataclasses.MISSING,
     *,
     uncertain: bool = False,
-    shape: tuple[int, ...] = (),
+    shape: tuple[int, ...] | None = None,
     or_shape: tuple[int, ...] | None = None,
     fixed: str = "",
 ) -> Any:
     """A dataclass field for a number in `unit` and within RANGES[allowed], or for a tuple of `shape` of them.
 
-    -1 in a shape is any length; `or_shape`: another that is taken too. `uncertain`: a robustness study may vary it, as
+    -1 in a shape is any length; None: a number, or any length where the field is annotated as a tuple. `or_shape`:
+    another that is taken too. `uncertain`: a robustness study may vary it, as
     payloads, stiffnesses and damping. `fixed`: why it is no parameter that may be varied, as "is a part of a unit
     vector"; "" where it may be.
     """
-    shapes = (shape,) if or_shape is None else (shape, or_shape)
-    told = {"unit": unit, "allowed": allowed, "uncertain": uncertain, "shapes": shapes, "fixed": fixed}
+    told = {"unit": unit, "allowed": allowed, "uncertain": uncertain, "fixed": fixed}
+    told |= {"shape": shape, "or_shape": or_shape}
     return dataclasses.field(default=default, metadata=told)
 
 
@@ -79,21 +80,29 @@ def validate(obj: Any) -> None:
             name, gate = f"{type(obj).__name__}.{field.name}", field.metadata["gate"]
             object.__setattr__(obj, field.name, gate(name, getattr(obj, field.name)))
         if "allowed" in field.metadata:
-            value, told = getattr(obj, field.name), field.metadata
+            value, told, shapes = getattr(obj, field.name), field.metadata, _shapes(field)
             if (
                 type(value) is float
-                and () in told["shapes"]
+                and () in shapes
                 and LEAST <= abs(value) <= LARGEST
                 and RANGES[told["allowed"]][1](value)
             ):
                 continue  # as most are, at little cost
-            object.__setattr__(obj, field.name, _checked(f"{type(obj).__name__}.{field.name}", nested(value), told))
+            name = f"{type(obj).__name__}.{field.name}"
+            object.__setattr__(obj, field.name, _checked(name, nested(value), told, shapes))
     for path in getattr(obj, "varied", ()):
         unit_of(obj, path)
 
 
-def _checked(name: str, value: Any, told: Any) -> Any:
-    unit, allowed, shapes = told["unit"], told["allowed"], told["shapes"]
+def _shapes(field: dataclasses.Field[Any]) -> tuple[tuple[int, ...], ...]:
+    own, other = field.metadata["shape"], field.metadata["or_shape"]
+    if own is None:
+        own = (-1,) if "tuple" in str(field.type) else ()
+    return (own,) if other is None else (own, other)
+
+
+def _checked(name: str, value: Any, told: Any, shapes: tuple[tuple[int, ...], ...]) -> Any:
+    unit, allowed = told["unit"], told["allowed"]
     if not isinstance(value, tuple) and () in shapes:
         _check_entries(name, value, allowed, unit)
         return value

@@ -117,3 +117,23 @@ def test_quantities_are_those_with_units_and_the_uncertain_ones_among_them():
     assert marked and list(unsure) == marked
     arm = parameters.quantities(SingleLinkArm.textbook())
     assert {"link.E", "payload.mass", "gravity"} <= set(arm)
+
+
+def test_a_field_annotated_as_a_tuple_is_one_of_any_length_and_another_is_a_number():
+    """As a plant of a user declares it, with no word of a shape."""
+
+    @dataclasses.dataclass(frozen=True)
+    class Springs:
+        rates: tuple[float, ...] = parameters.quantity("N/m", "positive", (1.0, 2.0))
+        damping: float = parameters.quantity("N s/m", "nonnegative", 0.0)
+
+        def __post_init__(self) -> None:
+            parameters.validate(self)
+
+    assert Springs([1, np.float32(2.0), 3.0]).rates == (1, 2.0, 3.0) and Springs().rates == (1.0, 2.0)
+    assert parameters.quantities(Springs()) == ("rates.0", "rates.1", "damping")
+    for bad, words in (({"rates": 1.0}, "rates = 1.0 must be a tuple"), ({"damping": (1.0,)}, "damping = .* a number")):
+        with pytest.raises(ValueError, match=words):
+            Springs(**bad)
+    with pytest.raises(ValueError, match=r"rates\[1\] = -1.0 must be > 0 \[N/m\]"):
+        Springs((1.0, -1.0))
