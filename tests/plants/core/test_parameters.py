@@ -2,6 +2,7 @@
 
 import dataclasses
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -117,3 +118,13 @@ def test_quantities_are_those_with_units_and_the_uncertain_ones_among_them():
     assert marked and list(unsure) == marked
     arm = parameters.quantities(SingleLinkArm.textbook())
     assert {"link.E", "payload.mass", "gravity"} <= set(arm)
+
+
+def test_numbers_of_every_type_are_floats_that_equations_take():
+    """Fraction(1, 2) has no product with a CasADi symbol: what is kept is 0.5."""
+    arm = dataclasses.replace(TwoLinkArm.textbook(), joint_mass=Fraction(1, 2), hub_inertia=[np.float32(0.5), 1])
+    assert type(arm.joint_mass) is float and arm.joint_mass == 0.5
+    assert arm.hub_inertia == (0.5, 1.0) and {type(value) for value in arm.hub_inertia} == {float}
+    want = dataclasses.replace(TwoLinkArm.textbook(), joint_mass=0.5, hub_inertia=(0.5, 1.0))
+    x = np.full(arm.nx, 0.01)
+    np.testing.assert_array_equal(arm.dynamics(x), want.dynamics(x))
