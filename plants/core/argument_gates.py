@@ -190,7 +190,7 @@ def require_names(
         if not isinstance(item, str):
             raise ValueError(f"{name}[{i}] = {shown(item)} must be a string")
         if known is not None and item not in known:
-            raise ValueError(f"{name}[{i}] = {item!r}: no such {kind}; choose from {', '.join(known)}")
+            raise ValueError(f"{name}[{i}] = {item!r}: no such {kind}; choose from {', '.join(known) or '(none)'}")
     if not repeated and len(set(found)) != len(found):
         raise ValueError(f"{name} = {shown(found)} must be distinct names")
     return tuple(map(str, found))
