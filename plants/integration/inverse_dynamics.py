@@ -20,7 +20,7 @@ Array = np.ndarray
 
 
 def rest_to_rest_ends(plant: Any, begin: Any, end: Any, time: Any) -> tuple[Array, Array, float]:
-    """The states (nx,), own copies, and the time [s] between which a plant is to move. ValueError names what is none."""
+    """The states (nx,), copies, and the time [s] between which a plant is to move; ValueError names what is none."""
     first, last = (
         np.array(require_finite(f"rest_to_rest.{name}", x, (plant.nx,))) for name, x in (("begin", begin), ("end", end))
     )
