@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.files import sealed_arrays, sealed_json
-from pliant.plants.files.atomic_files import Together, as_path
+from pliant.plants.files.atomic_files import Together, require_path
 
 FORMAT = 2
 OWNER, KIND = "Policy.load", "policy"
@@ -101,7 +101,7 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def files(path: str | os.PathLike[str]) -> tuple[Path, Path]:
     """The two files of a policy from its name, or from either file's."""
-    path = as_path("Policy: path", path)
+    path = require_path("Policy: path", path)
     stem = path.name.removesuffix(".npz").removesuffix(".json")
     if not stem:
         raise ValueError(f"Policy: path = {str(path)!r} must end with a file's name")

@@ -91,9 +91,9 @@ def loaded_roots(n: int, mass: float, inertia: float, coupling: float = 0.0) -> 
     constraints.
     """
     n = require_count("modes", "n", n, 0, MOST_MODES)
-    for name, value in (("mass", mass), ("inertia", inertia)):
-        require_number(f"modes.{name}", value, least=0.0, most=LARGEST_RATIO)
-    mass, inertia, coupling = float(mass), float(inertia), require_number("modes.coupling", coupling)
+    mass = require_number("modes.mass", mass, least=0.0, most=LARGEST_RATIO)
+    inertia = require_number("modes.inertia", inertia, least=0.0, most=LARGEST_RATIO)
+    coupling = require_number("modes.coupling", coupling)
     if not coupling**2 <= mass * inertia * (1 + 1e-12):
         raise ValueError(f"modes.coupling = {coupling!r} must be within +-sqrt(mass inertia)")
     k = np.arange(1, n + 1)

@@ -48,16 +48,17 @@ def rotating_frequencies(
     require_choice("rotating_frequencies", "plane", plane, PLANES)
     require_choice("rotating_frequencies", "theory", theory, THEORIES)
     n = require_count("rotating_frequencies", "n", n, 0, MOST_FREQUENCIES)
-    for name, value, top in (
-        ("gamma", gamma, FASTEST),
-        ("tip_mass", tip_mass, 1e6),
-        ("tip_inertia", tip_inertia, 1e6),
-        ("hub_radius", hub_radius, 1e6),
-        ("rotary", rotary, 1.0),
-        ("shear", shear, 10.0),
-    ):
+    gamma, tip_mass, tip_inertia, hub_radius, rotary, shear = (
         require_number(f"rotating_frequencies.{name}", value, least=0.0, most=top)
-    gamma, tip_mass, tip_inertia, hub_radius = map(float, (gamma, tip_mass, tip_inertia, hub_radius))
+        for name, value, top in (
+            ("gamma", gamma, FASTEST),
+            ("tip_mass", tip_mass, 1e6),
+            ("tip_inertia", tip_inertia, 1e6),
+            ("hub_radius", hub_radius, 1e6),
+            ("rotary", rotary, 1.0),
+            ("shear", shear, 10.0),
+        )
+    )
     stiffened = require_flag("rotating_frequencies.stiffened", stiffened)
     sheared = theory == "timoshenko"
     if not sheared and (rotary or shear):

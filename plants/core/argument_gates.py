@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import math
 import numbers
-import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Set
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+
+from pliant.plants.files.atomic_files import require_path  # noqa: F401 -- stands with what opens files
 
 T = TypeVar("T")
 UNORDERED = (str, bytes, bytearray, memoryview, Mapping, Set, type)
@@ -190,7 +190,7 @@ def require_names(
         if not isinstance(item, str):
             raise ValueError(f"{name}[{i}] = {shown(item)} must be a string")
         if known is not None and item not in known:
-            raise ValueError(f"{name}[{i}] = {item!r}: no such {kind}; choose from {', '.join(known)}")
+            raise ValueError(f"{name}[{i}] = {item!r}: no such {kind}; choose from {', '.join(known) or '(none)'}")
     if not repeated and len(set(found)) != len(found):
         raise ValueError(f"{name} = {shown(found)} must be distinct names")
     return tuple(map(str, found))
@@ -267,15 +267,6 @@ def require_function(name: str, value: Any) -> Callable[..., Any]:
     if not callable(value):
         raise ValueError(f"{name} = {shown(value)} must be a function, not {_type(value)}")
     return value
-
-
-def require_path(name: str, value: Any) -> Path:
-    """`value` as a Path; ValueError unless it is one, or words that can be one."""
-    if not isinstance(value, (str, os.PathLike)) or not isinstance(text := os.fspath(value), str):
-        raise ValueError(f"{name} = {shown(value)} must be a path, not {_type(value)}")
-    if not text or "\0" in text:
-        raise ValueError(f"{name} = {shown(value)} must be the name of a file or a folder")
-    return Path(text)
 
 
 def nested(value: Any, depth: int = DEEPEST) -> Any:

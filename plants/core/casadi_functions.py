@@ -96,8 +96,8 @@ def function(name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices:
     return NumericFunction(built, matrices=matrices, raw=built.n_instructions() <= LONG)
 
 
-def part(v: ca.SX, where: slice) -> ca.SX:
-    """v[where] as a column: of a column of one, CasADi gives no entries as a row."""
+def entries(v: ca.SX, where: slice) -> ca.SX:
+    """v[where] as a column: where no entries are asked of a column of one, CasADi gives a row."""
     return v[where] if where.stop > where.start else ca.SX(0, 1)
 
 

@@ -73,7 +73,7 @@ def is_symbolic(value: object) -> bool:
 def validate(obj: Any) -> None:
     """Raise ValueError naming field, value and range for the first bad quantity() field of a dataclass.
 
-    Lists and arrays become tuples, NumPy's numbers Python's. A field with metadata "gate" becomes gate(name, value).
+    Lists and arrays become tuples, numbers of any type floats. A field with metadata "gate" becomes gate(name, value).
     """
     for field in dataclasses.fields(obj):
         if "gate" in field.metadata:
@@ -103,25 +103,22 @@ def _shapes(field: dataclasses.Field[Any]) -> tuple[tuple[int, ...], ...]:
 
 def _checked(name: str, value: Any, told: Any, shapes: tuple[tuple[int, ...], ...]) -> Any:
     unit, allowed = told["unit"], told["allowed"]
-    if not isinstance(value, tuple) and () in shapes:
-        _check_entries(name, value, allowed, unit)
-        return value
     if not any(_has_shape(value, shape) for shape in shapes):
         text = " or ".join(_in_words(shape) for shape in shapes)
         each = "" if allowed == "finite" else f", each {RANGES[allowed][0]}"
         raise ValueError(f"{name} = {shown(value)} must be {text}{each} [{unit}]")
-    _check_entries(name, value, allowed, unit)
-    return value
+    return _entries(name, value, allowed, unit)
 
 
-def _check_entries(name: str, value: Any, allowed: str, unit: str) -> None:
+def _entries(name: str, value: Any, allowed: str, unit: str) -> Any:
+    """Floats and symbols, in tuples as they came."""
     if isinstance(value, tuple):
-        for i, item in enumerate(value):
-            _check_entries(f"{name}[{i}]", item, allowed, unit)
-    elif not is_symbolic(value):
-        require_number(name, value, allowed, unit)
-    elif value.numel() != 1:
+        return tuple(_entries(f"{name}[{i}]", item, allowed, unit) for i, item in enumerate(value))
+    if not is_symbolic(value):
+        return require_number(name, value, allowed, unit)
+    if value.numel() != 1:
         raise ValueError(f"{name} = {shown(value)} has shape {value.shape}, must be one number or one symbol [{unit}]")
+    return value
 
 
 def _has_shape(value: Any, shape: tuple[int, ...]) -> bool:

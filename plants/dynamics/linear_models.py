@@ -25,6 +25,8 @@ from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
+from .arguments import one_state
+
 if TYPE_CHECKING:
     from .plant import Plant
 
@@ -43,7 +45,7 @@ def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearMod
     """The model at one point, f0 the rate there."""
     t = require_number("linearize.t", t, unit="s")
     (_, x, u, w, p), batch = plant._arguments(x0, u0, w, p, t)
-    x = require_finite(f"{type(plant).__name__}.x", x, (plant.nx,))
+    x = one_state(plant, x)
     if batch is not None:
         shapes = ", ".join(f"{name} {value.shape}" for name, value in zip("xuwp", (x, u, w, p)))
         raise ValueError(f"{type(plant).__name__}: {shapes} must be one point to linearise, not a batch of {batch}")

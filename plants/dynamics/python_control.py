@@ -12,7 +12,6 @@ Source  S. Fuller et al., "The Python Control Systems Library", CDC 2021; the co
 
 from __future__ import annotations
 
-import numbers
 import warnings
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -21,7 +20,15 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import real_array, require_flag, require_names, shown
+from pliant.plants.core.argument_gates import (
+    as_number,
+    real_array,
+    require_flag,
+    require_mapping,
+    require_names,
+    require_number,
+    require_text,
+)
 from pliant.plants.core.signals import index, names
 
 if TYPE_CHECKING:
@@ -51,11 +58,11 @@ class Chosen:
         self.plant = plant
         driven, driving = list(names(plant.inputs)), list(names(plant.disturbances))
         used = driven if inputs is None else _listed("inputs", inputs, driven)
-        used += (
-            driving
-            if isinstance(disturbances, (bool, np.bool_)) and disturbances
-            else _listed("disturbances", disturbances, driving)
-        )
+        disturbances = as_number(disturbances)
+        if disturbances is True:
+            used += driving
+        elif disturbances is not False and disturbances is not None:
+            used += _listed("disturbances", disturbances, driving)
         seen, states = list(names(plant.outputs)), list(names(plant.states))
         self.rows = list(range(plant.ny))  # of [y; x]
         if isinstance(outputs, str) and outputs == "states":
@@ -70,16 +77,12 @@ class Chosen:
     def params(self, given: Mapping[str, Any] | None) -> dict[str, float]:
         """Values by name; ValueError where a name is not varied or a value is no number."""
         known = self.plant.varied
-        given = {} if given is None else given
-        if not isinstance(given, Mapping):
-            raise ValueError(f"params = {shown(given)} must be values by name")
-        for name, value in given.items():
+        values = require_mapping("params", {} if given is None else given)
+        for name in values:
             if name not in known and not isinstance(given, Shared):
                 may = ", ".join(known) or "(none: see `vary`)"
                 raise ValueError(f"params[{name!r}]: {type(self.plant).__name__}.to_control() takes {may}")
-            if name in known and not _is_number(value):
-                raise ValueError(f"params[{name!r}] = {shown(value)} must be a finite number")
-        return {name: float(given[name]) for name in known if name in given}
+        return {name: require_number(f"params[{name!r}]", values[name]) for name in known if name in values}
 
     def p(self, params: Mapping[str, Any]) -> Array | None:
         """p (np,) of the plant; None where nothing is varied."""
@@ -129,20 +132,9 @@ class Chosen:
         return (model.A, B, model.C[self.rows], D[self.rows]), list(model.state_names)
 
 
-def _is_number(value: Any) -> bool:
-    number = isinstance(value, numbers.Real) or (isinstance(value, np.ndarray) and value.shape == ())
-    return number and not isinstance(value, bool) and bool(np.isfinite(float(value)))
-
-
 def _listed(kind: str, given: Any, known: Sequence[str]) -> list[str]:
     """The names that are given, each once and known."""
-    if given is None or (isinstance(given, (bool, np.bool_)) and kind == "disturbances" and not given):
-        return []
-    listed = list(require_names(f"to_control: {kind}", [given] if isinstance(given, str) else given))
-    for name in listed:
-        if name not in known:
-            raise ValueError(f"to_control: {kind} {name!r} must be one of {', '.join(known) or '(there are none)'}")
-    return listed
+    return list(require_names(f"to_control.{kind}", [given] if isinstance(given, str) else given, known))
 
 
 def _vector(name: str, given: Any, size: int) -> Array:
@@ -242,6 +234,5 @@ def _empty() -> control.NonlinearIOSystem:
 
 def to_control(chosen: Chosen, name: str | None, params: Mapping[str, Any] | None) -> control.NonlinearIOSystem:
     """The plant as a control.NonlinearIOSystem; see `Plant.to_control`."""
-    if name is not None and not isinstance(name, str):
-        raise ValueError(f"to_control: name = {shown(name)} must be a string")
-    return system_class()(chosen, type(chosen.plant).__name__ if name is None else name, params)
+    name = type(chosen.plant).__name__ if name is None else require_text("to_control.name", name)
+    return system_class()(chosen, name, params)

@@ -25,7 +25,7 @@ from . import leftovers
 NO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EACCES, errno.EBADF)  # a folder that the system does not synchronise
 
 
-def as_path(name: str, value: Any) -> Path:
+def require_path(name: str, value: Any) -> Path:
     """`value` as a path. ValueError unless it is a non-empty string or a path without a NUL."""
     if not isinstance(value, (str, os.PathLike)):
         raise ValueError(f"{name} is a {type(value).__name__}, must be a path")
@@ -64,7 +64,7 @@ class Together:
     @contextmanager
     def file(self, path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         """A binary file to write, and to read back, that will stand at `path`. OSError, which names `path`."""
-        place = as_path("path", path)
+        place = require_path("path", path)
         with _named(place):
             target = Path(os.path.realpath(place))
             former = _former(target)

@@ -24,7 +24,7 @@ from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
-from .atomic_files import as_path, replacing
+from .atomic_files import replacing, require_path
 
 SEAL = b"pliant sha256 "
 DIGITS = 64  # of the checksum
@@ -80,7 +80,7 @@ def load(owner: str, path: Any, kind: str, newest: int, *, must: bool = True) ->
     must: a file without `about` is refused too. FileNotFoundError where there is none, and other OSErrors of the
     system, stay what they are.
     """
-    path = as_path(f"{owner}: path", path)
+    path = require_path(f"{owner}: path", path)
     with opened(owner, path) as (file, size), zipfile.ZipFile(file) as archive:
         sealed = archive.comment.startswith(SEAL)
         if sealed and archive.comment[len(SEAL) :] != _digest(file, size - DIGITS):

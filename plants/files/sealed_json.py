@@ -12,7 +12,7 @@ import os
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from .atomic_files import as_path, write_text
+from .atomic_files import require_path, write_text
 from .sealed_arrays import NotOwnError, check_format, opened
 
 SEAL = "sha256"
@@ -34,7 +34,7 @@ def load(owner: str, path: Any, newest: int) -> dict[str, Any]:
 
     A file without "format" is one of version 0.1, format 1, which may have no checksum; later ones must have it.
     """
-    path = as_path(f"{owner}: path", path)
+    path = require_path(f"{owner}: path", path)
     with opened(owner, path) as (file, _):
         value = json.loads(file.read().decode(), parse_constant=_refuse)
         if not isinstance(value, dict):

@@ -190,7 +190,8 @@ class Stepper:
                 if value.shape not in ((n,), (self.batch, n)):
                     raise ValueError(f"stepper.{name} has shape {value.shape}, must be ({n},) or ({self.batch}, {n})")
                 work.set(k, value)
-        work.inputs[0][:] = t if type(t) is float else require_number("stepper.t", t, unit="s")
+        t = t if type(t) is float else require_number("stepper.t", t, unit="s")
+        work.inputs[0][:] = t
         self.guard.before(x, work.inputs[2].T, work.inputs[4].T[: self.batch], p is not None, t)
         out = np.empty((self.batch, plant.nx), dtype=self.kernel.dtype, order="F") if out is None else out
         scalars, count = (self.dt / self.substeps,), self.substeps

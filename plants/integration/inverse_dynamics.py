@@ -19,6 +19,14 @@ from .minimum_jerk import minimum_jerk
 Array = np.ndarray
 
 
+def rest_to_rest_ends(plant: Any, begin: Any, end: Any, time: Any) -> tuple[Array, Array, float]:
+    """The states (nx,), copies, and the time [s] between which a plant is to move; ValueError names what is none."""
+    first, last = (
+        np.array(require_finite(f"rest_to_rest.{name}", x, (plant.nx,))) for name, x in (("begin", begin), ("end", end))
+    )
+    return first, last, require_seconds("rest_to_rest.time", time)
+
+
 class InverseDynamics(OwnsArrays):
     """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s], minimum jerk.
 
@@ -38,11 +46,11 @@ class InverseDynamics(OwnsArrays):
                 f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) "
                 f"drive {', '.join(moved) or 'none'}; give the inputs as functions of time instead"
             )
-        self.plant, self.time = plant, require_seconds("rest_to_rest.time", time)
+        self.plant = plant
+        self._start, last, self.time = rest_to_rest_ends(plant, begin, end, time)
         self._q = [known.index(name) for name in moved]
         self._v = [known.index(plant.rates[name]) for name in moved]
-        self._start = np.array(require_finite("rest_to_rest.begin", begin, (plant.nx,)))
-        self._way = require_finite("rest_to_rest.end", end, (plant.nx,))[self._q] - self._start[self._q]
+        self._way = last[self._q] - self._start[self._q]
         self._held: Array | None = None  # the input at the end, once it is known
 
     def __call__(self, t: float) -> Array:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_flag, require_instance, require_names
+from pliant.plants.core.argument_gates import require_flag, require_names, require_text
 from pliant.plants.core.signals import OwnsArrays, Signal, as_signals, names, rows_by_name
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def state_space(model: LinearModel, disturbances: bool, outputs: Any, name: str 
     import control
 
     disturbances = require_flag("to_control.disturbances", disturbances)
-    require_instance("to_control.name", name or "", str, what="string")
+    name = None if name is None else require_text("to_control.name", name)
     count = len(model.inputs) + (len(model.disturbances) if disturbances else 0)
     C, D, seen = model.C, np.hstack([model.D, model.F]), list(model.output_names)
     if outputs is not None:

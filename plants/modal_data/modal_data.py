@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.argument_gates import require_counts, require_number
+from pliant.plants.core.argument_gates import require_counts, require_finite, require_number
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import OwnsArrays, read_only
 from pliant.plants.linear.second_order import natural_squares
@@ -55,7 +55,7 @@ class ModalData(OwnsArrays):
     outline_shapes: Array = field(repr=False)  # phi_k there (n, m, 3)
 
     def __post_init__(self) -> None:
-        n = len(self.R)
+        n = len(require_finite("ModalData.R", self.R, (-1, 3)))
         object.__setattr__(self, "mass", require_number("ModalData.mass", self.mass, "positive", "kg"))
         shapes: dict[str, tuple[int, ...]] = {"first": (3,), "second": (3, 3), "R": (n, 3), "moments": (n, 3, 3)}
         shapes |= {"overlaps": (n, n, 3, 3), "stiffness": (n, n), "damping": (n, n), "shortening": (n, n, 3)}
@@ -148,10 +148,8 @@ class ModalData(OwnsArrays):
         I = read_only("ModalData.inertia", inertia, (3, 3))
         empty = {"R": (0, 3), "moments": (0, 3, 3), "overlaps": (0, 0, 3, 3), "stiffness": (0, 0), "damping": (0, 0)}
         empty |= {"shortening": (0, 0, 3), "shortening_moments": (0, 0, 3, 3), "tip_shapes": (0, 3)}
-        first, mass = (
-            read_only("ModalData.first", first, (3,)),
-            require_number("ModalData.mass", mass, "positive", "kg"),
-        )
+        first = read_only("ModalData.first", first, (3,))
+        mass = require_number("ModalData.mass", mass, "positive", "kg")
         tip = first / mass
         return cls(
             mass=mass,

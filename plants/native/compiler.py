@@ -111,8 +111,7 @@ def toolchain() -> Toolchain:
             stored = _stored(command)
             if stored is None:
                 stored = _probe(command)
-                with contextlib.suppress(OSError):  # a full disk is not the compiler's fault; later processes ask anew
-                    kernel_cache.write(_toolchain_file(command), json.dumps(asdict(stored)).encode())
+                _store(stored)
             return stored
         except (CompileError, OSError) as failure:
             if isinstance(failure, CompilerTimeout) and not _slow(command, 0):
@@ -123,6 +122,11 @@ def toolchain() -> Toolchain:
 
 def _toolchain_file(command: tuple[str, ...]) -> str:
     return f"toolchain-{_stamp(command)}.json"
+
+
+def _store(tools: Toolchain) -> None:
+    with contextlib.suppress(OSError):  # a full disk is not the compiler's fault; later processes ask anew
+        kernel_cache.write(_toolchain_file(tools.command), json.dumps(asdict(tools)).encode())
 
 
 def _stored(command: tuple[str, ...]) -> Toolchain | None:
@@ -264,9 +268,7 @@ def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
     except CompileError:
         if (renewed := _probe(tools.command)) == tools:
             raise
-        kernel_cache.write(
-            _toolchain_file(tools.command), json.dumps(asdict(renewed)).encode()
-        )  # what changed with it?
+        _store(renewed)  # the compiler, or what it may do, has changed since it was asked
         toolchain.cache_clear()
         return _built(renewed, source, flags)
 

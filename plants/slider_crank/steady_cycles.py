@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_function, require_instance, require_number
 from pliant.plants.core.errors import EquilibriumError, MassMatrixError
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import OwnsArrays, index
@@ -46,19 +47,24 @@ def steady_cycle(
     harmonics hold of the largest deflection. EquilibriumError where no cycle is found; warns (ValidityWarning) where it
     leaves a range of the plant's `validity`.
     """
+    require_instance("steady_cycle.plant", plant, SliderCrank)
     points = require_count("steady_cycle", "points", points, 9, 100_000)
+    tolerance = require_number("steady_cycle.tolerance", tolerance, "positive")
+    if guess is not None:
+        require_instance("steady_cycle.guess", guess, Trajectory)
     if speed is None:
         speed = plant.crank_speed
-    if speed is None or not (np.isfinite(speed) and speed > 0):
-        raise ValueError(f"steady_cycle.speed = {speed!r} must be > 0 [rad/s], or plant.crank_speed given")
-    driven = plant if plant.crank_speed is not None else dataclasses.replace(plant, crank_speed=float(speed))
+    if speed is None:
+        raise ValueError("steady_cycle.speed = None must be > 0 [rad/s], or plant.crank_speed given")
+    speed = require_number("steady_cycle.speed", speed, "positive", "rad/s")
+    driven = plant if plant.crank_speed is not None else dataclasses.replace(plant, crank_speed=speed)
     force = np.zeros(plant.nw) if w is None else require_finite("steady_cycle.w", w, (plant.nw,))
     n = plant.coordinates_slice.stop - 1
     e = np.zeros((FEWEST, n))
     if guess is not None:
         e = _spectrum_to(guess.x[:-1, 1 : n + 1], FEWEST)
     while True:
-        e = _solve(driven, e, float(speed), force)
+        e = _solve(driven, e, speed, force)
         tail = _tail(e)
         if tail < tolerance:
             break
@@ -157,7 +163,8 @@ def floquet_multipliers(model: LTVModel, states: Sequence[str] | None = None) ->
 
     `states` keeps only those (None: all): right where the others do not feel them.
     """
-    return floquet(model, float(model.t[-1] - model.t[0]), states=states).multipliers
+    t = require_instance("floquet_multipliers.model", model, LTVModel).t
+    return floquet(model, float(t[-1] - t[0]), states=states).multipliers
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,11 +198,13 @@ def speed_scan(
     Edges of unstable intervals are found by bisection to `edge` of the speed; intervals that lie between two
     speeds are missed. `points` times a cycle; the multipliers' error falls as points^-4.
     """
+    require_instance("speed_scan.plant", plant, SliderCrank)
     speeds = require_finite("speed_scan.speeds", speeds, (-1,))
     if len(speeds) < 1 or speeds[0] <= 0 or (np.diff(speeds) <= 0).any():
         raise ValueError(f"speed_scan.speeds = {speeds} must be > 0 and ascending [rad/s]")
-    if not 0 < edge < 1:
-        raise ValueError(f"speed_scan.edge = {edge!r} must be > 0 and < 1")
+    edge = require_number("speed_scan.edge", edge, "positive", most=1.0)
+    if progress is not None:
+        require_function("speed_scan.progress", progress)
     driven = plant
     if plant.crank_speed is None:
         driven = dataclasses.replace(plant, crank_speed=float(speeds[0]))

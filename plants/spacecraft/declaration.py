@@ -12,7 +12,7 @@ from typing import Any, Self
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_all, require_by_name
+from pliant.plants.core.argument_gates import real_array, require_all, require_by_name
 from pliant.plants.core.parameters import flag, part, require_choice, validate
 from pliant.plants.core.quaternions import matrix
 from pliant.plants.core.signals import Signal, index
@@ -177,7 +177,9 @@ class SpacecraftDeclaration(MechanicalPlant):
 
     def consistent(self, x: np.ndarray) -> np.ndarray:
         """x (..., nx) with a unit quaternion: no turn where it is zero."""
-        x, s = np.array(x, dtype=float), self.layout.quaternion
+        x, s = np.array(real_array("FlexibleSpacecraft.x", x)), self.layout.quaternion
+        if x.shape[-1:] != (self.nx,):
+            raise ValueError(f"FlexibleSpacecraft.x has shape {x.shape}, must be (..., {self.nx})")
         x[..., s.start] += (x[..., s] == 0).all(axis=-1)
         x[..., s] /= np.linalg.norm(x[..., s], axis=-1, keepdims=True)
         return x

@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pliant.plants.core.quaternions import product
+from pliant.plants.integration.inverse_dynamics import rest_to_rest_ends
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.spacecraft_parts.environment import Environment
 
@@ -29,9 +30,9 @@ def slew(craft: SpacecraftDeclaration, begin: Array, end: Array, time: float) ->
     """
     if craft.environment != Environment():
         raise ValueError("a spacecraft without loads, to turn about one axis")
-    at, x = craft.layout, np.array(begin, dtype=float)
-    first, last = x[at.quaternion], np.asarray(end, dtype=float)[at.quaternion]
-    turn = _rotation_vector(product(first * [1.0, -1.0, -1.0, -1.0], last))  # in body axes
+    x, last, time = rest_to_rest_ends(craft, begin, end, time)
+    at = craft.layout
+    turn = _rotation_vector(product(x[at.quaternion] * [1.0, -1.0, -1.0, -1.0], last[at.quaternion]))  # in body axes
     if np.any(x[at.wheels]):
         raise ValueError(f"wheels at rest at the start, not with {x[at.wheels]} N m s, to turn about one axis")
     B = craft.jacobians(x)[1][at.omega]

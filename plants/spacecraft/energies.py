@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from pliant.plants.core.casadi_functions import part
+from pliant.plants.core.casadi_functions import entries
 from pliant.plants.core.quaternions import matrix
 
 from .declaration import SpacecraftDeclaration
@@ -80,5 +80,5 @@ def power(craft: SpacecraftDeclaration, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) 
         put_in += ca.dot(environment(craft, i, t, x, k), velocities(k, v))
         if body.hinge.n:
             damping = ca.vertcat(*body.hinge.damping) * k.theta_rate
-            put_in += ca.dot(hinge_torque(body, k, part(u, at.hinge_inputs[i])) + damping, k.theta_rate)
+            put_in += ca.dot(hinge_torque(body, k, entries(u, at.hinge_inputs[i])) + damping, k.theta_rate)
     return put_in, lost

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from pliant.plants.core.casadi_functions import part
+from pliant.plants.core.casadi_functions import entries
 from pliant.plants.core.quaternions import cross, matrix, rates
 from pliant.plants.spacecraft_parts.appendage import Appendage, Inertia
 
@@ -135,7 +135,7 @@ def hinge_torque(body: Appendage, k: Motion, u: ca.SX) -> ca.SX:
 def appendage_share(craft: SpacecraftDeclaration, i: int, t: ca.SX, x: ca.SX, u: ca.SX) -> Share:
     """Appendage i with its hinge, its strain and the loads on it."""
     at, body = craft.layout, craft.appendages[i]
-    k, u = motion(craft, i, x), part(u, at.hinge_inputs[i])
+    k, u = motion(craft, i, x), entries(u, at.hinge_inputs[i])
     nh, inertia = k.theta.shape[0], k.inertia
     M_A = inertia.matrix
     b = ca.vertcat(*body.position)

@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.argument_gates import real_array, require_finite
 from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.trajectory import Trajectory
@@ -124,7 +125,10 @@ class FlexibleSpacecraft(SpacecraftContract):
         n,).
         """
         values, batch = self._arguments(x, u, w, p, t)
-        found = self._residual(*values, np.asarray(a, dtype=float), batch=batch)
+        a = real_array("FlexibleSpacecraft.a", a)
+        size = (6 + len(self.coordinates),)
+        a = require_finite("FlexibleSpacecraft.a", a, size if batch is None or a.ndim == 1 else (batch, *size))
+        found = self._residual(*values, a, batch=batch)
         return arguments.told(self, "residual", found, values[1])[0]
 
     def mass_matrix(self, x: Any, *, p: Any = None) -> np.ndarray:

@@ -18,7 +18,7 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import as_tuple, nested, real_array, require_instance, shown, unit_vector
-from pliant.plants.core.parameters import quantity, require_choice, require_count, validate
+from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
 from pliant.plants.core.quaternions import about, cross, matrix_of
 from pliant.plants.modal_data.integrals import axial
 from pliant.plants.modal_data.modal_data import ModalData
@@ -84,7 +84,7 @@ class Appendage:
     body: Beam | ModalData = field(metadata={"fixed": "becomes modal data; vary its stiffness_factor instead"})
     orientation: Any = IDENTITY
     modes: int | tuple[int, int] | None = None
-    hinge: Hinge = field(default_factory=Hinge)
+    hinge: Hinge = part(Hinge, default_factory=Hinge)
     damping: Any = quantity("1", "nonnegative", 0.0, uncertain=True)
     stiffness_factor: Any = quantity("1", "positive", 1.0, uncertain=True)
     surface: Surface | None = None  # what the sun shines on, spread over the body as its mass is
@@ -93,7 +93,6 @@ class Appendage:
         validate(self)
         if not isinstance(self.body, (Beam, ModalData)):
             raise ValueError(f"Appendage.body = {shown(self.body)} must be a Beam or ModalData")
-        require_instance("Appendage.hinge", self.hinge, Hinge)
         if self.surface is not None:
             require_instance("Appendage.surface", self.surface, Surface)
         object.__setattr__(self, "modes", nested(self.modes))

@@ -15,8 +15,8 @@ from typing import Any
 
 import casadi as ca
 
-from pliant.plants.core.argument_gates import require_flag, require_instance, unit_vector
-from pliant.plants.core.parameters import is_symbolic, quantity, validate
+from pliant.plants.core.argument_gates import require_instance, unit_vector
+from pliant.plants.core.parameters import flag, is_symbolic, quantity, validate
 from pliant.plants.core.quaternions import about
 
 EARTH_RADIUS = 6.778e6  # [m], about 400 km up
@@ -33,11 +33,10 @@ class Orbit:
 
     rate: Any = quantity("rad/s", "positive")
     radius: Any = quantity("m", "positive", EARTH_RADIUS)
-    gravity: bool = True
+    gravity: bool = flag(True)
 
     def __post_init__(self) -> None:
         validate(self)
-        require_flag("Orbit.gravity", self.gravity)
 
     @property
     def turning(self) -> ca.SX:
@@ -85,11 +84,10 @@ class Surface:
     specular: Any = quantity("1", "nonnegative", 0.0)
     diffuse: Any = quantity("1", "nonnegative", 0.0)
     centre: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
-    both: bool = False
+    both: bool = flag(False)
 
     def __post_init__(self) -> None:
         validate(self)
-        require_flag("Surface.both", self.both)
         unit_vector("Surface.normal", self.normal)
         if not is_symbolic(self.specular + self.diffuse) and self.specular + self.diffuse > 1:
             raise ValueError(f"Surface.specular + diffuse = {self.specular + self.diffuse} must be <= 1")

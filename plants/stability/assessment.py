@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import LEAST, require_flag, require_instance, require_seconds
+from pliant.plants.core.argument_gates import LEAST, require_flag, require_seconds, require_text
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
@@ -75,7 +75,7 @@ def assess(
     periodic = None if periodic is None else require_flag("assess.periodic", periodic)
     period = None if period is None else require_seconds("assess.period", period, LEAST)
     window = None if window is None else require_seconds("assess.window", window, LEAST)
-    require_instance("assess.coordinates", coordinates or "", str, what="string")
+    coordinates = None if coordinates is None else require_text("assess.coordinates", coordinates)
     if periodic is False and period is not None:
         raise ValueError(f"assess.period = {period:g} s of a nominal that is not repeated (periodic=False)")
     if isinstance(model, LinearModel):

@@ -14,11 +14,7 @@ from typing import Any
 from .compiler_process import CompileError
 
 ELF = b"\x7fELF"
-OTHERS = (
-    b"\xcf\xfa\xed\xfe",
-    b"\xca\xfe\xba\xbe",
-    b"MZ",
-)  # Mach-O of one and of several processors, Windows: as they are
+OTHERS = (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe", b"MZ")  # Mach-O of one and several processors, Windows: not read
 LOADED = 1  # PT_LOAD
 WORD = {1: "I", 2: "Q"}  # by EI_CLASS: 32 and 64 bit
 ORDER = {1: "<", 2: ">"}  # by EI_DATA

@@ -1,6 +1,6 @@
 """Every public callable with nonsense, and with valid values in every guise: refused in words, or taken.
 
-    python tests/campaigns/bad_input.py [--calls 10000] [--first 0] [--only WORD] [--all] [--table FILE]
+    python tests/campaigns/bad_input.py [--calls 10000] [--first 0] [--only WORD]
 
 Each call of argument_calls.py is made with its valid arguments, of which one is replaced. A refusal is right where it
 is a ValueError (or a PliantError) that names the argument, or another one that it must fit to; everything else is a

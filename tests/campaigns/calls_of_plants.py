@@ -292,8 +292,8 @@ def own_calls() -> list[Call]:
     """What single plants do."""
     arm, beam, craft = PLANTS["TwoLinkArm"], PLANTS["LargeDeflectionBeam"], PLANTS["FlexibleSpacecraft"]
     x, z, s = Array(rest(arm)), Array(rest(beam)), Array(rest(craft))
-    still = {"x": s, "a": Array(np.zeros(craft.nx // 2))}
-    del still
+    still = {"x": s, "a": Array(np.zeros(6 + len(craft.coordinates)))}
+    turn = {"begin": s, "end": s, "time": Number(2.0, **POSITIVE)}
     chain = LargeDeflectionBeam(beam=beam.beam, kinematics="substructured", segments=2, modes=1)
     found = TransferMatrices(chain)
     return [
@@ -307,6 +307,9 @@ def own_calls() -> list[Call]:
         ),
         Call("FlexibleSpacecraft.momentum", craft.momentum, {"x": s}),
         Call("FlexibleSpacecraft.turn", craft.turn, {"x": s}),
+        Call("FlexibleSpacecraft.consistent", craft.consistent, {"x": Array(rest(craft), wrong=False, finite=False)}),
+        Call("FlexibleSpacecraft.residual", craft.residual, still),
+        Call("FlexibleSpacecraft.rest_to_rest", craft.rest_to_rest, turn, compare=False),
         Call("FlexibleSpacecraft.state", craft.state, {"values": Mapping_({craft.states[0].name: 1.0}, none=True)}),
         Call("SingleLinkArm.in_frame", ARM.in_frame, {"frame": Choice("clamped"), "x": Array(rest(ARM), wrong=False)}),
         Call("SingleLinkArm.frame_map", ARM.frame_map, {"frame": Choice("clamped")}),

@@ -7,6 +7,8 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import Beam, LinearModel, Material, Payload, SingleLinkArm, Trajectory, TwoLinkArm, beams, step_limit
+from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.stability.assessment import assess
 
 ARM, LINK = TwoLinkArm.textbook(), SingleLinkArm.textbook()
 STRIP = ARM.link1
@@ -103,6 +105,22 @@ TABLE = {
     ),
     "disturbance": (lambda: ARM.dynamics(ZERO, w=[1.0]), r"TwoLinkArm\.w has shape \(1,\), must be \(2,\)"),
     "parameters": (lambda: ARM.dynamics(ZERO, p=[1.0]), r"TwoLinkArm\.p has shape \(1,\), must be \(0,\)"),
+    "name of a linear system": (
+        lambda: ARM.linearize(ZERO).to_control(name=[]),
+        r"to_control\.name = \[\] must be words",
+    ),
+    "default parameter": (
+        lambda: ARM.vary("payload.mass").to_control(params={"payload.mass": np.array("light")}),
+        r"params\['payload\.mass'\] = 'light' must be a finite number",
+    ),
+    "coordinates in words": (
+        lambda: assess(ARM.linearize(ZERO), coordinates=0),
+        r"assess\.coordinates = 0 must be words",
+    ),
+    "modal data without modes": (
+        lambda: dataclasses.replace(ModalData.rigid(1.0, [0, 0, 0], np.eye(3)), R=None),
+        r"ModalData\.R = None must be an array",
+    ),
     "varied parameter": (
         lambda: ARM.vary("payload.mass").dynamics(ZERO, p=[np.nan]),
         r"TwoLinkArm\.p\[0\] \(payload\.mass\) = nan must be finite",

@@ -2,6 +2,7 @@
 
 import dataclasses
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -137,3 +138,13 @@ def test_a_field_annotated_as_a_tuple_is_one_of_any_length_and_another_is_a_numb
             Springs(**bad)
     with pytest.raises(ValueError, match=r"rates\[1\] = -1.0 must be > 0 \[N/m\]"):
         Springs((1.0, -1.0))
+
+
+def test_numbers_of_every_type_are_floats_that_equations_take():
+    """Fraction(1, 2) has no product with a CasADi symbol: what is kept is 0.5."""
+    arm = dataclasses.replace(TwoLinkArm.textbook(), joint_mass=Fraction(1, 2), hub_inertia=[np.float32(0.5), 1])
+    assert type(arm.joint_mass) is float and arm.joint_mass == 0.5
+    assert arm.hub_inertia == (0.5, 1.0) and {type(value) for value in arm.hub_inertia} == {float}
+    want = dataclasses.replace(TwoLinkArm.textbook(), joint_mass=0.5, hub_inertia=(0.5, 1.0))
+    x = np.full(arm.nx, 0.01)
+    np.testing.assert_array_equal(arm.dynamics(x), want.dynamics(x))

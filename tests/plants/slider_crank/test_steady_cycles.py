@@ -116,6 +116,17 @@ def test_bad_cycles_are_named():
         steady_cycle(changed(crank_speed=None))
     with pytest.raises(ValueError, match=r"steady_cycle.speed = -3.0 must be > 0"):
         steady_cycle(PLANT, speed=-3.0)
+    for words, make in (
+        ("steady_cycle.speed = 'fast' must be a number > 0", lambda: steady_cycle(PLANT, speed="fast")),
+        ("steady_cycle.plant = None must be a SliderCrank", lambda: steady_cycle(None, speed=10.0)),
+        ("steady_cycle.tolerance = -1 must be > 0", lambda: steady_cycle(PLANT, tolerance=-1)),
+        ("steady_cycle.guess = 3 must be a Trajectory", lambda: steady_cycle(PLANT, guess=3)),
+        ("speed_scan.edge = 'fine' must be a number > 0", lambda: speed_scan(PLANT, [1.0], edge="fine")),
+        ("speed_scan.progress = 1 must be a function", lambda: speed_scan(PLANT, [1.0], progress=1)),
+        ("floquet_multipliers.model = 3 must be a LTVModel", lambda: floquet_multipliers(3)),
+    ):
+        with pytest.raises(ValueError, match=words):
+            make()
     with pytest.raises(ValueError, match=r"speed_scan.speeds"):
         speed_scan(PLANT, [2.0, 1.0])
     with pytest.raises(ValueError, match="no deviations"):

@@ -66,6 +66,13 @@ def test_wheels_take_up_the_momentum_and_give_it_back(axes, friction):
 
 def test_what_it_cannot_do_is_refused():
     craft, end = with_wheels([(0.0, 0.0, 1.0)]), turned((1.0, 0, 0), 0.5)
+    for words, begin, to, time in (
+        (r"rest_to_rest\.time = -1 must be > 0 \[s\]", craft.state(), craft.state(), -1),  # no torque, once
+        (r"rest_to_rest\.end has shape", craft.state(), craft.state()[:-1], TIME),
+        (r"rest_to_rest\.begin = None must be an array", None, craft.state(), TIME),
+    ):
+        with pytest.raises(ValueError, match=words):
+            craft.rest_to_rest(begin, to, time)
     with pytest.raises(ValueError, match="inputs that turn it about"):
         slew(craft, craft.state(), np.append(end, 0.0), TIME)
     with pytest.raises(ValueError, match="wheels at rest"):

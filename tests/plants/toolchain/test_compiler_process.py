@@ -44,7 +44,16 @@ def test_what_it_started_ends_with_it(tmp_path) -> None:
         run((str(slow),), limit=2.0)
     assert time.perf_counter() - began < 8.0
     state = Path(f"/proc/{child.read_text().strip()}/stat")
-    assert not state.exists() or state.read_text().split()[2] == "Z"
+    while _runs(state):  # killed, but not at once: the machine may be busy
+        assert time.perf_counter() - began < 8.0
+        time.sleep(0.01)
+
+
+def _runs(state: Path) -> bool:
+    try:
+        return state.read_text().split()[2] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
 
 
 def test_a_program_is_the_same_under_all_its_names(tmp_path) -> None:
