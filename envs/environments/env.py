@@ -16,8 +16,10 @@ from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep, reach_function
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
 from pliant.plants.core import parameters
+from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.native.batch_kernels import as_dtype
 from pliant.plants.validity.ranges import left_at
 
 from . import arguments, specification
@@ -65,8 +67,8 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> None:
         self.scene = scene = arguments.require_scene("PlantEnv", scene)
         parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
-        kind = arguments.require_dtype("PlantEnv", dtype)
-        self.randomise, self.render_mode = arguments.require_flag("PlantEnv", "randomise", randomise), render_mode
+        kind = as_dtype(dtype, "PlantEnv")
+        self.randomise, self.render_mode = require_flag("PlantEnv.randomise", randomise), render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
