@@ -24,11 +24,11 @@ from pliant.plants import PliantError
 from pliant.plants.core import parameters
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Progress
+from pliant.studies.figures.style import require_ending
 
 USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
 LONGEST_NAME = 255  # bytes of a file's name
 LONGEST_VALUE = 1000  # characters of a setting
-PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
 BORDERS = 3  # characters of a table beside each column
 SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
 
@@ -101,8 +101,8 @@ def _takes_files(folder: Path) -> bool:
 def drawable(path: Path | None) -> None:
     """The same of a picture, whose ending says how it is drawn."""
     writable("--plot", path)
-    if path is not None and path.suffix.lower() not in PICTURES:
-        raise ValueError(f"--plot {str(path)!r} must end with one of {', '.join(PICTURES)}")
+    if path is not None:
+        require_ending("--plot", path)
 
 
 @contextmanager

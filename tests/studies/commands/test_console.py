@@ -79,3 +79,9 @@ def test_asking_leaves_nothing(tmp_path):
     console.writable_folder("--out", tmp_path / "a" / "b")
     console.writable("--out", tmp_path / "a.png")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_is_whatever_matplotlib_writes(tmp_path):
+    console.drawable(tmp_path / "a.svgz")
+    with pytest.raises(ValueError, match=r"--plot '.*a.doc' must end with one of .*png"):
+        console.drawable(tmp_path / "a.doc")
