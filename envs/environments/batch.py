@@ -6,7 +6,6 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
@@ -16,13 +15,13 @@ from pliant.envs.simulation.episode_supply import EpisodeSupply
 from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.signals import OwnsArrays
 
-from . import specification
 from .lanes import Lanes
+from .specification import Specified
 
 Array = np.ndarray
 
 
-class Batch(OwnsArrays, Lanes):
+class Batch(Specified, OwnsArrays, Lanes):
     """Lanes of one scene: their states and times, how they are drawn, how they travel to another process."""
 
     scene: Scene
@@ -30,17 +29,7 @@ class Batch(OwnsArrays, Lanes):
     _supply: EpisodeSupply
     _done: Array  # control periods (num_envs,) played of each lane's episode
     _names: tuple[str, ...]  # of the randomised parameters
-    _steps: int  # periods of an episode
     begun: bool  # whether every lane has been started
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """The registered specification, with the max_episode_steps that this class enforces."""
-        return getattr(self, "_spec", None)
-
-    @spec.setter
-    def spec(self, value: EnvSpec | None) -> None:
-        self._spec = specification.own(value, self._steps)
 
     @property
     def states(self) -> Array:

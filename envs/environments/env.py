@@ -7,7 +7,6 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs import scenes
 from pliant.envs.rendering import Renderer, renderer
@@ -22,10 +21,11 @@ from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.native.batch_kernels import as_dtype
 from pliant.plants.validity.ranges import left_at
 
-from . import arguments, specification
+from . import arguments
+from .specification import Specified
 
 
-class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
+class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     """Drive a scene's plant from its start to its goal.
 
     | what        | is                                                             | unit, range          |
@@ -82,15 +82,6 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         self._steps = scene.steps
         self._over, self._begun = True, False
         self._renderer: Renderer | None = None
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """The registered specification, with the scene's max_episode_steps, which this class enforces."""
-        return getattr(self, "_spec", None)
-
-    @spec.setter
-    def spec(self, value: EnvSpec | None) -> None:
-        self._spec = specification.own(value, self.scene.steps)
 
     def _require_begun(self, asked: str) -> None:
         if not self._begun:

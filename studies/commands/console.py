@@ -66,27 +66,32 @@ def writable(option: str, path: Path | None) -> None:
     """ValueError, before long work, where a file cannot be written: no folder, no right, a folder of that name."""
     if path is None:
         return
+    _require_short(option, path)
     if not path.name or path.is_dir():
         raise ValueError(f"{option} {str(path)!r} must be a file")
     if not path.parent.is_dir():
         raise ValueError(f"{option} {str(path)!r}: there is no folder {str(path.parent)!r}")
     if not (os.access(path, os.W_OK) if path.exists() else _takes_files(path.parent)):
         raise ValueError(f"{option} {str(path)!r} cannot be written")
-    if len(os.fsencode(path.name)) > LONGEST_NAME:
-        raise ValueError(f"{option} has a name of {len(path.name)} characters, must be at most {LONGEST_NAME} bytes")
 
 
 def writable_folder(option: str, path: Path | None) -> None:
     """The same of a folder, which is made where it is missing."""
     if path is None:
         return
+    _require_short(option, path)
     nearest = next((p for p in (path, *path.parents) if p.exists()), Path())
     if not nearest.is_dir():
         raise ValueError(f"{option} {str(path)!r}: {str(nearest)!r} must be a folder")
     if not _takes_files(nearest):
         raise ValueError(f"{option} {str(path)!r}: nothing can be written into {str(nearest)!r}")
-    if max((len(os.fsencode(part)) for part in path.parts), default=0) > LONGEST_NAME:
-        raise ValueError(f"{option} has a name of more than {LONGEST_NAME} bytes")
+
+
+def _require_short(option: str, path: Path) -> None:
+    """Asked first: of a longer name nothing else can be asked."""
+    longest = max((len(os.fsencode(part)) for part in path.parts), default=0)
+    if longest > LONGEST_NAME:
+        raise ValueError(f"{option} has a name of {longest} bytes, must be at most {LONGEST_NAME}")
 
 
 def _takes_files(folder: Path) -> bool:
