@@ -78,6 +78,14 @@ def end(name: str, value: Any) -> float:
     return value if isinstance(value, float) and isinf(value) else require_number(name, value)
 
 
+def share(name: str, value: Any) -> float:
+    """A number from 0 to below 1."""
+    found = require_number(name, value)
+    if not 0 <= found < 1:
+        raise ValueError(f"{name} = {found!r} must be >= 0 and < 1")
+    return found
+
+
 def ends(name: str, value: Any) -> tuple[float, float]:
     """A pair of numbers, lowest < highest."""
     low, high = (end(name, one) for one in pair(name, value))

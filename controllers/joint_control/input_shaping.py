@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from scipy.optimize import least_squares
 
+from pliant.controllers.base.controller import share
 from pliant.plants.core.argument_gates import (
     finite_array,
     in_order,
@@ -92,7 +93,7 @@ class Shaper(OwnsArrays):
 
     def residual(self, frequency: Any, damping: float = 0.0) -> Any:
         """V [-] at natural frequencies [rad/s], a number or an array (m,): the sensitivity curve."""
-        w, damping = real_array("Shaper.residual: frequency", frequency), _ratio(damping)
+        w, damping = real_array("Shaper.residual: frequency", frequency), share("shaper.damping", damping)
         if not np.isfinite(w).all() or (w < 0).any():
             raise ValueError(f"Shaper.residual: frequency = {shown(frequency)} must be finite and >= 0 [rad/s]")
         rate = damping * (self.times - self.times[-1]) + 1j * sqrt(1 - damping**2) * self.times
@@ -103,8 +104,8 @@ class Shaper(OwnsArrays):
 def shaper(frequency: float, damping: float = 0.0, kind: str = "zvd", *, tolerance: float = 0.05) -> Shaper:
     """For one mode: natural frequency [rad/s], damping ratio in [0, 1); `tolerance` is V at the model of "ei"."""
     require_choice("shaper", "kind", kind, KINDS)
-    frequency, damping = require_number("shaper.frequency", frequency, "positive", "rad/s"), _ratio(damping)
-    tolerance = _allowed(tolerance)
+    frequency = require_number("shaper.frequency", frequency, "positive", "rad/s")
+    damping, tolerance = share("shaper.damping", damping), _allowed(tolerance)
     half = pi / (frequency * sqrt(1 - damping**2))
     if kind == "ei":
         times, amplitudes = _extra_insensitive(damping, tolerance)
@@ -177,13 +178,6 @@ def _allowed(tolerance: Any) -> float:
     found = require_number("shaper.tolerance", tolerance)
     if not 0 < found < 1:
         raise ValueError(f"shaper.tolerance = {found!r} must be > 0 and < 1")
-    return found
-
-
-def _ratio(damping: float) -> float:
-    found = require_number("shaper.damping", damping)
-    if not 0 <= found < 1:
-        raise ValueError(f"shaper.damping = {found!r} must be >= 0 and < 1")
     return found
 
 

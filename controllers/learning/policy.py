@@ -68,7 +68,7 @@ class Policy(OwnsArrays):
         own = f"Policy of {require_text('Policy.scene', self.scene, empty=True)!r}"
         require_choice(own, "activation", self.activation, ACTIVATIONS)
         reads, inputs = require_names(f"{own}: reads", self.reads), require_names(f"{own}: inputs", self.inputs)
-        given = tuple(_layers(f"{own}: {name}", getattr(self, name)) for name in ("weights", "biases"))
+        given = tuple(_each_layer(f"{own}: {name}", getattr(self, name)) for name in ("weights", "biases"))
         ny, nu, layers = len(reads), len(inputs), len(given[0])
         if not 1 <= layers == len(given[1]) <= MOST_LAYERS:
             raise ValueError(
@@ -175,7 +175,7 @@ class Policy(OwnsArrays):
         return cls(**read_zip(require_path("from_sb3_zip.path", path), scene, algorithm, found))
 
 
-def _layers(name: str, value: Any) -> tuple[Any, ...]:
+def _each_layer(name: str, value: Any) -> tuple[Any, ...]:
     """An array of each layer."""
     return tuple(value) if isinstance(value, np.ndarray) and value.ndim > 1 else as_tuple(name, value)
 

@@ -12,8 +12,6 @@ from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
-from pliant.plants.core.parameters import require_choice
-
 if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import TrainableScene
 
@@ -64,7 +62,6 @@ def describe(model: BaseAlgorithm, scene: TrainableScene, statistics: VecNormali
 
 def read_zip(path: Path, scene: TrainableScene, algorithm: str, statistics: Path | None) -> dict[str, Any]:
     """`describe` for a zip, and a pickled VecNormalize; the caller has said that both may be trusted."""
-    require_choice("Policy.from_sb3_zip", "algorithm", algorithm, tuple(ALGORITHMS))
     model: Any = _unpickled(lambda: ALGORITHMS[algorithm].load(path, device="cpu"), path)
     found: Any = None
     if statistics is not None:

@@ -21,11 +21,11 @@ from typing import Any, final
 import numpy as np
 
 from pliant.controllers import riccati
-from pliant.controllers.base.controller import moment, reading, saturation
+from pliant.controllers.base.controller import moment, reading, saturation, share
 from pliant.controllers.base.goal_model import goal_model, unmoved
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
-from pliant.controllers.optimal_control.nominal_motions import nodes, nodes_of, nominal_for, require_share, wanted
+from pliant.controllers.optimal_control.nominal_motions import chosen_nominal, nodes, nodes_of, nominal_for
 from pliant.controllers.optimal_control.optimal import Motion
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.controllers.optimal_control.stage_derivatives import StageTerms
@@ -170,11 +170,11 @@ class TVLQR(OwnsArrays):
         factor on what the inputs cost. After the end the regulator about the goal takes over.
         """
         require_scene("TVLQR.for_scene", scene)
-        reserve = require_share("TVLQR.for_scene.reserve", reserve)
+        reserve = share("TVLQR.for_scene.reserve", reserve)
         effort = require_number("TVLQR.for_scene.effort", effort, "positive")
         plant, about = scene.plant, Objective.of(scene)
         held = goal_model(scene)[0].state_names  # EquilibriumError where the goal cannot be held
-        nominal = wanted("TVLQR.for_scene", scene, nominal)
+        nominal = chosen_nominal("TVLQR.for_scene", scene, nominal)
         start = scene.initial[0] if isinstance(nominal, str) else nominal.x[0]  # what it conserves is told by that
         terms, given = StageTerms(about, about.residual_expression), (np.zeros(plant.nw), plant.nominal_parameters)
         K, P = law_at_goal(about, terms, scene.substeps, effort, held, start)

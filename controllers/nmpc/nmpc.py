@@ -139,7 +139,6 @@ class NMPC:
 
     def act(self, t: float, y: Array) -> Array:
         """u (nu,) at time t [s] from the states y (nx,); then prepares for t + dt."""
-        y = reading("NMPC.y", y, self.objective.plant.nx)
         if not self._ready:
             self.start(t, y)
         u = self.feedback(y)
@@ -151,7 +150,7 @@ class NMPC:
 
         May be called before the first measurement, with the state that is expected.
         """
-        y = require_finite("NMPC.y", y, (self.objective.plant.nx,))
+        y = reading("NMPC.y", y, self.objective.plant.nx)
         plan = self.horizon
         plan.t = moment("NMPC", t)
         self._line(y)

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from pliant.controllers.base.controller import share
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.plants.core.argument_gates import (
     require_choice,
     require_finite,
     require_instance,
-    require_number,
     require_parts,
     require_seconds,
     shown,
@@ -35,15 +35,7 @@ def rests(scene: CostedScene) -> bool:
     return scene.goal_at_rest and bool(np.abs(scene.plant.dynamics(*scene.initial)).max(initial=0.0) < STILL)
 
 
-def require_share(name: str, value: Any) -> float:
-    """A share that leaves something."""
-    found = require_number(name, value)
-    if not 0 <= found < 1:
-        raise ValueError(f"{name} = {found!r} must be >= 0 and < 1")
-    return found
-
-
-def wanted(owner: str, scene: CostedScene, nominal: Any) -> Any:
+def chosen_nominal(owner: str, scene: CostedScene, nominal: Any) -> Any:
     """A motion, or which one; None: "plan" from rest to rest, else "optimal"."""
     if nominal is None:
         return "plan" if rests(scene) else "optimal"
@@ -61,7 +53,7 @@ def nominal_for(scene: CostedScene, kind: str, reserve: float) -> Motion | Traje
     """
     require_scene("nominal_for", scene)
     require_choice("nominal_for", "kind", kind, NOMINALS)
-    reserve = require_share("nominal_for.reserve", reserve)
+    reserve = share("nominal_for.reserve", reserve)
     if kind == "plan":
         return plan(scene, reserve=reserve)
     if kind == "rigid":

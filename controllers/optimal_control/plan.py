@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.controllers.base.controller import ends
+from pliant.controllers.base.controller import ends, share
 from pliant.controllers.base.goal_model import goal_model
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
@@ -60,9 +60,7 @@ def plan(
     """
     require_scene("plan", scene)
     plant, dt = scene.plant, scene.dt
-    reserve = require_number("plan.reserve", reserve)
-    if not 0 <= reserve < 1:
-        raise ValueError(f"plan.reserve = {reserve!r} must be >= 0 and < 1")
+    reserve = share("plan.reserve", reserve)
     time = scene.move_time if time is None else require_number("plan.time", time, unit="s")
     if not dt <= time <= MOST * dt:
         raise ValueError(f"plan.time = {time!r} must be at least the control period {dt} s, at most {MOST:,} of it")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numbers
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,8 +11,8 @@ import numpy as np
 from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_period import LARGEST
-from pliant.plants.core import argument_gates, parameters
-from pliant.plants.core.argument_gates import as_number, shown
+from pliant.plants.core import parameters
+from pliant.plants.core.argument_gates import as_number, require_count, shown
 
 Array = np.ndarray
 LARGEST_ACTION = float(np.finfo(np.float32).max)  # the action space is of single precision
@@ -49,10 +49,10 @@ def require_seed(owner: str, seed: Any, name: str = "seed") -> int | None:
     """`seed` as an int or None; ValueError unless it is None or an integer >= 0."""
     if seed is None:
         return None
-    seed = as_number(seed)
-    if isinstance(seed, (bool, np.timedelta64)) or not isinstance(seed, numbers.Integral) or int(seed) < 0:
-        raise ValueError(f"{owner}: {name} = {shown(seed)} must be an integer >= 0 or None")
-    return int(seed)
+    try:
+        return require_count(owner, name, seed, 0, math.inf)
+    except ValueError:
+        raise ValueError(f"{owner}: {name} = {shown(seed)} must be an integer >= 0 or None") from None
 
 
 def require_seeds(owner: str, seed: Any, lanes: int) -> int | list[int | None] | None:
@@ -100,12 +100,13 @@ def require_start(owner: str, scene: Scene, options: Mapping[str, Any]) -> dict[
     if "parameters" in options:
         values = options["parameters"]
         if not isinstance(values, Mapping):
-            raise ValueError(f"{owner}: options['parameters'] = {values!r} must be a dictionary of numbers by name")
+            raise ValueError(
+                f"{owner}: options['parameters'] = {shown(values)} must be a dictionary of numbers by name"
+            )
         found["parameters"] = {}
         for path, value in values.items():
             parameters.require_choice(owner, "options['parameters']", path, scene.varied_plant.varied)
-            if isinstance(value, np.ndarray) and value.ndim == 0:
-                value = value.item()
+            value = as_number(value)
             parameters.put(scene.plant, path, value)  # ValueError where it is no number or out of range
             found["parameters"][path] = float(value)
     return found
@@ -114,28 +115,28 @@ def require_start(owner: str, scene: Scene, options: Mapping[str, Any]) -> dict[
 def require_starts(owner: str, scene: Scene, options: Mapping[str, Any], lanes: int) -> list[dict[str, Any]] | None:
     """As require_start, for each of the lanes: states (nx,) or (lanes, nx), numbers or (lanes,) of them by name.
 
-    None where neither option is there.
+    None where neither option is there. What all lanes share is looked at once.
     """
     if not any(key in options for key in OPTIONS):
         return None
-    state: Any = options.get("state")
-    values = options.get("parameters", {})
-    each: list[dict[str, Any]] = [{} for _ in range(lanes)]
-    shape = _shape(f"{owner}: options['state']", state)
-    for k, own in enumerate(each):
-        if "state" in options:
-            own["state"] = state[k] if len(shape) == 2 and shape[0] == lanes else state
-        if "parameters" in options:
-            by_name = isinstance(values, Mapping)
-            own["parameters"] = (
-                {
-                    n: v[k] if _shape(f"{owner}: options['parameters'][{n!r}]", v) == (lanes,) else v
-                    for n, v in values.items()
-                }
-                if by_name
-                else values
-            )
-    return [require_start(owner, scene, own) for own in each]
+    shared, apart = {key: options[key] for key in OPTIONS if key in options}, {}
+    shape = _shape(f"{owner}: options['state']", options.get("state"))
+    if len(shape) == 2 and shape[0] == lanes:
+        apart["state"] = shared.pop("state")
+    if isinstance(values := options.get("parameters"), Mapping):
+        shapes = {name: _shape(f"{owner}: options['parameters'][{name!r}]", value) for name, value in values.items()}
+        shared["parameters"] = {name: value for name, value in values.items() if shapes[name] != (lanes,)}
+        apart["parameters"] = {name: value for name, value in values.items() if shapes[name] == (lanes,)}
+    common, each = require_start(owner, scene, shared), []
+    for k in range(lanes):
+        own = {"state": apart["state"][k]} if "state" in apart else {}
+        if apart.get("parameters"):
+            own["parameters"] = {name: value[k] for name, value in apart["parameters"].items()}
+        found = require_start(owner, scene, own)
+        if "parameters" in common:
+            found["parameters"] = common["parameters"] | found.get("parameters", {})
+        each.append(common | found)
+    return each
 
 
 def _shape(name: str, value: Any) -> tuple[int, ...]:
@@ -143,19 +144,19 @@ def _shape(name: str, value: Any) -> tuple[int, ...]:
     try:
         return np.shape(value)
     except (ValueError, TypeError, RuntimeError):
-        raise ValueError(f"{name} = {argument_gates.shown(value)} must have rows of one length") from None
+        raise ValueError(f"{name} = {shown(value)} must have rows of one length") from None
 
 
 def require_length(owner: str, scene: Scene, most: Any) -> int:
     """Periods of an episode: the scene's, or the fewer of `max_episode_steps`."""
     if most is None:
         return scene.steps
-    if isinstance(most, bool) or not isinstance(most, numbers.Integral) or not 1 <= int(most) <= scene.steps:
+    try:
+        return require_count(owner, "max_episode_steps", most, 1, scene.steps)
+    except ValueError as refused:
         raise ValueError(
-            f"{owner}: max_episode_steps = {most!r} must be an integer from 1 to {scene.steps}, the periods of scene "
-            f"{scene.name!r}; for longer episodes give the scene a longer duration"
-        )
-    return int(most)
+            f"{refused}, the periods of scene {scene.name!r}; for longer episodes give the scene a longer duration"
+        ) from None
 
 
 def require_scene(owner: str, scene: Any) -> Scene:
@@ -167,20 +168,3 @@ def require_scene(owner: str, scene: Any) -> Scene:
     if not scene.observe:
         raise ValueError(f"scene {scene.name!r}: observe = () must name at least one signal")
     return scene
-
-
-def require_flag(owner: str, name: str, value: Any) -> bool:
-    """True or False, not what only counts as one of them."""
-    if not isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"{owner}.{name} = {shown(value)} must be True or False")
-    return bool(value)
-
-
-def require_dtype(owner: str, dtype: Any) -> np.dtype:
-    """float64 or float32, of the type or its name."""
-    try:
-        found = np.dtype(dtype if dtype is not None else "none")  # which NumPy takes for float64
-    except (TypeError, ValueError, RecursionError):
-        raise ValueError(f"{owner}.dtype = {shown(dtype)} must be one of 'float64', 'float32'") from None
-    parameters.require_choice(owner, "dtype", found.name, ("float64", "float32"))
-    return found

@@ -6,22 +6,22 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep
 from pliant.envs.simulation.episode_start import first_observations, initial_states
 from pliant.envs.simulation.episode_supply import EpisodeSupply
+from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.signals import OwnsArrays
 
-from . import arguments, specification
 from .lanes import Lanes
+from .specification import Specified
 
 Array = np.ndarray
 
 
-class Batch(OwnsArrays, Lanes):
+class Batch(Specified, OwnsArrays, Lanes):
     """Lanes of one scene: their states and times, how they are drawn, how they travel to another process."""
 
     scene: Scene
@@ -29,17 +29,7 @@ class Batch(OwnsArrays, Lanes):
     _supply: EpisodeSupply
     _done: Array  # control periods (num_envs,) played of each lane's episode
     _names: tuple[str, ...]  # of the randomised parameters
-    _steps: int  # periods of an episode
     begun: bool  # whether every lane has been started
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """The registered specification, with the max_episode_steps that this class enforces."""
-        return getattr(self, "_spec", None)
-
-    @spec.setter
-    def spec(self, value: EnvSpec | None) -> None:
-        self._spec = specification.own(value, self._steps)
 
     @property
     def states(self) -> Array:
@@ -60,7 +50,7 @@ class Batch(OwnsArrays, Lanes):
 
     @randomise.setter
     def randomise(self, value: bool) -> None:
-        value = arguments.require_flag("PlantVectorEnv", "randomise", value)
+        value = require_flag("PlantVectorEnv.randomise", value)
         check_substep(self.scene, value)
         self._randomise = value
 
@@ -90,11 +80,13 @@ class Batch(OwnsArrays, Lanes):
         for k, own in enumerate(given):
             for name, value in own.get("parameters", {}).items():
                 p[k, self._names.index(name)] = value
-            if own.get("parameters") and "state" not in own and self.scene.start_at_rest:
-                held = x[k, self.scene.positions(name for name, _ in self.scene.start)]
-                x[k] = initial_states(self.scene, held[None], p[k][None])[0]
             if "state" in own:
                 x[k] = own["state"]
-            if own:
-                obs[k] = first_observations(self.scene, x[k][None], p[k][None])[0]
+        other = [k for k, own in enumerate(given) if own.get("parameters") and "state" not in own]
+        if other and self.scene.start_at_rest:
+            held = x[other][:, self.scene.positions(name for name, _ in self.scene.start)]
+            x[other] = initial_states(self.scene, held, p[other])
+        changed = [k for k, own in enumerate(given) if own]
+        if changed:
+            obs[changed] = first_observations(self.scene, x[changed], p[changed])
         return x, obs, p

@@ -7,7 +7,6 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs import scenes
 from pliant.envs.rendering import Renderer, renderer
@@ -16,14 +15,17 @@ from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep, reach_function
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
 from pliant.plants.core import parameters
+from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.native.batch_kernels import as_dtype
 from pliant.plants.validity.ranges import left_at
 
-from . import arguments, specification
+from . import arguments
+from .specification import Specified
 
 
-class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
+class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     """Drive a scene's plant from its start to its goal.
 
     | what        | is                                                             | unit, range          |
@@ -65,8 +67,8 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> None:
         self.scene = scene = arguments.require_scene("PlantEnv", scene)
         parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
-        kind = arguments.require_dtype("PlantEnv", dtype)
-        self.randomise, self.render_mode = arguments.require_flag("PlantEnv", "randomise", randomise), render_mode
+        kind = as_dtype(dtype, "PlantEnv")
+        self.randomise, self.render_mode = require_flag("PlantEnv.randomise", randomise), render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
@@ -80,15 +82,6 @@ class PlantEnv(OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         self._steps = scene.steps
         self._over, self._begun = True, False
         self._renderer: Renderer | None = None
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """The registered specification, with the scene's max_episode_steps, which this class enforces."""
-        return getattr(self, "_spec", None)
-
-    @spec.setter
-    def spec(self, value: EnvSpec | None) -> None:
-        self._spec = specification.own(value, self.scene.steps)
 
     def _require_begun(self, asked: str) -> None:
         if not self._begun:

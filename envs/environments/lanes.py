@@ -78,7 +78,10 @@ class Lanes(VectorEnv[Array, Array, Array]):
             (attribute,) = args
             return self.lane_attr(attribute, lanes)
         if name == "has_wrapper_attr":
-            return [name in self.marks or hasattr(self, str(args[0]))] * len(lanes)
+            (attribute,) = args
+            own = self.marks.get(attribute)
+            there = attribute in OWN or hasattr(self, attribute)
+            return [there if own is None else own[lane] is not ABSENT for lane in lanes]
         if name == "set_wrapper_attr":
             attribute, value = args
             self.set_lane_attr(attribute, [value] * len(lanes), lanes)

@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
 from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.signals import OwnsArrays
 
 from . import arguments
@@ -80,11 +81,16 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         ValueError for others, and for values out of range.
         """
         owner, n = "PlantVecEnv.set_options", self.num_envs
-        each: Any = [options or {}] * n if options is None or isinstance(options, Mapping) else options
-        if not isinstance(each, (list, tuple)) or len(each) != n:
-            raise ValueError(f"{owner}: options = {options!r} must be a dictionary, or a list of {n} of them")
-        checked = [arguments.require_options(owner, own, arguments.OPTIONS) for own in each]
-        self._options = [arguments.require_start(owner, self.vector.scene, own) for own in checked]
+        if options is None or isinstance(options, Mapping):
+            self._options = [self._start(owner, options)] * n  # only read from here on
+        elif isinstance(options, (list, tuple)) and len(options) == n:
+            self._options = [self._start(owner, own) for own in options]
+        else:
+            raise ValueError(f"{owner}: options = {shown(options)} must be a dictionary, or a list of {n} of them")
+
+    def _start(self, owner: str, options: Any) -> dict[str, Any]:
+        own = arguments.require_options(owner, options, arguments.OPTIONS)
+        return arguments.require_start(owner, self.vector.scene, own)
 
     def reset(self) -> np.ndarray:
         """New episodes in all lanes, with the seeds and options set since the last reset."""

@@ -13,6 +13,22 @@ from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 
 
+class Specified:
+    """Base of an environment that ends episodes after `_steps` periods itself, and says so in its specification."""
+
+    _steps: int
+    _spec: EnvSpec | None = None
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """The registered specification, with the max_episode_steps that this class enforces."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, value: EnvSpec | None) -> None:
+        self._spec = own(value, self._steps)
+
+
 def own(spec: EnvSpec | None, steps: int) -> EnvSpec | None:
     """A copy with the number of periods that the environment enforces, its keywords as JSON can hold them."""
     if spec is None:

@@ -16,8 +16,8 @@ from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.episode_start import early_end_cost, first_observations
 from pliant.envs.simulation.episode_supply import EpisodeSupply
-from pliant.plants.core import parameters
-from pliant.plants.native.batch_kernels import FEW
+from pliant.plants.core.argument_gates import require_choice, require_count
+from pliant.plants.native.batch_kernels import FEW, as_dtype
 from pliant.plants.native.thread_pool import available
 
 from . import arguments, infos
@@ -67,19 +67,18 @@ class PlantVectorEnv(Batch):
     ) -> None:
         owner = "PlantVectorEnv"
         self.scene = scene = arguments.require_scene(owner, scene)
-        parameters.require_count(owner, "num_envs", num_envs, 1, 10_000_000)
-        parameters.require_choice(owner, "render_mode", render_mode, (None,))
-        parameters.require_choice(owner, "autoreset_mode", autoreset_mode, (*MODES, *(m.value for m in MODES)))
+        self.num_envs = require_count(owner, "num_envs", num_envs, 1, 10_000_000)
+        require_choice(owner, "render_mode", render_mode, (None,))
+        require_choice(owner, "autoreset_mode", autoreset_mode, (*MODES, *(m.value for m in MODES)))
         self._steps = arguments.require_length(owner, scene, max_episode_steps)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        self.num_envs, self.render_mode = int(num_envs), render_mode
-        self.randomise = randomise
-        self._dtype = arguments.require_dtype(owner, dtype)
+        self.randomise, self.render_mode = randomise, render_mode
+        self._dtype = as_dtype(dtype, owner)
         if threads is None:
-            threads = available() if num_envs >= FEW else 1
-        parameters.require_count(owner, "threads", threads, 1, 10_000)
-        self._step = ControlStep(scene, self.num_envs, self._dtype, int(threads))
+            threads = available() if self.num_envs >= FEW else 1
+        threads = require_count(owner, "threads", threads, 1, 10_000)
+        self._step = ControlStep(scene, self.num_envs, self._dtype, threads)
         self.single_action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self.single_observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), self._dtype.type)
         self.action_space = batch_space(self.single_action_space, self.num_envs)

@@ -6,13 +6,13 @@ Any plant with `outline(x, points) -> (links, points, 2)` [m] can be drawn; a sp
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import deepcopy
 from typing import Any
 
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.parameters import require_choice
+from pliant.plants.core.signals import OwnsArrays
 
 PIXELS = 600
 LINKS = ("#1f4e79", "#3182bd", "#6baed6", "#9ecae1")
@@ -25,7 +25,7 @@ def renderer(scene: Scene, *, window: bool = False) -> Renderer:
     return RENDERERS[scene.plant.drawn_as](scene, window=window)
 
 
-class Renderer:
+class Renderer(OwnsArrays):
     """Draws one scene again and again; keeps the tip's path since the last `clear`."""
 
     def __init__(self, scene: Scene, *, window: bool = False) -> None:
@@ -111,9 +111,6 @@ class Renderer:
     def __setstate__(self, state: dict[str, Any]) -> None:
         Renderer.__init__(self, state["scene"], window=state["window"])
         self._path += [np.array(point) for point in state["path"]]
-
-    def __copy__(self) -> Renderer:
-        return deepcopy(self)
 
     def clear(self) -> None:
         """Forget the tip's path."""

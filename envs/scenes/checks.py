@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,16 +25,16 @@ from pliant.plants.core.parameters import unit_of
 if TYPE_CHECKING:
     from .scene import Scene
 
-RANGES: dict[str, tuple[str, Callable[[float], bool]]] = {
-    "start": ("finite", lambda v: True),
-    "goal": ("finite", lambda v: True),
-    "nominal_start": ("finite", lambda v: True),
-    "goal_rates": ("finite", lambda v: True),
-    "spreads": ("finite and >= 0", lambda v: v >= 0),
-    "bounds": ("finite and > 0", lambda v: v > 0),
-    "weights": ("finite and >= 0", lambda v: v >= 0),
-    "effort": ("> 0", lambda v: v > 0),
-    "gusts": ("finite and >= 0", lambda v: v >= 0),
+ALLOWED = {  # of the numbers in pairs (name, number)
+    "start": "finite",
+    "goal": "finite",
+    "nominal_start": "finite",
+    "goal_rates": "finite",
+    "spreads": "nonnegative",
+    "bounds": "positive",
+    "weights": "nonnegative",
+    "effort": "positive",
+    "gusts": "nonnegative",
 }
 NUMBERS = ("duration", "dt", "move_time", "start_spread", "tolerance")
 LARGEST = 10_000_000  # control periods of an episode
@@ -62,7 +61,7 @@ def checked(scene: Scene) -> dict[str, Any]:
     states, known = (tuple(s.name for s in signals) for signals in (plant.states, scene.signals))
     inputs, disturbances = (tuple(s.name for s in signals) for signals in (plant.inputs, plant.disturbances))
     of = {"goal_rates": states, "nominal_start": states, "effort": inputs, "gusts": disturbances}
-    for group in RANGES:
+    for group in ALLOWED:
         if group != "nominal_start" or scene.nominal_start is not None:
             found[group] = _pairs(owner, group, getattr(scene, group), of.get(group, known))
     for group in ("observe", "compare"):
@@ -109,7 +108,6 @@ def _limits(owner: str, scene: Scene) -> tuple[float, ...]:
 
 def _pairs(owner: str, group: str, value: Any, known: tuple[str, ...]) -> tuple[tuple[str, float], ...]:
     """Names and numbers."""
-    allowed, holds = RANGES[group]
     found = []
     for i, pair in enumerate(as_tuple(f"{owner}: {group}", value)):
         if not isinstance(pair, (tuple, list)) or len(pair) != 2:
@@ -118,10 +116,7 @@ def _pairs(owner: str, group: str, value: Any, known: tuple[str, ...]) -> tuple[
         if not isinstance(name, str) or name not in known:
             listed = ", ".join(known) or "(there are none)"
             raise ValueError(f"{owner}: {group} {shown(name)} must be one of {listed}")
-        number = _kept(number, require_number(f"{owner}: {group} {name}", number))
-        if not holds(number):
-            raise ValueError(f"{owner}: {group} {name} = {number} must be {allowed}")
-        found.append((str(name), number))
+        found.append((str(name), _kept(number, require_number(f"{owner}: {group} {name}", number, ALLOWED[group]))))
     if len({name for name, _ in found}) != len(found):
         raise ValueError(f"{owner}: {group} = {shown(tuple(found))} must name each signal once")
     return tuple(found)

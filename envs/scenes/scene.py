@@ -163,27 +163,26 @@ class Manoeuvre:
     def _following(self) -> frozenset[str]:
         return following(self.plant, *self.target, self.drift) if self.goal_rates else frozenset()
 
-    def positions(self, names: Iterable[str]) -> list[int]:
-        """Where the named signals stand in the vector [x; y]."""
-        wanted = require_names("positions.names", names, repeated=True)
-        return [index(self.signals, name, "positions.names: signal") for name in wanted]
+    def positions(self, names: Iterable[str], *, owner: str = "positions.names") -> list[int]:
+        """Where the named signals stand in the vector [x; y]; `owner` is what errors call the names."""
+        return [index(self.signals, name, f"{owner}: signal") for name in require_names(owner, names, repeated=True)]
 
     def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
         """The named states or outputs from x (..., nx) and y (..., ny)."""
-        places = self.positions(require_names("signal_values.names", names, repeated=True))
+        places = self.positions(names, owner="signal_values.names")
         x, y = rows("signal_values", x=(x, self.plant.nx), y=(y, self.plant.ny))
         return np.concatenate([x, y], axis=-1)[..., places]
 
     def goal_values(self, names: tuple[str, ...]) -> np.ndarray:
         """The named states or outputs at the goal, at t = 0."""
         x, u = self.target
-        return self.signal_values(x, self.plant.measure(x, u), require_names("goal_values.names", names, repeated=True))
+        return np.concatenate([x, self.plant.measure(x, u)])[self.positions(names, owner="goal_values.names")]
 
     def goal_drift(self, names: tuple[str, ...]) -> np.ndarray:
         """d/dt of `goal_values`: of states as in `goal_rates`; ValueError for outputs that follow these."""
         names = require_names("goal_drift.names", names, repeated=True)
         require_still(f"scene {self.name!r}", self._following, names)
-        return self.signal_values(self.drift, np.zeros(self.plant.ny), names)
+        return np.concatenate([self.drift, np.zeros(self.plant.ny)])[self.positions(names, owner="goal_drift.names")]
 
 
 @dataclass(frozen=True, kw_only=True)

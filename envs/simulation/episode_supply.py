@@ -28,9 +28,7 @@ class EpisodeSupply(OwnsArrays):
         self.scene, self.lanes = scene, lanes
         self.widths = (scene.plant.nx, len(scene.observe), scene.plant.nw, len(scene.varied_plant.varied))
         self._shared = [np.zeros((0, n)) for n in self.widths]
-        self._streams: dict[
-            int, int | np.random.Generator
-        ] = {}  # of the lanes that have one: its seed until it is used
+        self._streams: dict[int, int | np.random.Generator] = {}  # of lanes that have one: its seed until it is used
         self._seeded = np.zeros(lanes, dtype=bool)
         self._own: list[Array] = []  # rings (lanes, DEPTH, n) of their next episodes ..
         self._next_row = np.zeros(lanes, dtype=int)  # .. in which the very next stands here ..

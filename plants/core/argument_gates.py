@@ -117,7 +117,7 @@ def require_number(
     return float(value)
 
 
-def require_count(owner: str, name: str, value: Any, lowest: int, highest: int) -> int:
+def require_count(owner: str, name: str, value: Any, lowest: int, highest: float) -> int:
     """`value` as an int; ValueError unless it is an integer within [lowest, highest]."""
     value = as_number(value)
     if not (isinstance(value, numbers.Integral) and _real(value) and lowest <= int(value) <= highest):

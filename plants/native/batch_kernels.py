@@ -26,14 +26,14 @@ QUICK = 2400  # operations of a function that is compared at the usual number of
 CHECKED = 64  # random points that a new kernel is compared at are drawn at a time
 
 
-def as_dtype(dtype: Any) -> np.dtype:
-    """float64 or float32; ValueError otherwise."""
+def as_dtype(dtype: Any, owner: str = "native") -> np.dtype:
+    """float64 or float32, of the type or its name, in the machine's order of bytes; ValueError otherwise."""
     try:
         found = np.dtype(dtype) if isinstance(dtype, (str, type, np.dtype)) else np.dtype(object)
-    except TypeError:
+    except (TypeError, ValueError, SyntaxError, RecursionError):  # what a word or a class may raise there
         found = np.dtype(object)
     if found not in (np.dtype("float64"), np.dtype("float32")):
-        raise ValueError(f"native.dtype = {shown(dtype)} must be 'float64' or 'float32'")
+        raise ValueError(f"{owner}.dtype = {shown(dtype)} must be one of 'float64', 'float32'")
     return found
 
 

@@ -50,6 +50,12 @@ class Conditions(OwnsArrays):
     delay: int = 0  # [control periods] from reading to acting
     seed: tuple[int, int] = (0, 0)  # of the noise: (root, number of the run)
 
+    def __post_init__(self) -> None:
+        for name in ("x", "w", "p", "noise"):
+            object.__setattr__(self, name, require_finite(f"Conditions.{name}", getattr(self, name), (-1,)))
+        if not (self.noise >= 0).all():
+            raise ValueError(f"Conditions.noise = {self.noise} must be >= 0")
+
 
 @dataclass(frozen=True, eq=False)
 class Rollout(OwnsArrays):
@@ -201,8 +207,5 @@ def _check(scene: Scene, given: Conditions) -> None:
     plant = scene.varied_plant
     sizes = {"x": plant.nx, "w": plant.nw, "p": len(plant.varied), "noise": plant.nx + plant.ny}
     for name, size in sizes.items():
-        found = require_finite(f"Conditions.{name}", getattr(given, name), (size,))
-        object.__setattr__(given, name, found)
-    if not (given.noise >= 0).all():
-        raise ValueError(f"Conditions.noise = {given.noise} must be >= 0")
+        require_finite(f"Conditions.{name}", getattr(given, name), (size,))
     require_count("Conditions", "delay", given.delay, 0, scene.steps)

@@ -24,11 +24,11 @@ from pliant.plants import PliantError
 from pliant.plants.core import parameters
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Progress
+from pliant.studies.figures.style import require_ending
 
 USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
 LONGEST_NAME = 255  # bytes of a file's name
 LONGEST_VALUE = 1000  # characters of a setting
-PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
 BORDERS = 3  # characters of a table beside each column
 SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
 
@@ -66,27 +66,32 @@ def writable(option: str, path: Path | None) -> None:
     """ValueError, before long work, where a file cannot be written: no folder, no right, a folder of that name."""
     if path is None:
         return
+    _require_short(option, path)
     if not path.name or path.is_dir():
         raise ValueError(f"{option} {str(path)!r} must be a file")
     if not path.parent.is_dir():
         raise ValueError(f"{option} {str(path)!r}: there is no folder {str(path.parent)!r}")
     if not (os.access(path, os.W_OK) if path.exists() else _takes_files(path.parent)):
         raise ValueError(f"{option} {str(path)!r} cannot be written")
-    if len(os.fsencode(path.name)) > LONGEST_NAME:
-        raise ValueError(f"{option} has a name of {len(path.name)} characters, must be at most {LONGEST_NAME} bytes")
 
 
 def writable_folder(option: str, path: Path | None) -> None:
     """The same of a folder, which is made where it is missing."""
     if path is None:
         return
+    _require_short(option, path)
     nearest = next((p for p in (path, *path.parents) if p.exists()), Path())
     if not nearest.is_dir():
         raise ValueError(f"{option} {str(path)!r}: {str(nearest)!r} must be a folder")
     if not _takes_files(nearest):
         raise ValueError(f"{option} {str(path)!r}: nothing can be written into {str(nearest)!r}")
-    if max((len(os.fsencode(part)) for part in path.parts), default=0) > LONGEST_NAME:
-        raise ValueError(f"{option} has a name of more than {LONGEST_NAME} bytes")
+
+
+def _require_short(option: str, path: Path) -> None:
+    """Asked first: of a longer name nothing else can be asked."""
+    longest = max((len(os.fsencode(part)) for part in path.parts), default=0)
+    if longest > LONGEST_NAME:
+        raise ValueError(f"{option} has a name of {longest} bytes, must be at most {LONGEST_NAME}")
 
 
 def _takes_files(folder: Path) -> bool:
@@ -101,8 +106,8 @@ def _takes_files(folder: Path) -> bool:
 def drawable(path: Path | None) -> None:
     """The same of a picture, whose ending says how it is drawn."""
     writable("--plot", path)
-    if path is not None and path.suffix.lower() not in PICTURES:
-        raise ValueError(f"--plot {str(path)!r} must end with one of {', '.join(PICTURES)}")
+    if path is not None:
+        require_ending("--plot", path)
 
 
 @contextmanager

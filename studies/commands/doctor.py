@@ -22,7 +22,8 @@ def findings() -> dict[str, Any]:
     """Compiler, flags, vector width, cache and a trial kernel; `advice` says what to do where something is missing."""
     found: dict[str, Any] = {"native wanted": None, "processors": thread_pool.available(), "advice": []}
     try:
-        found["native wanted"], _ = kernel_loader.wanted(), (compiler.candidates(), compiler.extra_flags())
+        found["native wanted"] = kernel_loader.wanted()
+        compiler.candidates(), compiler.extra_flags()  # what CC and PLIANT_CFLAGS say can be read
     except compiler_process.CompilerSettingError as wrong:
         found["advice"].append(str(wrong))
         return found
@@ -39,11 +40,10 @@ def findings() -> dict[str, Any]:
         tools = compiler.toolchain()
     except (compiler.CompileError, kernel_cache.CacheError, OSError) as missing:
         found["compiler"] = None
-        told, cause = str(missing), not isinstance(missing, kernel_cache.CacheError)
-        if cause:
-            found["advice"].append(f"{told}. Install gcc or clang (or `pip install ziglang`), or set CC")
-        elif told not in found["advice"]:
-            found["advice"].append(told)
+        if not isinstance(missing, kernel_cache.CacheError):
+            found["advice"].append(f"{missing}. Install gcc or clang (or `pip install ziglang`), or set CC")
+        elif str(missing) not in found["advice"]:  # the cache was refused before
+            found["advice"].append(str(missing))
         return found
     found["compiler"] = " ".join(tools.command)
     found["version"] = tools.version

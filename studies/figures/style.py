@@ -97,6 +97,16 @@ def panels(
     return figure, list(axes.flat)
 
 
+def require_ending(name: str, path: Path) -> str:
+    """The format that a picture's ending names, "png" or "svg"; ValueError where matplotlib knows none of the name."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    ending, known = path.suffix.lower().lstrip("."), sorted(FigureCanvasBase.get_supported_filetypes())
+    if ending not in known:
+        raise ValueError(f"{name} {str(path)!r} must end with one of {', '.join(known)}")
+    return ending
+
+
 def save(figure: Figure, path: str | Path, together: Together | None = None) -> None:
     """Write the figure on white, as its ending says (png, svg, pdf): whole, or as the file was before.
 
@@ -106,10 +116,7 @@ def save(figure: Figure, path: str | Path, together: Together | None = None) -> 
     import matplotlib
 
     path = require_path("save.path", path)
-    ending = path.suffix.lower().lstrip(".")
-    known = sorted(figure.canvas.get_supported_filetypes())
-    if ending not in known:
-        raise ValueError(f"picture {str(path)!r} must end with one of {', '.join(known)}")
+    ending = require_ending("picture", path)
     writing = replacing(path) if together is None else together.file(path)
     with matplotlib.rc_context(RC), writing as file:
         figure.savefig(file, format=ending, dpi=DPI, facecolor="white")

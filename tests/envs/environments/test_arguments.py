@@ -176,3 +176,23 @@ def test_infinity_in_half_precision_is_no_action():
     """float16 holds no bound of single precision: compared in it, infinity is not beyond the bound."""
     with pytest.raises(ValueError, match=r"action = \[inf\] must be finite"):
         arguments.require_actions("step", "action", np.array([np.inf], np.float16), (1,))
+
+
+def test_numbers_of_another_order_of_bytes_are_no_type_of_an_environment():
+    """The physics runs on the machine's own: such a type was taken, and failed without words."""
+    for dtype in (">f8", "<f8" if np.dtype("f8").str[0] == ">" else ">f4"):
+        for make in (PlantEnv, PlantVectorEnv):
+            with pytest.raises(ValueError, match=f"dtype = '{dtype}' must be one of 'float64', 'float32'"):
+                make("single-link-slew", dtype=dtype)
+
+
+def test_what_all_lanes_share_is_looked_at_once(monkeypatch):
+    """It is a plant of its own that tells whether a parameter may be so: one for all lanes, not one for each."""
+    vector, looked = PlantVectorEnv(SCENE, 3), []
+    monkeypatch.setattr(arguments.parameters, "put", lambda *given: looked.append(given))
+    masses = np.array([0.5, 0.6, 0.7])
+    vector.reset(options={"parameters": {"payload.mass": 0.5}})
+    assert len(looked) == 1
+    vector.reset(options={"parameters": {"payload.mass": masses}, "state": np.zeros(SCENE.plant.nx)})
+    assert len(looked) == 4 and np.array_equal(vector.parameters_of(np.arange(3))[:, 0], masses)
+    assert not vector.states.any()

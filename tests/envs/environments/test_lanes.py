@@ -57,6 +57,9 @@ def test_a_method_acts_on_the_lanes_named_or_is_refused(vector) -> None:
     assert np.array_equal(vector.states[[0, 2]], before[[0, 2]])
     assert vector.call_lanes("get_wrapper_attr", [2], "randomise") == [True]
     assert vector.call_lanes("has_wrapper_attr", [0, 1], "nothing") == [False] * 2
+    vector.set_lane_attr("mark", [1], [1])
+    assert vector.call_lanes("has_wrapper_attr", [0, 1], "mark") == [False, True]
+    assert vector.call_lanes("has_wrapper_attr", [0], "state") == [True]
     with pytest.raises(ValueError, match=r"close: acts on all lanes at once, cannot be called in lanes \[0\] alone"):
         vector.call_lanes("close", [0])
     with pytest.raises(ValueError, match="step: acts on all lanes"):

@@ -171,7 +171,7 @@ def test_the_virtual_machine_gives_the_same(monkeypatch, random_state):
         ({"dt": 0.0}, r"StepSensitivities\.dt = 0\.0 must be > 0 \[s\]"),
         ({"batch": 0}, r"StepSensitivities\.batch = 0 must be an integer"),
         ({"substeps": 1.5}, r"StepSensitivities\.substeps = 1\.5 must be an integer"),
-        ({"dtype": "int32"}, "dtype = 'int32' must be 'float64' or"),
+        ({"dtype": "int32"}, "dtype = 'int32' must be one of 'float64'"),
     ],
 )
 def test_bad_input(change, message):

@@ -121,7 +121,7 @@ def test_single_precision_follows_double() -> None:
         (lambda: ARM.stepper(0.0, batch=4), "stepper.dt = 0.0 must be > 0"),
         (lambda: ARM.stepper(0.01, batch=0), "stepper.batch = 0 must be an integer from 1"),
         (lambda: ARM.stepper(0.01, method="euler"), "stepper.method = 'euler' must be one of 'rk4'"),
-        (lambda: ARM.stepper(0.01, dtype="int32"), "native.dtype = 'int32' must be 'float64' or"),
+        (lambda: ARM.stepper(0.01, dtype="int32"), "native.dtype = 'int32' must be one of 'float64'"),
         (lambda: ARM.stepper(0.003, batch=4)(np.zeros((3, 12))), r"stepper.x has shape \(3, 12\), must be \(4, 12\)"),
         (lambda: ARM.stepper(0.003, batch=4)(np.zeros((4, 12)), np.zeros(3)), "stepper.u has shape"),
     ],

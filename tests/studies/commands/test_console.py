@@ -79,3 +79,15 @@ def test_asking_leaves_nothing(tmp_path):
     console.writable_folder("--out", tmp_path / "a" / "b")
     console.writable("--out", tmp_path / "a.png")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_is_whatever_matplotlib_writes(tmp_path):
+    console.drawable(tmp_path / "a.svgz")
+    with pytest.raises(ValueError, match=r"--plot '.*a.doc' must end with one of .*png"):
+        console.drawable(tmp_path / "a.doc")
+
+
+def test_a_name_that_no_disk_takes_is_told_before_the_disk_is_asked(tmp_path):
+    for gate in (console.writable, console.writable_folder):
+        with pytest.raises(ValueError, match="--out has a name of 300 bytes, must be at most 255"):
+            gate("--out", tmp_path / ("a" * 300))
