@@ -1,13 +1,9 @@
 """A sample of tests/campaigns/travel.py: what travels goes on as the original would, apart from it; and its teeth."""
 
 import pickle
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "campaigns"))
 import travel
 import travellers
 

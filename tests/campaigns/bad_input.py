@@ -30,6 +30,7 @@ from argument_kinds import Call
 from pliant.plants import PliantError
 
 LONGEST = 60.0  # [s]
+FAULTS = ("raw", "taken", "refused", "slow")
 RAW = re.compile(
     r"could not convert|could not be broadcast|not supported between|unsupported operand|has no attribute|not subscript"
     r"|cannot reshape|shapes? .* not aligned|ambiguous|inhomogeneous|setting an array|not iterable|Dimension mismatch"
@@ -79,8 +80,11 @@ def judged(call: Call, argument: str, value: Any, valid: bool, expected: Any) ->
 
 
 def told(name: str, words: str) -> bool:
-    """Whether a message names an argument; x0 may be told as x."""
-    plain = re.split(r"[\[(. 0-9]", name)[0].lower().replace("_", " ")
+    """Whether a message names an argument; x0 may be told as x. A matrix A is not named by the article."""
+    plain = re.split(r"[\[(. 0-9]", name)[0]
+    if len(plain) == 1:
+        return bool(re.search(rf"(?<![A-Za-z]){plain}(?![A-Za-z])", words))
+    plain = plain.lower().replace("_", " ")
     return bool(re.search(rf"(?<![a-z]){re.escape(plain)}(?![a-z])", words.lower().replace("_", " ")))
 
 
@@ -107,7 +111,7 @@ def alike(a: Any, b: Any) -> bool:
     return type(a) is type(b) and all(alike(getattr(a, n), getattr(b, n)) for n in fields)
 
 
-def run(found: list[Call], pick: np.ndarray | None, rng: np.random.Generator) -> list[dict[str, Any]]:
+def run(found: list[Call], pick: np.ndarray | None) -> list[dict[str, Any]]:
     """Rows of the faults of all cases, or of those picked."""
     every, rows, expected = cases(found), [], {}
     for k in range(len(every)) if pick is None else pick:
@@ -140,9 +144,6 @@ def table(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-FAULTS = ("raw", "taken", "refused", "slow")
-
-
 def main() -> None:
     """Run the campaign; exit with 1 where anything is at fault."""
     ask = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -153,7 +154,7 @@ def main() -> None:
     found = [c for c in calls() if given.only in c.name]
     rng, count = np.random.default_rng(given.first), len(cases(found))
     pick = rng.choice(count, size=min(given.calls, count), replace=False) if given.calls else None
-    rows = run(found, pick, rng)
+    rows = run(found, pick)
     for row in rows:
         if row["fault"]:
             print(f"{row['fault']:8s} {row['call']}({row['argument']} = {row['what']}): {row['words'][:230]}")

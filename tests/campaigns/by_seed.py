@@ -1,6 +1,8 @@
 """What campaigns by seed share: they show how far they are, are stopped at any time, and go on where they were.
 
 python tests/campaigns/verdicts.py --count 4000 --jobs 2 --out build/verdicts.jsonl
+
+Whoever imports this finds tests/cases too, as pytest does.
 """
 
 import argparse
@@ -12,6 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+CASES = str(Path(__file__).resolve().parents[1] / "cases")
+if CASES not in sys.path:
+    sys.path.append(CASES)
 Row = dict[str, Any]
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from argument_kinds import Array, Call, Choice, Count, Names, Number, Object, Objects
-from kinds_of_laws import ByName, Counts, Pair
-from laws_at_hand import ARM, DT, GAIN, LTV, MODEL, SAMPLED, SENSOR, Q, R, fresh, law
+from argument_kinds import Call, Choice, Names, Object, Objects
+from further_kinds import Blocks, ByName, Pair
+from kinds_of_numbers import POSITIVE, Array, Count, Number
+from laws_at_hand import ARM, DT, GAIN, LIMITS, LTV, MODEL, SAMPLED, SENSOR, STATES, Q, R, fresh, law
 
 from pliant.controllers import LQG, LQR, MPC, TVLQR, Feedback, Kalman, Predictive, Sensor, delayed, riccati, sensors
 from pliant.controllers.linear_quadratic.delay import delay_margin, predictive_gain, radius
@@ -13,12 +14,9 @@ from pliant.plants import Beam, Material
 
 A, B, N = Array(MODEL.A), Array(MODEL.B), Array(np.zeros((2, 1)), none=True)
 C, E = Array(MODEL.C, leads=True), Array(MODEL.E)
-TIME = {"low": 0.0, "open": True}
 NAMES = Names(("s", "v"), none=True)
-LIMITS = Pair((-2.0, 2.0), none=True)
 WEIGHED = ByName({"wind": 0.5}, low=0.0, open=True)
 BEAM = Beam.rectangular(1.0, width=0.01, depth=0.05, material=Material(density=7800.0, E=2e11, G=8e10))
-STATES = Array(np.array([0.25, 0.5]))
 
 
 def design_calls() -> list[Call]:
@@ -38,16 +36,20 @@ def riccati_calls() -> list[Call]:
     timed = riccati.dtvlqr(steps["A"].value, steps["B"].value, Q, R)
     return [
         Call("riccati.lqr", riccati.lqr, plain | {"names": NAMES}),
-        Call("riccati.dlqr", riccati.dlqr, sampled | {"names": NAMES, "dt": Number(DT, **TIME)}),
+        Call("riccati.dlqr", riccati.dlqr, sampled | {"names": NAMES, "dt": Number(DT, **POSITIVE)}),
         Call(
             "riccati.lqi",
             riccati.lqi,
             {"A": A, "B": B, "C": C, "Q": Array(np.eye(3)), "R": Array(R), "D": Array(np.zeros((1, 1)), none=True)}
             | {"names": NAMES},
         ),
-        Call("riccati.sampled", riccati.sampled, plain | {"dt": Number(DT, **TIME)}),
+        Call("riccati.sampled", riccati.sampled, plain | {"dt": Number(DT, **POSITIVE)}),
         Call("riccati.kalman", riccati.kalman, noise | {"names": NAMES}),
-        Call("riccati.dkalman", riccati.dkalman, noise | {"A": sampled["A"], "names": NAMES, "dt": Number(DT, **TIME)}),
+        Call(
+            "riccati.dkalman",
+            riccati.dkalman,
+            noise | {"A": sampled["A"], "names": NAMES, "dt": Number(DT, **POSITIVE)},
+        ),
         Call("riccati.dtvlqr", riccati.dtvlqr, steps | {"Q": Array(Q), "R": Array(R), "N": N} | each | ends),
         Call("riccati.tvlqr", riccati.tvlqr, along | {"end": Array(Q, none=True)}),
         Call("riccati.sampled_along", riccati.sampled_along, along),
@@ -64,7 +66,7 @@ def regulator_calls() -> list[Call]:
     named = {"Q": ByName({"s": 4.0, "place": 1.0}, low=0.0), "R": ByName({"force": 0.5}, low=0.0, open=True)}
     integral = {"integral": ByName({"place": 1.0}, none=True, low=0.0, open=True), "limits": LIMITS}
     start = {"start": Array(np.zeros(2), none=True), "reads": Names(("place", "rate"), none=True)}
-    reads = {"reads": Names(("hub_angle", "hub_angle_rate"), none=True), "dt": Number(DT, none=True, **TIME)}
+    reads = {"reads": Names(("hub_angle", "hub_angle_rate"), none=True), "dt": Number(DT, none=True, **POSITIVE)}
     hold = (np.array([[2.0, 1.0]]), np.zeros(2), np.zeros(1))
     along = {"ltv": Object(LTV)} | weights | {"N": N, "end": Array(Q, none=True), "hold": Objects(hold, none=True)}
     follows = TVLQR.design(LTV, Q, R)
@@ -73,13 +75,13 @@ def regulator_calls() -> list[Call]:
             "Feedback",
             Feedback,
             {"K": Array(GAIN.K), "reads": Names(("s", "v")), "y_ref": Array(np.ones(2), none=True)}
-            | {"u_ref": Array(np.ones(1), none=True), "limits": LIMITS, "dt": Number(DT, none=True, **TIME)},
+            | {"u_ref": Array(np.ones(1), none=True), "limits": LIMITS, "dt": Number(DT, none=True, **POSITIVE)},
         ),
         Call("Feedback.act", GAIN.act, {"y": STATES}, {"t": 0.0}, ("t", "y")),
         Call(
             "LQR.design",
             LQR.design,
-            {"model": Object(MODEL)} | weights | integral | start | {"dt": Number(DT, none=True, **TIME)},
+            {"model": Object(MODEL)} | weights | integral | start | {"dt": Number(DT, none=True, **POSITIVE)},
         ),
         Call("LQR.design, by name", LQR.design, named, {"model": MODEL}),
         Call("LQR.for_plant", LQR.for_plant, point | weights | reads | {"limits": LIMITS}),
@@ -115,7 +117,7 @@ def late_calls() -> list[Call]:
         "law": Object(own),
         "plant": Object(ARM),
         "delay": Count(2),
-        "dt": Number(DT, **TIME),
+        "dt": Number(DT, **POSITIVE),
         "substeps": Count(2),
     }
     predictive = Predictive(own, ARM, 2, dt=DT)
@@ -132,7 +134,7 @@ def late_calls() -> list[Call]:
 def filter_calls() -> list[Call]:
     """Of Kalman and LQG."""
     seen = {"sensors": Objects((SENSOR,)), "W": WEIGHED}
-    rest = {"dt": Number(DT, **TIME), "delay": Count(1, low=0), "noise": Choice("white")}
+    rest = {"dt": Number(DT, **POSITIVE), "delay": Count(1, low=0), "noise": Choice("white")}
     spread = {"P0": Array(np.eye(2), none=True)}
     along = {"ltv": Object(LTV)} | seen | {"P0": Array(np.eye(2)), "delay": Count(1, low=0), "noise": Choice("held")}
     filtered = Kalman.design(MODEL, (SENSOR,), {"wind": 0.5}, dt=DT)
@@ -154,11 +156,11 @@ def sensor_calls() -> list[Call]:
     sizes = {name: Number(0.5, low=0.0) for name in ("noise", "density", "quantum")}
     words = {"kind": Choice("other"), "output": Choice("place"), "unit": Choice("m")}
     rng = {"rng": Object(np.random.default_rng(0))}
-    some = {"sensors": Objects((SENSOR,)), "dt": Number(DT, **TIME)}
+    some = {"sensors": Objects((SENSOR,)), "dt": Number(DT, **POSITIVE)}
     return [
         Call("Sensor", Sensor, {"kind": words["kind"]} | sizes, {"output": "place", "unit": "m"}),
-        Call("Sensor.deviation", SENSOR.deviation, {"dt": Number(DT, **TIME)}),
-        Call("Sensor.read", SENSOR.read, {"value": Number(0.5), "dt": Number(DT, **TIME)} | rng, compare=False),
+        Call("Sensor.deviation", SENSOR.deviation, {"dt": Number(DT, **POSITIVE)}),
+        Call("Sensor.read", SENSOR.read, {"value": Number(0.5), "dt": Number(DT, **POSITIVE)} | rng, compare=False),
         Call("sensors.read", sensors.read, some | rng | {"y": Array(np.ones(1))}, compare=False),
         Call("sensors.covariance", sensors.covariance, some),
         Call("sensors.sensors_of", sensors.sensors_of, {"plant": Object(ARM)}),
@@ -171,21 +173,21 @@ def predictive_calls() -> list[Call]:
     """Of MPC."""
     weights = {"Q": Array(Q), "R": Array(R), "P": Array(Q, none=True)}
     bounds = {"bounds": _bounds(), "limits": LIMITS, "rates": Array(np.array([8.0]), none=True, infinite=True)}
-    counts = {"horizon": Count(4), "terminal": Count(1, low=0), "blocks": Counts((1, 3), none=True)}
-    more = {"penalty": Number(8.0, none=True, **TIME), "reads": Names(("s", "v"), none=True)}
-    free = {"track": Names(("place",)), "disturbance": Choice("states", none=True), "time": Number(0.25, **TIME)}
-    noise = {"noise": Number(0.5, **TIME)}
+    counts = {"horizon": Count(4), "terminal": Count(1, low=0), "blocks": Blocks((1, 3), none=True)}
+    more = {"penalty": Number(8.0, none=True, **POSITIVE), "reads": Names(("s", "v"), none=True)}
+    free = {"track": Names(("place",)), "disturbance": Choice("states", none=True), "time": Number(0.25, **POSITIVE)}
+    noise = {"noise": Number(0.5, **POSITIVE)}
     whole = {"model": Object(SAMPLED)} | weights | {"N": N} | counts | bounds | more
     named = {
-        "noise": ByName({"place": 0.5}, number=True, **TIME),
-        "rates": ByName({"force": 8.0}, none=True, number=True, **TIME),
+        "noise": ByName({"place": 0.5}, number=True, **POSITIVE),
+        "rates": ByName({"force": 8.0}, none=True, number=True, **POSITIVE),
     }
     seen = {"track": ("place",), "reads": ("place",), "disturbance": "inputs", "horizon": 4}
     given = {"model": SAMPLED, "Q": Q, "R": R}
     along = {k: v for k, v in whole.items() if k not in ("model", "N")}
     return [
         Call("MPC.design", MPC.design, whole),
-        Call("MPC.design, sampled", MPC.design, {"dt": Number(DT, **TIME)}, given | {"model": MODEL, "horizon": 4}),
+        Call("MPC.design, sampled", MPC.design, {"dt": Number(DT, **POSITIVE)}, given | {"model": MODEL, "horizon": 4}),
         Call("MPC.design, offset-free", MPC.design, free, given | {"horizon": 4}),
         Call("MPC.design, noise", MPC.design, noise, given | seen),
         Call("MPC.design, noise by name", MPC.design, named, given | seen),

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from argument_kinds import Array, Call, Choice, Count, Counts, Flag, Names, Number, Object
-from calls_of_plants import BEAM, POSITIVE
+from argument_kinds import Call, Choice, Flag, Names, Object
+from calls_of_declarations import BEAM
+from kinds_of_numbers import POSITIVE, Array, Count, Counts, Number
 
 from pliant.plants import LinearModel, LTVModel, ModalData, Payload, beams, stability
 from pliant.plants.beams import OffsetPayload

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import tempfile
-from pathlib import Path
 
 import numpy as np
-from argument_kinds import Array, Call, Choice, Count, Flag, Names, Number, Object, Objects
-from kinds_of_laws import ByName, Function, Pair, Place, Text
-from laws_at_hand import ARM, DT, SCENE, STATE, fresh, law, policy_arrays
+from argument_kinds import Call, Choice, Flag, Names, Object, Objects
+from further_kinds import ByName, Function, Place, Text
+from kinds_of_numbers import POSITIVE, Array, Count, Number
+from laws_at_hand import ARM, DT, LIMITS, SCENE, SCENES, SHARE, STATES, folder, fresh, law, policy_arrays
 
-from pliant import controllers
 from pliant.controllers import (
     NMPC,
     TVLQR,
@@ -26,14 +24,7 @@ from pliant.controllers.optimal_control.nominal_motions import nominal_for, rigi
 from pliant.controllers.optimal_control.optimal import bound
 from pliant.plants.files import sealed_json
 
-SCENES = {"scene": Object(SCENE)}
-STATES = Array(STATE)
-POSITIVE = {"low": 0.0, "open": True}
-SHARE = Number(0.125, low=0.0)
 LOADED = ARM.vary("payload.mass")
-LIMITS = Pair((-2.0, 2.0), none=True)
-RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
-SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
 
 
 def optima_calls() -> list[Call]:
@@ -125,10 +116,10 @@ def nonlinear_calls() -> list[Call]:
 
 def learning_calls() -> list[Call]:
     """Of policies and of training: what is checked before it loads torch."""
-    arrays, folder = policy_arrays(), Path(tempfile.mkdtemp())
+    arrays, place = policy_arrays(), folder()
     made = law("policy")
-    made.save(folder / "kept")
-    curve = folder / "curve.json"
+    made.save(place / "kept")
+    curve = place / "curve.json"
     sealed_json.save(curve, {"format": CURVE_FORMAT, "curve": []})
     layers = {"weights": Objects(arrays["weights"]), "biases": Objects(arrays["biases"])}
     rows = {name: Array(arrays[name]) for name in ("mean", "std", "goal", "limits")}
@@ -162,8 +153,8 @@ def learning_calls() -> list[Call]:
     return [
         Call("Policy", Policy, layers | rows | words | rest),
         Call("Policy.act", made.act, {"y": STATES}, {"t": 0.0}, ("t", "y")),
-        Call("Policy.load", Policy.load, {"path": Place(folder / "kept")}, compare=False),
-        Call("Policy.save", made.save, {"path": Place(folder / "again")}),
+        Call("Policy.load", Policy.load, {"path": Place(place / "kept")}, compare=False),
+        Call("Policy.save", made.save, {"path": Place(place / "again")}),
         Call("Policy.for_scene", Policy.for_scene, {"name": Choice("single-link-slew")}, compare=False),
         Call("PPOSettings", rl.PPOSettings, common | ppo),
         Call("SACSettings", rl.SACSettings, common | sac),

@@ -1,33 +1,23 @@
-"""Valid calls of what plants do, and of the parts they are made of."""
+"""Valid calls of what plants do."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from argument_kinds import Array, Call, Choice, Count, Counts, Flag, Kind, Names, Number, Object, Objects
+from argument_kinds import Call, Choice, Flag, Kind, Names, Object
+from calls_of_declarations import declaration_calls, part_calls
+from further_kinds import ByName
+from kinds_of_numbers import POSITIVE, Array, Count, Number
 
 from pliant.plants import (
-    Appendage,
-    Beam,
-    Environment,
     FlexibleSpacecraft,
-    Hinge,
-    Hub,
     LargeDeflectionBeam,
-    Material,
-    Orbit,
-    Payload,
-    Signal,
     SingleLinkArm,
     SliderCrank,
-    Sun,
-    Surface,
-    Thruster,
     Trajectory,
     TransferMatrices,
     TwoLinkArm,
-    Wheel,
     paper_terms,
     step_limit,
 )
@@ -40,9 +30,6 @@ PLANTS = {
     "FlexibleSpacecraft": FlexibleSpacecraft.textbook(),
 }
 ARM = PLANTS["SingleLinkArm"]
-STEEL = Material(density=7800.0, E=2e11, G=8e10)
-BEAM = Beam.rectangular(1.0, width=0.01, depth=0.05, material=STEEL)
-POSITIVE: dict[str, Any] = {"low": 0.0, "open": True}
 
 
 def plant_calls() -> list[Call]:
@@ -98,144 +85,6 @@ def stepper_kinds() -> dict[str, Kind]:
     }
 
 
-def declaration_calls() -> list[Call]:
-    """Constructors of plants."""
-    gravity, name = Number(9.5), "name"
-    basis = {"kinematics": Choice("linear"), "basis": Choice("clamped-free")}
-    single = {
-        "link": Object(BEAM),
-        "hub_inertia": Number(0.5, low=0.0),
-        "hub_radius": Number(0.25, low=0.0),
-        "hub_friction": Number(0.5, low=0.0),
-        "payload": Object(Payload(mass=1.0)),
-        "gravity": gravity,
-        "theory": Choice("timoshenko"),
-        "modes": Count(2, low=0),
-        "frame": Choice("clamped"),
-        "drive": Choice("torque"),
-        "varied": Names(("link.E",)),
-    }
-    two = {
-        "link1": Object(BEAM),
-        "link2": Object(BEAM),
-        "joint_mass": Number(0.5, low=0.0),
-        "payload": Object(Payload(mass=1.0)),
-        "hub_inertia": Array((0.5, 0.25)),
-        "joint_friction": Array((0.5, 0.25)),
-        "gravity": gravity,
-        "tip_slope": Flag(True),
-        "reduction": Choice("full"),
-        "modes": Counts((2, 1)),
-    }
-    beam = {
-        "beam": Object(BEAM),
-        "root": Choice("clamped"),
-        "gravity": Array((0.0, -9.5, 0.0)),
-        "payload": Object(Payload(mass=1.0)),
-        "kinematics": Choice("strain"),
-        "segments": Count(1),
-        "modes": Count(3),
-        "frame": Choice("mean-axis"),
-        "basis": Choice("auto"),
-        "planar": Flag(True),
-        "points": Count(20, none=True),
-    }
-    craft = {
-        "hub": Object(hub()),
-        "appendages": Objects((appendage(),)),
-        "kinematics": Choice("linear"),
-        "translation": Flag(True),
-        "environment": Object(Environment()),
-    }
-    crank = {
-        "crank_radius": Number(0.125, **POSITIVE),
-        "rod": Object(BEAM),
-        "slider_mass": Number(0.5, low=0.0),
-        "modes": Count(2, low=0),
-        "crank_speed": Number(3.0, none=True),
-    }
-    state = PLANTS["SliderCrank"].state
-    del name
-    return [
-        Call("SingleLinkArm", SingleLinkArm, single | basis, compare=False),
-        Call("TwoLinkArm", TwoLinkArm, two | basis, compare=False),
-        Call("LargeDeflectionBeam", LargeDeflectionBeam, beam, compare=False),
-        Call("FlexibleSpacecraft", FlexibleSpacecraft, craft, compare=False),
-        Call("SliderCrank", SliderCrank, crank, compare=False),
-        Call("SliderCrank.state", state, {"angle": Number(0.5), "speed": Number(1.0, none=True)}),
-    ]
-
-
-def hub() -> Hub:
-    """A hub with a wheel."""
-    return Hub(mass=100.0, inertia=(50.0, 40.0, 30.0), wheels=(Wheel(axis=(0.0, 0.0, 1.0), inertia=0.125),))
-
-
-def appendage() -> Appendage:
-    """A boom."""
-    return Appendage(position=(1.0, 0.0, 0.0), body=BEAM, modes=(1, 1))
-
-
-def part_calls() -> list[Call]:
-    """Beams, payloads and parts of craft."""
-    length, vector, unit = Number(0.5, **POSITIVE), Array((0.5, 0.0, 0.25)), Array((0.0, 0.0, 1.0))
-    section = {"length": length, "material": Object(STEEL)}
-    numbers = {n: Number(0.5, **POSITIVE) for n in ("length", "area", "I_y", "I_z", "J", "density", "E", "G")}
-    tensor = Array(np.diag([3.0, 2.0, 2.0]))
-    stuff = {n: Number(0.5, **POSITIVE) for n in ("density", "E", "G")} | {"damping": Number(0.5, low=0.0)}
-    light = {"area": Number(2.0, low=0.0), "normal": unit, "specular": Number(0.5, low=0.0)}
-    hinge = {
-        "axes": Array(((0.0, 0.0, 1.0),), wrong=False),
-        "stiffness": Number(0.5, low=0.0, array=True),
-        "drive": Choice("free"),
-    }
-    part = {
-        "position": vector,
-        "body": Object(BEAM),
-        "hinge": Object(Hinge()),
-        "orientation": Array(np.eye(3)),
-        "damping": Number(0.5, low=0.0),
-        "stiffness_factor": Number(0.5, **POSITIVE),
-        "surface": Object(Surface(area=1.0, normal=(0.0, 0.0, 1.0)), none=True),
-        "modes": Count(2, low=0, none=True, tuples=True),
-    }
-    acting = {
-        "orbit": Object(Orbit(rate=1e-3), none=True),
-        "sun": Object(Sun(direction=(0.0, 0.0, 1.0)), none=True),
-        "dipole": vector,
-        "magnetic_field": vector,
-        "torque": vector,
-    }
-    return [
-        Call("Material", Material, stuff, compare=False),
-        Call("Beam", Beam, numbers | {"damping": Number(0.5, low=0.0)}, compare=False),
-        Call("Beam.rectangular", Beam.rectangular, section | {"width": length, "depth": length}, compare=False),
-        Call("Beam.circular", Beam.circular, section | {"diameter": length}, compare=False),
-        Call("Beam.tube", Beam.tube, section | {"outer": length}, {"inner": 0.25}, compare=False),
-        Call("Payload", Payload, {"mass": Number(0.5, low=0.0), "inertia": tensor, "offset": vector}, compare=False),
-        Call("Payload of one moment", Payload, {"inertia": Number(0.5, low=0.0, array=True)}, compare=False),
-        Call("Signal", Signal, {"name": Word("theta"), "unit": Word("rad")}, compare=False),
-        Call("Wheel", Wheel, {"axis": unit, "inertia": length, "friction": Number(0.5, low=0.0)}, compare=False),
-        Call("Thruster", Thruster, {"position": vector, "direction": unit}, compare=False),
-        Call("Orbit", Orbit, {"rate": length, "radius": length, "gravity": Flag(True)}, compare=False),
-        Call("Sun", Sun, {"direction": unit, "pressure": Number(0.5, low=0.0)}, compare=False),
-        Call("Surface", Surface, light | {"centre": vector, "both": Flag(True)}, compare=False),
-        Call("Hinge", Hinge, hinge, compare=False),
-        Call("Hub", Hub, {"mass": length, "inertia": tensor, "wheels": Objects(hub().wheels)}, compare=False),
-        Call("Appendage", Appendage, part, compare=False),
-        Call("Environment", Environment, acting, compare=False),
-    ]
-
-
-class Word(Kind):
-    """A string, any."""
-
-    def bad(self) -> Any:
-        """Everything else."""
-        yield from Kind.bad(self)
-        yield from (("a number", 3), ("bytes", b"ab"), ("a list", ["a"]))
-
-
 def motion_calls() -> list[Call]:
     """Simulation and linear models along a motion, of the smallest arm."""
     t, x = np.linspace(0.0, 0.25, 5), rest(ARM)
@@ -265,32 +114,16 @@ def motion_calls() -> list[Call]:
         Call("rest_to_rest", ARM.rest_to_rest, ends, compare=False),
         Call("stepper's step", step, rows),
         Call("equilibrium", ARM.equilibrium, {"hub_angle": Number(0.0)}),
-        Call("equilibrium.fixed", ARM.equilibrium, {"fixed": Mapping_({"hub_angle": 0.0})}),
-        Call("equilibrium.guess", ARM.equilibrium, {"guess": Mapping_({"hub_angle": 0.0})}),
+        Call("equilibrium.fixed", ARM.equilibrium, {"fixed": ByName({"hub_angle": 0.0}, none=True)}),
+        Call("equilibrium.guess", ARM.equilibrium, {"guess": ByName({"hub_angle": 0.0}, none=True)}),
         Call("step_limit", step_limit, {"plant": Object(ARM), "x": Array(x), "method": Choice("rk4")}),
     ]
-
-
-class Mapping_(Kind):
-    """Numbers by name of a state or input."""
-
-    def bad(self) -> Any:
-        """Other names, other values."""
-        yield from (("an object", object()), ("a list", [1.0]), ("a string", "abc"), ("a number", 3.0))
-        yield from (("an unknown name", {"nonsense": 1.0}), ("a number as name", {1: 1.0}))
-        (name,) = self.value
-        for what, value in (("a string", "1"), ("NaN", np.nan), ("None", None), ("a list", [1.0]), ("complex", 1j)):
-            yield f"{what} by name", {name: value}
-
-    def good(self) -> Any:
-        """NumPy's numbers."""
-        yield "float64 by name", {name: np.float64(v) for name, v in self.value.items()}
-        yield "an integer by name", {name: int(v) for name, v in self.value.items()}
 
 
 def own_calls() -> list[Call]:
     """What single plants do."""
     arm, beam, craft = PLANTS["TwoLinkArm"], PLANTS["LargeDeflectionBeam"], PLANTS["FlexibleSpacecraft"]
+    crank = PLANTS["SliderCrank"]
     x, z, s = Array(rest(arm)), Array(rest(beam)), Array(rest(craft))
     still = {"x": s, "a": Array(np.zeros(6 + len(craft.coordinates)))}
     turn = {"begin": s, "end": s, "time": Number(2.0, **POSITIVE)}
@@ -305,12 +138,13 @@ def own_calls() -> list[Call]:
             found.acceleration,
             {"x": Array(rest(chain)), "u": Array(np.zeros(chain.nu), none=True), "method": Choice("sweep")},
         ),
+        Call("SliderCrank.state", crank.state, {"angle": Number(0.5), "speed": Number(1.0, none=True)}),
         Call("FlexibleSpacecraft.momentum", craft.momentum, {"x": s}),
         Call("FlexibleSpacecraft.turn", craft.turn, {"x": s}),
         Call("FlexibleSpacecraft.consistent", craft.consistent, {"x": Array(rest(craft), wrong=False, finite=False)}),
         Call("FlexibleSpacecraft.residual", craft.residual, still),
         Call("FlexibleSpacecraft.rest_to_rest", craft.rest_to_rest, turn, compare=False),
-        Call("FlexibleSpacecraft.state", craft.state, {"values": Mapping_({craft.states[0].name: 1.0}, none=True)}),
+        Call("FlexibleSpacecraft.state", craft.state, {"values": ByName({craft.states[0].name: 1.0}, none=True)}),
         Call("SingleLinkArm.in_frame", ARM.in_frame, {"frame": Choice("clamped"), "x": Array(rest(ARM), wrong=False)}),
         Call("SingleLinkArm.frame_map", ARM.frame_map, {"frame": Choice("clamped")}),
         Call("LargeDeflectionBeam.kinetic", beam.kinetic, {"x": z}),

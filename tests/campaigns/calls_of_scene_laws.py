@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from argument_kinds import Array, Call, Choice, Count, Names, Number, Object, Objects
-from kinds_of_laws import ByName, Function, Pair, Text
-from laws_at_hand import ARM, DT, GAIN, MODEL, SCENE, STATE, law
+from argument_kinds import Call, Choice, Names, Object, Objects
+from further_kinds import ByName, Function, Text
+from kinds_of_numbers import POSITIVE, Array, Count, Number
+from laws_at_hand import ARM, DT, GAIN, LIMITS, MODEL, SCENE, SCENES, SHARE, STATES, law
 
 from pliant import controllers
 from pliant.controllers import (
@@ -34,12 +35,6 @@ from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.joint_control.input_shaping import shaper, switches
 from pliant.controllers.optimal_control.nominal_motions import rigid_nominal
 
-SCENES = {"scene": Object(SCENE)}
-STATES = Array(STATE)
-POSITIVE = {"low": 0.0, "open": True}
-SHARE = Number(0.125, low=0.0)
-LOADED = ARM.vary("payload.mass")
-LIMITS = Pair((-2.0, 2.0), none=True)
 RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
 SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
 

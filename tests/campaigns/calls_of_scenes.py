@@ -6,14 +6,14 @@ import dataclasses
 from typing import Any
 
 import numpy as np
-from argument_kinds import Array, Call, Choice, Count, Flag, Kind, Names, Number, Object, Pairs
-from kinds_of_laws import Function, Text, Valued
+from argument_kinds import Call, Choice, Flag, Kind, Names, Object, Pairs
+from further_kinds import Function, Text, Valued
+from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import ARM, SCENE
 
 from pliant.envs import scenes
 from pliant.envs.scenes.scene import Scene
 
-TIME = {"low": 0.0, "open": True}
 FIELDS = {f.name: getattr(SCENE, f.name) for f in dataclasses.fields(SCENE)}
 ROWS = 3
 
@@ -66,21 +66,21 @@ def field_calls() -> list[Call]:
         "goal_at_rest": Flag(True),
         "goal_rates": Valued((("hub_angle", 0.0),)),
         "drive": Function(still, none=True),
-        "duration": Number(0.5, **TIME),
-        "dt": Number(0.0625, **TIME),
+        "duration": Number(0.5, **POSITIVE),
+        "dt": Number(0.0625, **POSITIVE),
         "substeps": Count(2),
-        "move_time": Number(0.25, **TIME),
+        "move_time": Number(0.25, **POSITIVE),
         "limits": Array(np.array([40.0])),
-        "bounds": Valued((("hub_angle_rate", 16.0),), **TIME),
+        "bounds": Valued((("hub_angle_rate", 16.0),), **POSITIVE),
         "weights": Valued((("hub_angle", 8.0),), low=0.0),
-        "effort": Valued((("hub_torque", 0.5),), **TIME),
+        "effort": Valued((("hub_torque", 0.5),), **POSITIVE),
         "observe": Names(("hub_angle",)),
         "randomise": Varied((("payload.mass", 0.5, 2.0),)),
         "gusts": Valued((("tip_force_x", 0.5),), low=0.0),
         "start_spread": Number(0.5, low=0.0),
         "spreads": Valued((("hub_angle", 0.5),), low=0.0),
         "compare": Names(("tip_x",)),
-        "tolerance": Number(0.5, **TIME),
+        "tolerance": Number(0.5, **POSITIVE),
     }
     return [Call("Scene", Scene, kinds)]
 
@@ -128,12 +128,12 @@ def get_calls() -> list[Call]:
         Call(
             "scenes.get, fields",
             scenes.get,
-            {"duration": Number(2.0, **TIME), "substeps": Count(5), "limits": Array(np.array([20.0]))},
+            {"duration": Number(2.0, **POSITIVE), "substeps": Count(5), "limits": Array(np.array([20.0]))},
             own,
         ),
-        Call("scenes.get, speed", scenes.get, {"speed": Number(4.0, **TIME)}, {"name": "spin-up"}),
+        Call("scenes.get, speed", scenes.get, {"speed": Number(4.0, **POSITIVE)}, {"name": "spin-up"}),
         Call("scenes.get, axis", scenes.get, {"axis": Choice("x")}, {"name": "spacecraft-spin"}),
-        Call("scenes.get, rpm", scenes.get, {"rpm": Number(128.0, **TIME)}, {"name": "slider-crank-run"}),
+        Call("scenes.get, rpm", scenes.get, {"rpm": Number(128.0, **POSITIVE)}, {"name": "slider-crank-run"}),
         Call("minimum_jerk", scenes.minimum_jerk, {"s": Array(np.array([0.0, 0.5, 1.0]), wrong=False, infinite=True)}),
         Call("minimum_jerk, a number", scenes.minimum_jerk, {"s": Number(0.5, infinite=True, array=True)}),
     ]

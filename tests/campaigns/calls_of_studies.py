@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
 import numpy as np
-from argument_kinds import Call, Choice, Count, Flag, Kind, Names, Number, Object, Objects
-from kinds_of_laws import ByName, Function, Place
-from laws_at_hand import ARM, SCENE
+from argument_kinds import Call, Choice, Flag, Kind, Names, Object, Objects
+from further_kinds import ByName, Function, Place
+from kinds_of_numbers import POSITIVE, Count, Number
+from laws_at_hand import ARM, SCENE, SCENES, folder
 
 from pliant.controllers import LQR
 from pliant.plants import LinearModel
@@ -24,10 +22,7 @@ from pliant.studies.stability.judgement import judge
 from pliant.studies.stability.parameter_map import map_stability
 from pliant.studies.stability.verdicts import verdict_at_goal, verdict_of
 
-TIME = {"low": 0.0, "open": True}
-SCENES = {"scene": Object(SCENE)}
 TOLD = {"progress": Function(lambda share, words: None, none=True)}
-FOLDER = Path(tempfile.mkdtemp())
 
 
 class Grid(ByName):
@@ -79,7 +74,7 @@ def run_calls() -> list[Call]:
         Call("reading_noise", reading_noise, SCENES),
         Call("playable", playable, {"names": Names(("single-link-slew",), none=True)}),
         Call("verdict_at_goal", verdict_at_goal, SCENES),
-        Call("style.save", style.save, {"path": Place(FOLDER / "picture.png")}, {"figure": _figure()}),
+        Call("style.save", style.save, {"path": Place(folder() / "picture.png")}, {"figure": _figure()}),
     ]
 
 
@@ -89,9 +84,9 @@ def _figure():
 
 def long_calls() -> list[Call]:
     """Of what takes seconds."""
-    budget, motions = {"budget": Number(1.0, **TIME)}, {"motions": Object(Motions(SCENE), none=True)}
+    budget, motions = {"budget": Number(1.0, **POSITIVE)}, {"motions": Object(Motions(SCENE), none=True)}
     part = {"variants": Objects((ARM,), none=True), "methods": Names(("rk4",)), "prune": Flag(True)}
-    tolerance = {"tolerance": Number(0.5, none=True, **TIME), "measured": Object(_chart(), none=True)}
+    tolerance = {"tolerance": Number(0.5, none=True, **POSITIVE), "measured": Object(_chart(), none=True)}
     counts = {
         "seeds": Count(1),
         "seed": Count(1, low=0),
@@ -99,8 +94,8 @@ def long_calls() -> list[Call]:
         "jobs": Count(1, low=None, none=True),
     }
     who = {"scenes": Names(("single-link-slew",), none=True), "controllers": Names(("LQR",), none=True)}
-    out = {"out": Place(FOLDER / "report"), "budget": Number(1.0, none=True, **TIME)}
-    sizes = {"tolerance": Number(0.5, **TIME), "most": Count(2), "size": Number(0.5, **TIME)}
+    out = {"out": Place(folder() / "report"), "budget": Number(1.0, none=True, **POSITIVE)}
+    sizes = {"tolerance": Number(0.5, **POSITIVE), "most": Count(2), "size": Number(0.5, **POSITIVE)}
     return [
         Call("chart", chart, SCENES | budget | part | motions | TOLD, long=True),
         Call("choose", choose, SCENES | tolerance | motions | TOLD, long=True),
@@ -116,14 +111,17 @@ def long_calls() -> list[Call]:
         ),
         Call("stiffening_needed", stiffening_needed, SCENES, long=True),
         Call(
-            "judge", judge, SCENES | {"seconds": Number(1.0, low=0.0), "largest": Number(8.0, **TIME)} | TOLD, long=True
+            "judge",
+            judge,
+            SCENES | {"seconds": Number(1.0, low=0.0), "largest": Number(8.0, **POSITIVE)} | TOLD,
+            long=True,
         ),
         Call("verdict_of", verdict_of, SCENES | TOLD, long=True),
         Call("papers.draw", registry.draw, {"paper": Choice("single-link")}, long=True),
         Call(
             "papers.write",
             registry.write,
-            {"paper": Choice("single-link"), "folder": Place(FOLDER), "progress": Function(print)},
+            {"paper": Choice("single-link"), "folder": Place(folder()), "progress": Function(print)},
             long=True,
         ),
     ]
@@ -137,7 +135,7 @@ def _chart():
 
 def map_calls() -> list[Call]:
     """Of the stability map, and of what it and a chart give."""
-    grid = {"grid": Grid({"a": [1.0, 2.0], "b": [0.5, 1.0]}), "period": Number(1.0, none=True, **TIME)}
+    grid = {"grid": Grid({"a": [1.0, 2.0], "b": [0.5, 1.0]}), "period": Number(1.0, none=True, **POSITIVE)}
     how = {
         "jobs": Count(1, low=None),
         "backend": Choice("sequential"),
@@ -147,7 +145,7 @@ def map_calls() -> list[Call]:
     return [
         Call("map_stability", map_stability, {"plant": Function(built)} | grid | how | TOLD),
         Call("StabilityMap.share", found.share, {"verdict": Choice("stable")}),
-        Call("StabilityMap.save", found.save, {"table": Place(FOLDER / "map.json", none=True)}),
-        Call("Chart.save", _chart().save, {"table": Place(FOLDER / "chart.json")}),
+        Call("StabilityMap.save", found.save, {"table": Place(folder() / "map.json", none=True)}),
+        Call("Chart.save", _chart().save, {"table": Place(folder() / "chart.json")}),
         Call("Chart.fastest", _chart().fastest, {"tolerance": Number(0.5, none=True, low=0.0)}),
     ]

@@ -12,7 +12,6 @@ the archive's CRC-32 and the shape of the content let pass are told.
 from __future__ import annotations
 
 import json
-import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -20,9 +19,7 @@ from typing import Any
 
 import by_seed
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
-from file_kinds import KINDS, Kind, _policy_read, motion, policy
+from file_kinds import KINDS, Kind, motion, policy
 
 from pliant.controllers.learning import policy_files
 
@@ -48,7 +45,7 @@ def _old_policy(folder: Path, version: int) -> None:
 SEALED = {name: kind for name, kind in KINDS.items() if kind.sealed}
 OLD = {
     "motion of 0.1": Kind("motion of 0.1", _old_motion, KINDS["motion"].read),
-    "policy of 0.1": Kind("policy of 0.1", _old_policy, _policy_read),
+    "policy of 0.1": Kind("policy of 0.1", _old_policy, KINDS["policy"].read),
 }
 ALL = {**SEALED, **OLD}
 

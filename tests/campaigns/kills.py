@@ -19,7 +19,6 @@ import dataclasses
 import os
 import resource
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -29,8 +28,6 @@ from unittest.mock import patch
 
 import by_seed
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 from file_kinds import KINDS, Kind
 
 from pliant.plants.files import leftovers, whole_folders

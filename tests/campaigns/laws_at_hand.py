@@ -1,14 +1,22 @@
-"""The models, scenes and laws that the calls of bad input are made with: small, of numbers that float32 holds."""
+"""The models, scenes and laws that the calls of bad input are made with: small, of numbers that float32 holds.
+
+Beside them the arguments that many of these calls take.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import tempfile
 from collections.abc import Callable
 from copy import deepcopy
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from argument_kinds import Object
+from further_kinds import Pair
+from kinds_of_numbers import Array, Number
 
 from pliant.controllers import LQR, MPC, Feedback, Policy, Sensor
 from pliant.envs import scenes
@@ -65,6 +73,8 @@ SCENE = dataclasses.replace(
 )
 ARM = SCENE.plant
 STATE = np.array([0.25, 0.5])
+SCENES, STATES = {"scene": Object(SCENE)}, Array(STATE)  # what many of them take
+LIMITS, SHARE = Pair((-2.0, 2.0), none=True), Number(0.125, low=0.0)
 
 
 @cache
@@ -96,6 +106,14 @@ def policy_arrays() -> dict[str, Any]:
         "limits": np.array([40.0]),
         "dt": SCENE.dt,
     }
+
+
+FOLDER = tempfile.TemporaryDirectory(prefix="pliant-calls-")  # removed as this process ends
+
+
+def folder() -> Path:
+    """Where calls write."""
+    return Path(FOLDER.name)
 
 
 def fresh(thing: Any, method: str) -> Callable[..., Any]:

@@ -17,15 +17,11 @@ rotation    all that is given in the world's axes turned with the plant leaves t
 bases       the lowest frequency of a link is the same in every basis, and in the beam of large deflections
 """
 
-import sys
 from collections import Counter
-from pathlib import Path
 
 import by_seed
-import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 import mechanics as m
+import numpy as np
 from random_plants import draw
 
 CHECKS = (

@@ -11,17 +11,14 @@ The campaign fails where fewer than 95 % of the real ones are caught in either p
 from __future__ import annotations
 
 import dataclasses
-import sys
 import tempfile
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import by_seed
-import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 import kernels
+import numpy as np
 import planted
 
 from pliant.plants.native import compiler

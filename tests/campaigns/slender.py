@@ -12,13 +12,9 @@ met     the relative error of the first frequency with eight shapes or more, whe
 """
 
 import dataclasses
-import sys
-from pathlib import Path
 
 import by_seed
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 from timoshenko_exact import exact_square
 
 from pliant.plants import SingleLinkArm

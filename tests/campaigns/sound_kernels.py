@@ -12,17 +12,14 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 import by_seed
-import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 import kernels
+import numpy as np
 
 from pliant.envs import scenes
 from pliant.plants.integration.batch_stepper import rate_function

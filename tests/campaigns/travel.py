@@ -5,8 +5,8 @@
 A seed is one object of tests/cases/travellers.py. It is sent in the middle of what it does by pickle (all protocols),
 cloudpickle, copy and deepcopy, protocol 5 with read-only buffers beside the stream (as Ray has them), joblib's memory
 maps, a spawned process, joblib's loky and a Dask cluster. Each copy must go on as the original, bit for bit, whatever
-was done with another copy before; its arrays may be written to where the original's may and nowhere else; arrays that
-were views of one another still are; and none shares memory with the original or with the buffers it came in.
+was done with another copy before; its arrays may be written to where the original's may and nowhere else, and none that
+may be shares memory with the original.
 
 By hand, for Ray: pip install ray into another environment, and `python tests/campaigns/travel.py --ray`.
 """
@@ -33,11 +33,9 @@ import casadi as ca
 import cloudpickle
 import gymnasium
 import numpy as np
+from travellers import MAKERS, NOT_MADE, go_on
 
 from pliant.plants.core.casadi_functions import NumericFunction  # its buffers are filled anew by every call
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
-from travellers import MAKERS, NOT_MADE, go_on
 
 PACKAGES = ("plants", "controllers", "envs", "studies")
 OPAQUE = (
@@ -140,6 +138,8 @@ def sent(name: str, routes: dict[str, Callable[[Any], Any]]) -> dict[str, str]:
         except Exception as error:
             faults[route] = f"{type(error).__name__}: {error}"[:200]
     wanted = go_on(name, thing)
+    if not wanted:
+        faults["every"] = "there is nothing to compare"
     for route, twin in twins.items():
         try:
             if not same(go_on(name, twin), wanted):

@@ -12,20 +12,16 @@ what cannot be reached: it was made so.
 from __future__ import annotations
 
 import re
-import sys
 import time
 import warnings
 from collections import Counter
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import by_seed
 import numpy as np
 import scipy.linalg as sla
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 from random_designs import DECADES, Case, Units, case, ltv_of, model_of, rounded, units_for
 
 from pliant.controllers import LQR, MPC, TVLQR, Kalman, Sensor, riccati

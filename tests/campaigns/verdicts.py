@@ -9,17 +9,13 @@ times the true error of the data.
 
 from __future__ import annotations
 
-import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import by_seed
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 from known_systems import FAMILIES, System, system
+from scipy.optimize import linear_sum_assignment
 
 from pliant.plants.stability import Verdict, assess
 

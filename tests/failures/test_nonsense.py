@@ -54,7 +54,7 @@ def test_a_sample_of_the_campaign():
     found = [*design_calls(), *calls_of_optima.learning_calls(), *calls_of_scenes.scene_calls()]
     rng = np.random.default_rng(0)
     pick = rng.choice(len(bad_input.cases(found)), COUNT, replace=False)
-    rows = bad_input.run(found, pick, rng)
+    rows = bad_input.run(found, pick)
     assert not [row for row in rows if row["fault"]]
 
 
@@ -62,10 +62,10 @@ def test_the_campaign_sees_what_it_looks_for():
     """A function without a gate: NumPy's words, a result from a string, a valid integer refused."""
     call = sensor_calls()[1]
     loose = bad_input.Call("loose", lambda dt: np.sqrt(float(dt)), call.kinds)
-    faults = {row["fault"] for row in bad_input.run([loose], None, np.random.default_rng(0))}
+    faults = {row["fault"] for row in bad_input.run([loose], None)}
     assert faults >= {"raw", "taken"}
-    strict = bad_input.Call("strict", lambda dt: _only_floats(dt), call.kinds)
-    assert "refused" in {row["fault"] for row in bad_input.run([strict], None, np.random.default_rng(0))}
+    strict = bad_input.Call("strict", _only_floats, call.kinds)
+    assert "refused" in {row["fault"] for row in bad_input.run([strict], None)}
 
 
 def _only_floats(dt):
@@ -75,7 +75,7 @@ def _only_floats(dt):
 
 
 def test_one_state_too_few_shifts_nothing():
-    """(../shared/cases/scene_shapes.py) The naive way, joining x and y, gave every output of a neighbour."""
+    """The naive way, joining x and y, takes every output from its neighbour in the list."""
     scene = scenes.get("single-link-slew")
     x, y = scene.initial[0], np.arange(100.0, 100 + len(scene.plant.outputs))
     naive = np.concatenate([x[:-1], y])[scene.positions(("tip_deflection",))]

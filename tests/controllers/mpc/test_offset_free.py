@@ -1,11 +1,13 @@
-"""Offset-free control in any units: first moves, targets and what is refused, every signal scaled by 1e-9 to 1e+9."""
+"""Offset-free control: no steady error under unknown forces; moves, targets and refusals in any units, 1e-9 to 1e+9."""
 
 import dataclasses
 
 import numpy as np
 import pytest
+from elastic_hub import DT, LINK, A, B, C, Q, R, roll
 
 from pliant.controllers import MPC
+from pliant.envs import scenes
 from pliant.plants import LinearModel
 
 RNG = np.random.default_rng(0)
@@ -76,3 +78,69 @@ def test_noise_by_name_is_checked():
         MPC.design(model, np.eye(4), np.eye(2), noise={"c": 1.0}, **options)
     with pytest.raises(ValueError, match=r"MPC\.noise.*must be > 0"):
         MPC.design(model, np.eye(4), np.eye(2), noise={"a": 0.0}, **options)
+
+
+@pytest.mark.parametrize(
+    ("kind", "reads", "read"),
+    [("states", None, np.eye(4)), ("inputs", ("theta", "bend"), np.eye(4)[:2]), ("inputs", ("tip", "theta"), None)],
+)
+def test_a_constant_unknown_force_leaves_no_steady_error(kind, reads, read):
+    read = np.vstack([C[0], np.eye(4)[0]]) if read is None else read
+    force = np.array([0.4, -0.2])
+    options = {"dt": DT, "limits": (-1.5, 1.5)}
+    plain = MPC.design(LINK, Q, R, **options)
+    assert abs(C[0] @ roll(plain, np.zeros(4), 200, disturbance=force)[0][-1]) > 5e-3
+    free = MPC.design(LINK, Q, R, **options, track=("tip", "bend"), disturbance=kind, reads=reads)
+    free.aim({"tip": 0.3, "bend": 0.001})
+    xs, us = roll(free, np.zeros(4), 800, disturbance=force, read=read)
+    np.testing.assert_allclose(C @ xs[-1], [0.3, 0.001], atol=1e-8)
+    assert free.record.limited and np.abs(us).max() <= 1.5
+
+
+def test_output_disturbances_on_a_plant_whose_modes_decay():
+    held = LinearModel.from_matrices(
+        A - np.outer([0, 0, 1, -0.6], [9.0, 0, 1, 0]),
+        B,
+        C,
+        states=LINK.states,
+        inputs=LINK.inputs,
+        outputs=LINK.outputs,
+    )
+    free = MPC.design(held, Q, R, dt=DT, track=("tip", "bend"), disturbance="outputs", reads=("tip", "bend"))
+    free.aim({"tip": 0.1})
+    xs, _ = roll(free, np.zeros(4), 600, disturbance=np.array([0.3, 0.1]), model=held, read=C)
+    np.testing.assert_allclose(C @ xs[-1], [0.1, 0.0], atol=1e-6)
+    free = MPC.design(
+        held,
+        Q,
+        R,
+        dt=DT,
+        track=("tip", "bend"),
+        disturbance="outputs",
+        reads=("tip", "bend"),
+        bounds={"tip": (-1, 0.08)},
+    )
+    free.aim({"tip": 0.1})
+    xs, _ = roll(free, np.zeros(4), 600, disturbance=np.array([0.3, 0.1]), model=held, read=C)
+    assert 0.079 < C[0] @ xs[-1] < 0.08 + 1e-6  # the bound is one on the tip as it is measured
+    with pytest.raises(ValueError, match="do not tell such a disturbance from a state"):
+        MPC.design(LINK, Q, R, dt=DT, track=("tip",), disturbance="outputs", reads=("tip", "bend"))
+
+
+def test_payload_error_on_the_nonlinear_arm_leaves_no_steady_error():
+    """The design model carries 0.5 kg, the plant 0.6 kg: gravity has changed, and the links bend differently.
+
+    The third controller reads the joint encoders alone.
+    """
+    scene = scenes.get("two-link-reach")
+    x0, _ = scene.target
+    heavier = scene.plant.vary("payload.mass").stepper(scene.dt, substeps=scene.substeps)
+    finals, free = [], {"track": ("theta1", "theta2")}
+    for options in ({}, free, free | {"disturbance": "inputs", "reads": ("theta1", "theta2")}):
+        controller = MPC.for_scene(scene, **options)
+        x, picks = x0.copy(), scene.positions(controller.reads)
+        for k in range(600):
+            u = controller.act(k * scene.dt, x[picks])
+            x = heavier(x[None], u[None], np.array([[0.6]]))[0].copy()
+        finals.append(np.abs(x[:2] - x0[:2]).max())
+    assert finals[0] > 1e-3 and max(finals[1:]) < 1e-7

@@ -4,8 +4,10 @@ import itertools
 
 import numpy as np
 import pytest
+from elastic_hub import DT, HELD, K2, LINK, POINT, C, Q, R, moved, roll
 from scipy.optimize import lsq_linear
 
+from pliant.controllers import MPC
 from pliant.controllers.mpc.steady_target import Target
 
 NX = 4
@@ -79,3 +81,24 @@ def test_a_goal_within_reach_is_met_exactly_though_an_input_is_at_its_limit(seed
     both = np.vstack([G, np.eye(3)]) * units
     best = faces(gain * units, r, both.T @ weight @ both, low / units, high / units)
     np.testing.assert_allclose(u / units, best, atol=1e-5)
+
+
+def test_a_target_past_the_limits_is_met_as_nearly_as_they_allow():
+    """The piezo alone bends the link at rest: half the wanted bend is what its limit of 1 allows."""
+    most = -np.linalg.solve(K2[1:, 1:], [[-0.5]])[0, 0]
+    free = MPC.design(LINK, Q, R, dt=DT, limits=(-1.0, 1.0), track=("theta", "bend"))
+    free.aim({"theta": 0.0, "bend": 2 * most})
+    xs, _ = roll(free, np.zeros(4), 400)
+    np.testing.assert_allclose(xs[-1][:2], [0.0, most], atol=1e-5)
+    assert free.record.unreached == 400
+
+
+def test_aim_is_a_value_of_the_signal_also_about_a_point_that_is_not_zero():
+    options = {"dt": DT, "horizon": 10, "track": ("tip",)}
+    there = MPC.design(moved(LINK), Q, R, limits=(HELD - 3.0, HELD + 3.0), **options)
+    assert there.tracked == {"tip": pytest.approx(0.7)}
+    there.aim({"tip": 1.1})
+    sampled, x = LINK.discretize(DT), np.zeros(4)
+    for k in range(600):
+        x = sampled.A @ x + sampled.B @ (there.act(k * DT, POINT + x) - HELD)
+    assert C[0] @ (POINT + x) == pytest.approx(1.1, abs=1e-6)

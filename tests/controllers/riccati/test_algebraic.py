@@ -9,6 +9,7 @@ from scipy.linalg import block_diag, expm, solve_continuous_are
 from pliant.controllers import riccati
 from pliant.controllers.riccati import algebraic
 from pliant.plants.core.errors import UncontrollableError
+from pliant.plants.linear.lti import LinearModel
 
 DOUBLE = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
 
@@ -268,3 +269,26 @@ def test_filter_of_noise_that_is_also_in_the_reading():
     p = float(found[0, 0])
     assert p == pytest.approx(p / 4 + 1 - (p / 2 + 1) ** 2 / (p + 4), rel=1e-12) and p > 0
     assert L[0, 0] == pytest.approx((p / 2 + 1) / (p + 4), rel=1e-12)
+
+
+def test_discrete_kalman_scalar_and_duality():
+    # p = a^2 p v/(p + v) + e^2 w (Anderson and Moore 1979, section 4.4); solved as a quadratic
+    a, e, w, v = 0.9, 0.5, 2.0, 0.3
+    b = v * (1 - a**2) - e**2 * w
+    p = (-b + np.sqrt(b**2 + 4 * v * e**2 * w)) / 2
+    L, P = riccati.dkalman([[a]], [[e]], [[1.0]], [[w]], [[v]])
+    assert P[0, 0] == pytest.approx(p, rel=1e-12) and L[0, 0] == pytest.approx(a * p / (p + v), rel=1e-12)
+    rng = np.random.default_rng(2)
+    A, C, W, V = rng.normal(size=(4, 4)) / 2, rng.normal(size=(2, 4)), np.diag([1.0, 2, 3, 4]), np.diag([0.1, 0.2])
+    L, P = riccati.dkalman(A, np.eye(4), C, W, V)
+    dual = riccati.dlqr(A.T, C.T, W, V)
+    np.testing.assert_allclose(L, dual.K.T, rtol=1e-12)
+    np.testing.assert_allclose(A @ P @ A.T + W - L @ (C @ P @ C.T + V) @ L.T, P, rtol=1e-10, atol=1e-12)
+    with pytest.raises(Exception, match="cannot be seen by the output"):
+        riccati.dkalman(np.diag([1.0, 0.5]), np.eye(2), [[0.0, 1.0]], np.eye(2), np.eye(1))
+
+
+def test_cost_to_go_of_the_steady_regulator():
+    model = LinearModel.from_matrices([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]])
+    found = riccati.lqr(model.A, model.B, np.eye(2), np.eye(1))
+    assert found.cost_to_go([1.0, -2.0]) == pytest.approx(np.sqrt(3) * (1 + 4) - 4.0, rel=1e-12)

@@ -5,38 +5,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
+from varying_spring import END, N, Q, R, along, spring, varying
 
 from pliant.controllers import riccati
 from pliant.envs import scenes
 from pliant.plants import PliantError
-from pliant.plants.linear.lti import LinearModel
-from pliant.plants.linear.ltv import LTVModel
-
-Q, R, N, END = np.diag([3.0, 0.5]), np.array([[0.1]]), np.array([[0.1], [0.05]]), np.diag([2.0, 1.0])
-
-
-def varying(s):
-    """A, B, c of a spring that stiffens and slackens, pushed by a varying force and a moving base."""
-    A = np.array([[0, 1], [-4 - 2 * np.sin(3 * s), -0.2]])
-    B = np.array([[0.0], [1 + 0.5 * np.cos(2 * s)]])
-    return A, B, np.array([0.3 * np.sin(s), 0.5 * np.cos(2 * s)])
-
-
-def along(t, parts):
-    """An LTVModel of states only."""
-    n, nt = len(parts[0][0]), len(t)
-    A, B, c = (np.array([part[i] for part in parts]) for i in range(3))
-    none = np.zeros
-    return LTVModel(
-        *(t, A, B, none((nt, n, 0)), none((nt, 0, n)), none((nt, 0, B.shape[2])), none((nt, 0, 0)), c),
-        *(none((nt, n)), none((nt, B.shape[2])), none((nt, 0))),
-        *(tuple(f"x{i}" for i in range(n)), tuple(f"u{i}" for i in range(B.shape[2])), (), ()),
-    )
-
-
-def spring(nodes, end=2.0):
-    t = np.linspace(0.0, end, nodes)
-    return along(t, [varying(s) for s in t])
 
 
 def constant(A, B, t):
@@ -213,56 +186,6 @@ def test_nodes_too_far_apart_are_refused():
         riccati.tvlqr(along(t, parts), np.diag([1.0, 0.0, 0.0, 0.0]), np.eye(1))
 
 
-def test_sampled_along_a_constant_model_is_sampled():
-    A, B, c = varying(0.3)
-    t = np.linspace(0.0, 0.4, 3)
-    found = riccati.sampled_along(along(t, 3 * [(A, B, c)]), Q, R, N)
-    exact = riccati.sampled(A, B, Q, R, N, dt=0.2)
-    for name in ("A", "B", "Q", "R", "N"):
-        np.testing.assert_allclose(getattr(found, name)[1], getattr(exact, name), rtol=1e-12, atol=1e-14)
-
-
-def test_sampled_along_charges_what_an_integration_charges():
-    model, x0, u = spring(81), np.array([0.4, -0.3]), np.array([0.9])
-    found = riccati.sampled_along(model, Q, R, N)
-
-    def rate(s, y):
-        A, B, c = varying(s)
-        x = y[:2]
-        return [*(A @ x + B @ u + c), x @ Q @ x + u @ R @ u + 2 * x @ N @ u]
-
-    i = 17
-    end = solve_ivp(rate, (model.t[i], model.t[i + 1]), [*x0, 0.0], rtol=1e-12, atol=1e-14).y[:, -1]
-    step = [m[i] for m in found]
-    A, B, c, Qi, Ri, Ni, q, s, r = step
-    np.testing.assert_allclose(A @ x0 + B @ u + c, end[:2], atol=1e-9)
-    cost = x0 @ Qi @ x0 + u @ Ri @ u + 2 * x0 @ Ni @ u + 2 * q @ x0 + 2 * s @ u + r
-    assert cost == pytest.approx(end[2], rel=1e-7)
-
-
-def test_discrete_kalman_scalar_and_duality():
-    # p = a^2 p v/(p + v) + e^2 w (Anderson and Moore 1979, section 4.4); solved as a quadratic
-    a, e, w, v = 0.9, 0.5, 2.0, 0.3
-    b = v * (1 - a**2) - e**2 * w
-    p = (-b + np.sqrt(b**2 + 4 * v * e**2 * w)) / 2
-    L, P = riccati.dkalman([[a]], [[e]], [[1.0]], [[w]], [[v]])
-    assert P[0, 0] == pytest.approx(p, rel=1e-12) and L[0, 0] == pytest.approx(a * p / (p + v), rel=1e-12)
-    rng = np.random.default_rng(2)
-    A, C, W, V = rng.normal(size=(4, 4)) / 2, rng.normal(size=(2, 4)), np.diag([1.0, 2, 3, 4]), np.diag([0.1, 0.2])
-    L, P = riccati.dkalman(A, np.eye(4), C, W, V)
-    dual = riccati.dlqr(A.T, C.T, W, V)
-    np.testing.assert_allclose(L, dual.K.T, rtol=1e-12)
-    np.testing.assert_allclose(A @ P @ A.T + W - L @ (C @ P @ C.T + V) @ L.T, P, rtol=1e-10, atol=1e-12)
-    with pytest.raises(Exception, match="cannot be seen by the output"):
-        riccati.dkalman(np.diag([1.0, 0.5]), np.eye(2), [[0.0, 1.0]], np.eye(2), np.eye(1))
-
-
-def test_cost_to_go_of_the_steady_regulator():
-    model = LinearModel.from_matrices([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]])
-    found = riccati.lqr(model.A, model.B, np.eye(2), np.eye(1))
-    assert found.cost_to_go([1.0, -2.0]) == pytest.approx(np.sqrt(3) * (1 + 4) - 4.0, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -279,30 +202,3 @@ def test_bad_input(change, message):
     given = {"A": np.tile(np.eye(2), (3, 1, 1)), "B": np.ones((3, 2, 1)), "Q": np.eye(2), "R": np.eye(1), **change}
     with pytest.raises(ValueError, match=message):
         riccati.dtvlqr(**given)
-
-
-def test_covariance_of_white_noise_along_a_model_that_varies():
-    """dP/dt = A P + P A' + E W E', P(0) = 0, by Dormand and Prince's method; of fourth order in the distance."""
-    W, worst = np.array([[0.7]]), []
-
-    def rate(s, y):
-        A, E, _ = varying(s)
-        P = y.reshape(2, 2)
-        return (A @ P + P @ A.T + E @ W @ E.T).ravel()
-
-    right = solve_ivp(rate, (0.0, 2.0), np.zeros(4), "DOP853", rtol=1e-12, atol=1e-14).y[:, -1].reshape(2, 2)
-    for nodes in (21, 41):
-        t = np.linspace(0.0, 2.0, nodes)
-        parts = [varying(s) for s in t]
-        A, E = (np.array([part[i] for part in parts]) for i in (0, 1))
-        none, names = np.zeros, (("a", "b"), (), ("w",), ())
-        model = LTVModel(
-            *(t, A, none((nodes, 2, 0)), E, none((nodes, 0, 2)), none((nodes, 0, 0)), none((nodes, 0, 1))),
-            *(none((nodes, 2)), none((nodes, 2)), none((nodes, 0)), none((nodes, 0))),
-            **dict(zip(("states", "inputs", "disturbances", "outputs"), names)),
-        )
-        P = np.zeros((2, 2))
-        for step, more in zip(model.transition()[0], riccati.noise_along(model, W)):
-            P = step @ P @ step.T + more
-        worst.append(np.abs(P - right).max() / right.max())
-    assert worst[0] < 1e-4 and worst[1] < worst[0] / 12

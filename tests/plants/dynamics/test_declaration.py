@@ -2,18 +2,14 @@
 
 import dataclasses
 import pickle
-import sys
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
+import vary_names
 
 from pliant.plants import Environment, FlexibleSpacecraft, Hinge, SingleLinkArm, Sun, Surface, TwoLinkArm
 from pliant.plants.core import parameters
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "campaigns"))
-import vary_names
 
 ARM, CRAFT = TwoLinkArm.textbook(), FlexibleSpacecraft.textbook()
 LIT = dataclasses.replace(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from oscillators import Oscillator
 
 from pliant.plants.integration.held_inputs import HeldInput, sampling_grid
 
@@ -82,3 +83,71 @@ def test_many_times_at_once_are_checked_as_one_is(vibration):
         with pytest.raises(ValueError, match=r"u\.at_times of 3 times ?" + why):
             HeldInput(vibration, Together(many), T, W, P)
     assert HeldInput(vibration, Together(T), T, W, P).samples.ravel().tolist() == T.tolist()  # a name of its own
+
+
+def test_held_array_equals_the_function_that_holds_it():
+    times = np.linspace(0, 1, 11)
+    u = np.random.default_rng(1).normal(size=(11, 1))
+    plant = Oscillator(zeta=0.1)
+    exact = plant.linearize(np.zeros(2)).discretize(0.1)
+    x = np.zeros((11, 2))
+    x[0] = [0.1, 0.0]
+    for k in range(10):
+        x[k + 1] = exact.A @ x[k] + exact.B @ u[k]
+    for method, options in (
+        ("dop853", {}),
+        ("radau", {}),
+        ("cvodes", {}),
+        ("rk4", {"step": 1e-3}),
+        ("rk8", {"step": 0.02}),
+    ):
+        motion = plant.simulate(x[0], u, times, method=method, **options)
+        np.testing.assert_allclose(motion.x, x, rtol=0, atol=2e-8)
+        np.testing.assert_array_equal(motion.u, u)
+        np.testing.assert_allclose(motion["sum"], x[:, 0] + u[:, 0], rtol=0, atol=2e-8)
+    constant = plant.simulate(x[0], [2.0], times)
+    called = plant.simulate(x[0], lambda t: [2.0], times)
+    np.testing.assert_allclose(constant.x, called.x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(plant.simulate(x[0], np.full((11, 1), 2.0), times).x, called.x, atol=1e-9)
+    assert constant.hold == called.hold == "linear"
+
+
+class Recorder:
+    """A sampled controller that notes when it is asked and what it is shown."""
+
+    def __init__(self, dt=None, reads=()):
+        self.dt, self.reads, self.calls, self.resets = dt, reads, [], 0
+
+    def reset(self):
+        self.resets += 1
+
+    def act(self, t, y):
+        self.calls.append((t, y.copy()))
+        return np.array([-y[0]])
+
+
+@pytest.mark.parametrize(("dt", "interval"), [(0.1, 0.1), (0.1, 0.02), (0.1, 0.25), (0.1, 1.0), (0.03, 0.1)])
+def test_a_controller_is_sampled_at_its_own_period(dt, interval):
+    watcher = Recorder(dt, reads=("x",))
+    times = interval * np.arange(round(1 / interval) + 1)
+    motion = Oscillator().simulate([1.0, 0.0], watcher, times)
+    asked = np.array([t for t, _ in watcher.calls])
+    np.testing.assert_allclose(asked, dt * np.arange(len(asked)), atol=1e-12)
+    assert asked[-1] > 1 - dt - 1e-9 and watcher.resets == 1
+    # The motion is that of the sampled loop, whatever the times it is reported at.
+    loop = Oscillator().linearize(np.zeros(2)).discretize(dt)
+    x, closed = np.array([1.0, 0.0]), loop.A - loop.B @ [[1.0, 0.0]]
+    for _, y in watcher.calls:
+        assert y[0] == pytest.approx(x[0], abs=1e-8)
+        x = closed @ x
+    np.testing.assert_array_equal(motion.t, times)
+
+
+def test_a_controller_without_period_acts_at_every_time_and_reads_outputs():
+    watcher = Recorder()
+    motion = Oscillator().simulate([1.0, 0.0], watcher, np.linspace(0, 1, 8), method="rk4", step=0.01)
+    assert [t for t, _ in watcher.calls] == list(motion.t)
+    assert motion.u[0, 0] == -1.0 and motion.hold == "zero-order"
+    named = Recorder(reads=("x_rate", "sum"))
+    Oscillator().simulate([1.0, 5.0], named, [0, 0.1])
+    np.testing.assert_allclose(named.calls[0][1], [5.0, 1.0])

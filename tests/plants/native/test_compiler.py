@@ -244,3 +244,12 @@ def test_a_compiler_that_does_nothing_is_none(monkeypatch, tmp_path):
     monkeypatch.setattr(compiler, "_run", lambda *a, **k: subprocess.CompletedProcess(a, 0, "", ""))
     with pytest.raises(compiler.CompileError, match="small C file"):
         compiler._probe(("true",))
+
+
+def test_a_compiler_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    slow = tmp_path / "slow-cc"
+    slow.write_text("#!/bin/sh\nsleep 20\n")
+    slow.chmod(0o755)
+    monkeypatch.setattr(compiler, "TIMEOUT", 0.2)
+    with pytest.raises(compiler.CompileError, match="took more than"):
+        compiler._run((str(slow),), "--version")

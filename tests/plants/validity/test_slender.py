@@ -1,20 +1,16 @@
 """The limits of small slopes and axial forces, against closed forms; what they claim, on a sample of the campaign."""
 
 import dataclasses
-import sys
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
+import validity
 from scipy.integrate import solve_bvp
 
 from pliant.plants import Beam, Material, Payload, SingleLinkArm, SliderCrank, Trajectory, TwoLinkArm, beams
 from pliant.plants.validity import slender
 from pliant.plants.validity.ranges import values
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "campaigns"))
-import validity
 
 LINK = Beam.rectangular(1.0, width=0.05, depth=0.005, material=Material(density=2700.0, E=70e9, G=27e9))
 LINEAR = SingleLinkArm(link=LINK, kinematics="linear", basis="clamped-free", modes=6, drive="motion")

@@ -1,4 +1,4 @@
-"""What else an argument of a controller, a scene or a study may be: numbers by name, pairs, functions, words, files."""
+"""What else an argument may be: numbers by name, pairs, functions, words, files, and what scenes list."""
 
 from __future__ import annotations
 
@@ -152,8 +152,8 @@ class Valued(Kind):
 
 
 @dataclass(frozen=True)
-class Counts(Kind):
-    """A tuple of counts."""
+class Blocks(Kind):
+    """How many steps each move is held: counts of one sum."""
 
     def bad(self) -> Pairs:
         """Fractions, strings, other sums."""
