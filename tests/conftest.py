@@ -81,6 +81,7 @@ ARMS = {
     "two stiffened": two(basis="polynomial", kinematics="stiffened", modes=(1, 2)),
     "two payload": two(basis="payload", modes=(2, 1)),
     "two offset": two(payload=OFFSET, kinematics="stiffened", basis="polynomial", modes=(1, 1)),
+    "two strain": two(basis="polynomial", kinematics="strain", payload=OFFSET, modes=(1, 1)),
     "two one-sided": two(modes=(0, 2)),
     "two rigid-inertia": two(reduction="rigid-inertia", **HUBS),
     "two rigid-coupling": two(reduction="rigid-coupling"),
@@ -95,6 +96,8 @@ ARMS = {
     "one offset": one(payload=OFFSET, modes=1),
     "one driven": one(drive="motion"),
     "one timoshenko": one(theory="timoshenko", modes=2),
+    "one strain": one(kinematics="strain", payload=OFFSET, hub_radius=0.1, modes=1),
+    "one strain sheared": one(kinematics="strain", theory="timoshenko"),
     "one pinned": one(frame="pinned", payload=OFFSET, hub_radius=0.1),
     "one damped": one(link=damped(LINK.link), hub_friction=0.1),
 }
@@ -123,7 +126,7 @@ PLANTS = LAGRANGIAN | CRAFTS
 # What these vary, others vary beside something else: in `make campaign` alone.
 SELDOM = {
     *("two no slope", "two polynomial", "two one-sided", "two rigid-inertia", "two rigid-coupling"),
-    *("one linear", "one gravity", "one driven", "large hinged", "large driven", "crank rigid"),
+    *("one linear", "one gravity", "one driven", "one strain sheared", "large hinged", "large driven", "crank rigid"),
     *("craft linear", "craft bare"),
 }
 DAMPED = ("two damped", "one damped")

@@ -4,7 +4,8 @@ States   q = [hub_angle, eta1 .. etan], x = [q; dq/dt]; in another frame than th
 Input    hub torque [N m], or hub acceleration [rad/s^2] where the hub's motion is prescribed (drive="motion")
 Outputs  hub angle [rad], tip deflection [m] and its rate [m/s], tip position [m], curvature at the root [1/m] and what
          an accelerometer at the tip reads across its section [m/s^2]; disturbance: force on the tip [N]
-Valid    planar; slopes up to 0.3 rad; "linear" up to a fifth of the first bending frequency of spin: `ranges`
+Valid    planar; slopes up to 0.3 rad, any with kinematics="strain"; "linear" up to a fifth of the first bending
+         frequency of spin: `ranges`
 Source   "On the dynamic modelling of flexible manipulators", Eqs (13)-(16), corrected: (13) lacks the centripetal
          term, the geometric stiffness is -thetadot^2 Xi22 with tip mass and beam, Xi33 is zero. With theory
          "timoshenko" each coordinate bends and shears, (W, Psi) = (w_k, psi_k), so that p and q are one vector
@@ -27,13 +28,15 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_choice, require_finite
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.exact_rotations.strain_link import StrainLink
 from pliant.plants.validity.ranges import Range
+from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
 from .link_frames import FRAMES, to_clamped
 from .single_link_declaration import SingleLinkDeclaration
 
-LARGE = 'LargeDeflectionBeam, kinematics="strain" (root="driven": its hub moves as prescribed)'
+LARGE = 'kinematics="strain"'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +60,7 @@ class SingleLinkArm(SingleLinkDeclaration):
         return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
 
     def ladder(self) -> tuple[Self, ...]:
-        """From the rigid link through one to four modes, with and without shortening.
+        """From the rigid link through one to four modes, with and without shortening, to exact rotations.
 
         Modes of a free tip know nothing of a payload's force and moment; above them stands one rung that does.
         """
@@ -73,6 +76,9 @@ class SingleLinkArm(SingleLinkDeclaration):
             steps.append(dataclasses.replace(self, kinematics=kinematics, modes=n))
         if self.basis == "clamped-free":
             steps.append(dataclasses.replace(steps[-1], basis="payload"))
+        basis = "payload" if self.basis == "clamped-free" else self.basis
+        for n in (2, 3, 4):
+            steps.append(dataclasses.replace(self, kinematics="strain", frame="clamped", basis=basis, modes=n))
         return tuple(steps)
 
     @cached_property
@@ -147,7 +153,7 @@ class SingleLinkArm(SingleLinkDeclaration):
         n = self.coordinates_slice.stop
         tip, link = self._tip(x[:n]), self.elastic
         q, v = self._clamped(x[:n]), self._clamped(x[n:])
-        bent = [q[0], link.deflection(q[1:]), link.deflection(v[1:])]
+        bent = [q[0], link.deflection(q[1:]), link.deflection_rate(q[1:], v[1:])]
         felt = self._felt(t, x, u, w, q[0] + link.slope(q[1:]))
         return ca.vertcat(*bent, tip, link.root_curvature(q[1:]), felt)
 
@@ -159,7 +165,9 @@ class SingleLinkArm(SingleLinkDeclaration):
         return ca.cos(angle) * (a[1] + self.gravity) - ca.sin(angle) * a[0]
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
-        """Small slopes; without stiffening also the shortening and the axial force that it leaves out."""
+        """Small slopes, without stiffening also the shortening and the axial force that it leaves out; of
+        exact rotations small strains.
+        """
         n = self.coordinates_slice.stop
         q, spin, link, load = self._clamped(x[:n]), self._clamped(x[n:])[0] ** 2, self.elastic, self.payload
         c, s = ca.cos(q[0]), ca.sin(q[0])
@@ -167,6 +175,8 @@ class SingleLinkArm(SingleLinkDeclaration):
         force = load.mass * out + c * w[0] + s * w[1]
         pull = Pull(spin * self.hub_radius - self.gravity * s, spin, force)
         name = "the link"
+        if isinstance(link, StrainLink):
+            return tuple(strains_of(name, link, q[1:], pull.at_root(link)))
         return (*small_slopes(name, link, q[1:], LARGE), *pulled(name, link, self.nominal.elastic, pull))
 
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:

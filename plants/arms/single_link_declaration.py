@@ -13,10 +13,11 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.exact_rotations.strain_link import elastic_link
 
 from .link_frames import FRAMES
 
-KINEMATICS = ("rigid", "linear", "stiffened")
+KINEMATICS = ("rigid", "linear", "stiffened", "strain")
 BASES = {"payload": 40, "clamped-free": 40, "polynomial": 20}  # basis: most modes
 
 
@@ -51,6 +52,11 @@ class SingleLinkDeclaration(LagrangianPlant):
         if self.drive == "motion" and self.frame != "clamped":
             raise ValueError(
                 f"SingleLinkArm.frame = {self.frame!r} must be 'clamped' where drive = 'motion' prescribes the hub"
+            )
+        if self.kinematics == "strain" and self.frame != "clamped":
+            raise ValueError(
+                f"SingleLinkArm.frame = {self.frame!r} must be 'clamped' where kinematics = 'strain': only while "
+                "slopes are small is a line through the tip or the mass centre turned in proportion to the coordinates"
             )
 
     @property
@@ -131,4 +137,4 @@ class SingleLinkDeclaration(LagrangianPlant):
             ratios["rotary"] = own.link.I_z / own.link.area / section
             ratios["shear"] = own.link.EI / own.link.shear_stiffness / section
         shapes = beams.basis(self.basis, self.mode_count, **ratios)
-        return ElasticLink(self.link, shapes, self.kinematics == "stiffened")
+        return elastic_link(self.kinematics, self.link, shapes)

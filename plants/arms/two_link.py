@@ -4,7 +4,8 @@ States   q = [theta1, theta2, q11 .. q1n, q21 .. q2m], x = [q; dq/dt]; theta2 re
 Inputs   joint torques tau1, tau2 [N m]; disturbances: force on the tip, inertial axes [N]
 Outputs  joint angles [rad], tip deflections of both links [m] and their rates [m/s], tip position [m], curvature at
          each link's root [1/m], what an accelerometer at the tip reads across its section [m/s^2]
-Valid    planar; slopes up to 0.3 rad; fast rotation and axial loads need kinematics="stiffened": `ranges`
+Valid    planar; slopes up to 0.3 rad, any with kinematics="strain"; fast rotation and axial loads need "stiffened" or
+         "strain": `ranges`
 Source   "Coupled-Nonlinear Elastic Structure", Eqs (5)-(27). Departures: the strain energy of (23) has the sign +,
          gravity acts on the deflections too, the payload turns with (21)'s slope plus the joint angles.
 """
@@ -24,13 +25,15 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.exact_rotations.strain_link import StrainLink
 from pliant.plants.validity.ranges import Range
-from pliant.plants.validity.slender import NONE_HOLDS, Pull, pulled, small_slopes
+from pliant.plants.validity.rotating_sections import strains_of
+from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
 from .two_link_declaration import TwoLinkDeclaration
 
 TURNED = 0.01  # [rad], of link 2 by link 1's tip: a hundredth of its length at its own tip
-LARGE = f"{NONE_HOLDS} for two links; for one link alone LargeDeflectionBeam"
+LARGE = 'kinematics="strain"'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +57,9 @@ class TwoLinkArm(TwoLinkDeclaration):
         return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
 
     def ladder(self) -> tuple[Self, ...]:
-        """From the rigid arm through one and two modes to four polynomials a link, with and without shortening."""
+        """From the rigid arm through one and two modes to four polynomials a link, with and without shortening, and
+        with exact rotations.
+        """
         steps: list[Self] = [dataclasses.replace(self, reduction="rigid")]
         for kinematics, basis, n in (
             ("linear", "clamped-free", 1),
@@ -66,6 +71,8 @@ class TwoLinkArm(TwoLinkDeclaration):
             ("stiffened", "polynomial", 3),
             ("stiffened", "clamped-free", 4),
             ("stiffened", "polynomial", 4),
+            ("strain", "polynomial", 3),
+            ("strain", "polynomial", 4),
         ):
             steps.append(
                 dataclasses.replace(
@@ -164,7 +171,12 @@ class TwoLinkArm(TwoLinkDeclaration):
         q, v = x[:n], x[n:]
         (theta1, theta2, q1, q2), (_, _, v1, v2) = self._split(q), self._split(v)
         link1, link2 = self.links
-        bent = [link1.deflection(q1), link2.deflection(q2), link1.deflection(v1), link2.deflection(v2)]
+        bent = [
+            link1.deflection(q1),
+            link2.deflection(q2),
+            link1.deflection_rate(q1, v1),
+            link2.deflection_rate(q2, v2),
+        ]
         bent += [self._tip(q), link1.root_curvature(q1), link2.root_curvature(q2)]
         M, r, _, _ = self.equations(t, x, u, w)
         a = second_derivative(self._tip(q), q, v, self.acceleration(M, r, u)[0])
@@ -174,7 +186,9 @@ class TwoLinkArm(TwoLinkDeclaration):
         return ca.vertcat(theta1, theta2, *bent, felt)
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
-        """Small slopes; without stiffening also the shortening and the axial force that it leaves out."""
+        """Small slopes, without stiffening also the shortening and the axial force that it leaves out; of
+        exact rotations small strains.
+        """
         n = self.coordinates_slice.stop
         q, v, links = x[:n], x[n:], self.links
         (_, _, q1, q2), (w1, w2, v1, _) = self._split(q), self._split(v)
@@ -190,7 +204,10 @@ class TwoLinkArm(TwoLinkDeclaration):
         )
         found = list[Range]()
         for i, (link, numbers, bent, pull) in enumerate(zip(links, self.nominal.links, (q1, q2), pulls), start=1):
-            found += small_slopes(f"link {i}", link, bent, LARGE) + pulled(f"link {i}", link, numbers, pull)
+            if isinstance(link, StrainLink):
+                found += strains_of(f"link {i}", link, bent, pull.at_root(link))
+            else:
+                found += small_slopes(f"link {i}", link, bent, LARGE) + pulled(f"link {i}", link, numbers, pull)
         if not self.tip_slope and q1.shape[0]:
             keeps = "leaving it out misplaces the tip by less than 1 % of link 2's length"
             turned = ca.fabs(links[0].slope(q1))

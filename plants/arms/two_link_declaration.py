@@ -13,9 +13,10 @@ from pliant.plants.core.argument_gates import require_counts
 from pliant.plants.core.parameters import flag, part, quantity, require_choice, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.exact_rotations.strain_link import elastic_link
 
 REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
-KINEMATICS = ("linear", "stiffened")
+KINEMATICS = ("linear", "stiffened", "strain")
 BASES = {"clamped-free": 40, "payload": 40, "polynomial": 20}  # basis: most modes a link
 
 
@@ -116,9 +117,8 @@ class TwoLinkDeclaration(LagrangianPlant):
         """Both links with their shape functions, which come from the nominal parameters."""
         own = self.nominal
         n1, n2 = own.mode_counts
-        stiffened = self.kinematics == "stiffened"
         a, b, load = own.link1, own.link2, own.payload
         carried = Payload(mass=own.joint_mass + b.mass + load.mass)  # joint 2 passes no inertia on
         shapes1 = beams.basis(self.basis, n1, **carried.ratios(a.mass, a.length))
         shapes2 = beams.basis(self.basis, n2, **load.ratios(b.mass, b.length))
-        return ElasticLink(self.link1, shapes1, stiffened), ElasticLink(self.link2, shapes2, stiffened)
+        return elastic_link(self.kinematics, self.link1, shapes1), elastic_link(self.kinematics, self.link2, shapes2)

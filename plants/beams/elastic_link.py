@@ -39,8 +39,12 @@ class ElasticLink:
     stiffened: bool
 
     def deflection(self, q: ca.SX) -> ca.SX:
-        """Tip deflection u(L) [m]; linear, so it serves rates too."""
+        """Tip deflection u(L) [m], across the root's direction."""
         return _dot(self.basis.tip, q)
+
+    def deflection_rate(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """du(L)/dt [m/s]."""
+        return _dot(self.basis.tip, v)
 
     def slope(self, q: ca.SX) -> ca.SX:
         """Turn of the tip's section [rad], u'(L) without shear; linear, so it serves rates too."""
@@ -67,7 +71,7 @@ class ElasticLink:
     def tip_velocity(self, root: tuple[ca.SX, ca.SX], omega: ca.SX, q: ca.SX, v: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Velocity (x, y) [m/s] of the tip, in root-frame axes, when the root moves at `root` and turns at omega."""
         x, y = self.tip(q)
-        return root[0] - self.shortening_rate(q, v) - omega * y, root[1] + self.deflection(v) + omega * x
+        return root[0] - self.shortening_rate(q, v) - omega * y, root[1] + self.deflection_rate(q, v) + omega * x
 
     def centre(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         """First moment (int x dm, int y dm) [kg m] in the root frame."""

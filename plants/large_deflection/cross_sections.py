@@ -14,8 +14,7 @@ import casadi as ca
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.signals import OwnsArrays
-
-from .tangent_field import Array, sparse
+from pliant.plants.exact_rotations.quadrature import Array, sparse
 
 TERMS = 16  # of the series in phi^2: complete to rounding below one turn
 

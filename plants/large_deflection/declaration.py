@@ -11,6 +11,7 @@ from pliant.plants.core import parameters
 from pliant.plants.core.parameters import flag, is_symbolic, part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.exact_rotations.quadrature import points
 
 from . import tangent_field
 from .fields import Fields, of_chain, of_rotations
@@ -185,7 +186,7 @@ class LargeBeamDeclaration(LagrangianPlant):
             twists = None if self.planar else self.twists
             return of_chain(self.beam, self.payload, self._chain, self.point_count, twists)
         own: LargeBeamDeclaration = self.nominal
-        at = tangent_field.points(own.point_count)
+        at = points(own.point_count)
         return of_rotations(self.beam, self.payload, *own._rotations, at, None if self.planar else own._torsion)
 
     @property

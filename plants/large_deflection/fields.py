@@ -11,12 +11,13 @@ import numpy as np
 
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
+from pliant.plants.exact_rotations.quadrature import Array, Points
 
 from .cross_sections import PlanarSections
 from .spatial_sub_beam_chain import SpatialChain
 from .spatial_tangent_field import SpatialSections
 from .sub_beam_chain import Chain
-from .tangent_field import Array, Points, Rotations, TangentField, planar_field
+from .tangent_field import Rotations, TangentField, planar_field
 from .torsion import TorsionShapes
 
 

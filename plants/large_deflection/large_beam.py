@@ -27,6 +27,7 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_finite, shown
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.exact_rotations.quadrature import Array
 from pliant.plants.validity.ranges import Range, largest
 from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
 from pliant.plants.validity.slender import STATIONS
@@ -34,7 +35,7 @@ from pliant.plants.validity.slender import STATIONS
 from .cross_sections import PlanarSections
 from .declaration import MOST_TWISTS, LargeBeamDeclaration
 from .sub_beam_chain import Chain
-from .tangent_field import Array, Tangents
+from .tangent_field import Tangents
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .tangent_field import Array, Points, points
+from pliant.plants.exact_rotations.quadrature import Array, Points, points
 
 FINEST = 64  # points of the rule that others are judged by: exact to rounding for all shapes that a plant may have
 REFUSED = 0.1  # of a shape's inertia: points with a larger error are too few

@@ -18,10 +18,11 @@ import numpy as np
 
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
+from pliant.plants.exact_rotations.quadrature import Array, Points, points, sparse
 
 from .cross_sections import payload_tensor, rotation, spin, turned_about_z
 from .sub_beam_chain import Chain
-from .tangent_field import Array, Points, Tangents, points, sparse
+from .tangent_field import Tangents
 
 
 class _ChainTangents(Tangents):

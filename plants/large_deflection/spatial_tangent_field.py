@@ -24,9 +24,10 @@ import numpy as np
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.exact_rotations.quadrature import Array, Points, sparse
 
 from .cross_sections import payload_tensor, rotation, series, spin, turned_about_z
-from .tangent_field import Array, Points, Rotations, TangentField, sparse
+from .tangent_field import Rotations, TangentField
 from .torsion import TorsionShapes
 
 

@@ -21,8 +21,9 @@ import numpy as np
 
 from pliant.plants import beams
 from pliant.plants.core.imports import linalg
+from pliant.plants.exact_rotations.quadrature import Array, points
 
-from .tangent_field import Array, TangentField, points
+from .tangent_field import TangentField
 
 FRAMES = ("mean-axis", "chord", "tangent")
 

@@ -14,8 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from pliant.plants.beams.pinned_rod import AxialModes
-
-from .tangent_field import Array
+from pliant.plants.exact_rotations.quadrature import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,10 +22,10 @@ from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.exact_rotations.quadrature import Array, points
 
 from .large_beam import LargeDeflectionBeam
 from .sub_beam_chain import Chain
-from .tangent_field import Array, points
 
 
 def _turn(angle: ca.SX) -> ca.SX:

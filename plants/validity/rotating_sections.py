@@ -19,9 +19,10 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.exact_rotations.strain_link import StrainLink, curvatures
 
-from .ranges import Range
-from .slender import NONE_HOLDS, SLOPE
+from .ranges import Range, largest
+from .slender import NONE_HOLDS, SLOPE, STATIONS
 
 FIBRE = 0.01
 MOMENTS = ("I_z", "I_y")  # that bending about z and about y feel
@@ -30,7 +31,7 @@ SKEW = 0.1  # [rad]
 FINER = 'more segments, or kinematics="strain"'
 
 
-def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX) -> list[Range]:
+def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX, name: str = "the beam") -> list[Range]:
     """Strain of the outer fibres, sqrt(3 I/A) from the axis as in a rectangle, for the largest |curvature| [1/m] about
     each axis ("I_z", "I_y"), and of the axis under a force `pull` [N].
     """
@@ -38,10 +39,18 @@ def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX) -> 
     for curvature, moment in curvatures:
         bent += ca.sqrt(3 * getattr(beam, moment) / beam.area) * curvature
     keeps = "sections keep their size, and their stiffness, to 1 %"
-    found = [Range("strain of the beam's fibres", "1", FIBRE, keeps, NONE_HOLDS, bent)]
+    found = [Range(f"strain of {name}'s fibres", "1", FIBRE, keeps, NONE_HOLDS, bent)]
     keeps = "an inextensible beam misplaces its points by less than 1 % of the length"
     stretched = ca.fabs(pull) / (beam.E * beam.area)
-    return [*found, Range("axial strain of the beam", "1", FIBRE, keeps, NONE_HOLDS, stretched)]
+    return [*found, Range(f"axial strain of {name}", "1", FIBRE, keeps, NONE_HOLDS, stretched)]
+
+
+def strains_of(name: str, link: StrainLink, q: ca.SX, pull: ca.SX) -> list[Range]:
+    """Of a link of exact rotations at coordinates q (n,): strain of its fibres, and of its axis under a force [N]."""
+    if not link.basis.n:
+        return []
+    curvature = largest(curvatures(link.basis, STATIONS), q) / link.beam.length**2
+    return fibres(link.beam, [(curvature, "I_z")], pull, name)
 
 
 def below_one_turn(shapes: Sequence[np.ndarray], bends: ca.SX, flaps: ca.SX) -> Range:

@@ -106,7 +106,7 @@ def test_ladder_of_free_tip_modes_ends_where_the_payload_is_known():
     """A heavy payload: rungs of free-tip modes agree within 0.5 % and are 1 % off; the last is exact."""
     arm = unit(payload=Payload(mass=1.0, inertia=0.3), basis="clamped-free")
     exact = beams.frequencies(arm.link, 1, payload=arm.payload)[0]
-    steps = arm.ladder()[-3:]
+    steps = [step for step in arm.ladder() if step.kinematics == "stiffened"][-3:]
     three, four, last = (step.natural_frequencies(locked=HELD)[0] / exact - 1 for step in steps)
     assert three - four < 0.005 and four > 0.01 and abs(last) < 1e-9
     assert steps[-1].basis == "payload"
@@ -200,5 +200,5 @@ def test_ladder_starts_rigid_and_every_step_has_its_own_label():
     ladder = ARM.ladder()
     labels = [step.label for step in ladder]
     assert labels[0] == "rigid" and len(set(labels)) == len(labels)
-    assert [step.nx for step in ladder] == [2, 4, 6, 4, 6, 8, 10]
+    assert [step.nx for step in ladder] == [2, 4, 6, 4, 6, 8, 10, 6, 8, 10]
     assert all(step.outputs == ARM.outputs for step in ladder)

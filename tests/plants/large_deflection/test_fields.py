@@ -5,12 +5,13 @@ import pytest
 
 from pliant.plants import Beam, LargeDeflectionBeam, Payload
 from pliant.plants.beams.section import STEEL
+from pliant.plants.exact_rotations.quadrature import points
 from pliant.plants.large_deflection.cross_sections import PlanarSections
 from pliant.plants.large_deflection.fields import of_chain, of_rotations
 from pliant.plants.large_deflection.spatial_sub_beam_chain import SpatialChain
 from pliant.plants.large_deflection.spatial_tangent_field import SpatialSections
 from pliant.plants.large_deflection.sub_beam_chain import Chain
-from pliant.plants.large_deflection.tangent_field import points, rotations
+from pliant.plants.large_deflection.tangent_field import rotations
 from pliant.plants.large_deflection.torsion import TorsionShapes
 
 BEAM = LargeDeflectionBeam.textbook().beam

@@ -8,8 +8,8 @@ from large_beam_cases import large
 
 from pliant.plants import LargeDeflectionBeam, Payload
 from pliant.plants.beams import STEEL, Beam
+from pliant.plants.exact_rotations.quadrature import points
 from pliant.plants.large_deflection.resolution import Resolved, enough
-from pliant.plants.large_deflection.tangent_field import points
 
 ROD = Beam.circular(1.0, 0.01, STEEL)
 
