@@ -28,11 +28,13 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_choice, require_finite
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.dynamics.plant_contract import PlantContract
 from pliant.plants.exact_rotations.strain_link import StrainLink
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
+from . import physics
 from .link_frames import FRAMES, to_clamped
 from .single_link_declaration import SingleLinkDeclaration
 
@@ -80,6 +82,31 @@ class SingleLinkArm(SingleLinkDeclaration):
         for n in (2, 3, 4):
             steps.append(dataclasses.replace(self, kinematics="strain", frame="clamped", basis=basis, modes=n))
         return tuple(steps)
+
+    def physics(self, more: int = 0) -> Self:
+        """Exact rotations with shear and rotary inertia on polynomials, `more` than 4."""
+        return physics.of_single_link(self, more)
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        return physics.effects(self)
+
+    def without(self, effect: str) -> Self:
+        return physics.without(self, effect) if effect in self.effects else super().without(effect)
+
+    @property
+    def newton(self) -> Self:
+        """The stiffened arm in place of exact rotations."""
+        return self._of("stiffened") if self.kinematics == "strain" else self
+
+    def embedding(self, simpler: PlantContract) -> np.ndarray:
+        if not isinstance(simpler, SingleLinkDeclaration):
+            return super().embedding(simpler)
+        return physics.single_embedding(self, simpler)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        return physics.UNMODELLED
 
     @cached_property
     def clamped_map(self) -> np.ndarray:

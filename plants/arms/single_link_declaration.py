@@ -133,8 +133,6 @@ class SingleLinkDeclaration(LagrangianPlant):
         own = self.nominal
         ratios = own.payload.ratios(own.link.mass, own.link.length)
         if self.theory == "timoshenko":
-            section = own.link.length**2
-            ratios["rotary"] = own.link.I_z / own.link.area / section
-            ratios["shear"] = own.link.EI / own.link.shear_stiffness / section
+            ratios |= own.link.section_ratios
         shapes = beams.basis(self.basis, self.mode_count, **ratios)
         return elastic_link(self.kinematics, self.link, shapes)

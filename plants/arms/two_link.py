@@ -25,11 +25,13 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.dynamics.plant_contract import PlantContract
 from pliant.plants.exact_rotations.strain_link import StrainLink
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
+from . import physics
 from .two_link_declaration import TwoLinkDeclaration
 
 TURNED = 0.01  # [rad], of link 2 by link 1's tip: a hundredth of its length at its own tip
@@ -80,6 +82,31 @@ class TwoLinkArm(TwoLinkDeclaration):
                 )
             )
         return tuple(steps)
+
+    def physics(self, more: int = 0) -> Self:
+        """Exact rotations with shear and rotary inertia on polynomials, `more` than 3 a link."""
+        return physics.of_two_links(self, more)
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        return physics.effects(self)
+
+    def without(self, effect: str) -> Self:
+        return physics.without(self, effect) if effect in self.effects else super().without(effect)
+
+    @property
+    def newton(self) -> Self:
+        """The stiffened arm in place of exact rotations."""
+        return self._of("stiffened") if self.kinematics == "strain" else self
+
+    def embedding(self, simpler: PlantContract) -> np.ndarray:
+        if not isinstance(simpler, TwoLinkDeclaration):
+            return super().embedding(simpler)
+        return physics.two_embedding(self, simpler)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        return physics.UNMODELLED
 
     def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         n1 = self.mode_counts[0]

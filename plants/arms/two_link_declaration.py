@@ -8,6 +8,7 @@ from functools import cached_property
 from pliant.plants import beams
 from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.payload import Payload
+from pliant.plants.beams.rotating_beam import THEORIES
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_counts
 from pliant.plants.core.parameters import flag, part, quantity, require_choice, validate
@@ -34,6 +35,7 @@ class TwoLinkDeclaration(LagrangianPlant):
     tip_slope: bool = flag(True)  # the slope of link 1's tip turns link 2 (the paper leaves it out)
     reduction: str = "full"
     kinematics: str = "linear"
+    theory: str = "euler-bernoulli"
     basis: str = "clamped-free"
     modes: tuple[int, int] = (2, 2)
 
@@ -42,6 +44,7 @@ class TwoLinkDeclaration(LagrangianPlant):
         for name, choices in (
             ("reduction", REDUCTIONS),
             ("kinematics", KINEMATICS),
+            ("theory", THEORIES),
             ("basis", tuple(BASES)),
         ):
             require_choice("TwoLinkArm", name, getattr(self, name), choices)
@@ -110,7 +113,8 @@ class TwoLinkDeclaration(LagrangianPlant):
             return "rigid"
         stage = "" if self.reduction == "full" else f", {self.reduction}"
         slope = "" if self.tip_slope else ", no tip slope"
-        return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{stage}{slope}"
+        shear = ", shear" if self.theory == "timoshenko" else ""
+        return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{shear}{stage}{slope}"
 
     @cached_property
     def links(self) -> tuple[ElasticLink, ElasticLink]:
@@ -119,6 +123,8 @@ class TwoLinkDeclaration(LagrangianPlant):
         n1, n2 = own.mode_counts
         a, b, load = own.link1, own.link2, own.payload
         carried = Payload(mass=own.joint_mass + b.mass + load.mass)  # joint 2 passes no inertia on
-        shapes1 = beams.basis(self.basis, n1, **carried.ratios(a.mass, a.length))
-        shapes2 = beams.basis(self.basis, n2, **load.ratios(b.mass, b.length))
+        thick = self.theory == "timoshenko"
+        first = carried.ratios(a.mass, a.length) | (a.section_ratios if thick else {})
+        second = load.ratios(b.mass, b.length) | (b.section_ratios if thick else {})
+        shapes1, shapes2 = beams.basis(self.basis, n1, **first), beams.basis(self.basis, n2, **second)
         return elastic_link(self.kinematics, self.link1, shapes1), elastic_link(self.kinematics, self.link2, shapes2)

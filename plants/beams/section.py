@@ -142,6 +142,12 @@ class Beam:
         return self.linear_density * self.length
 
     @property
+    def section_ratios(self) -> dict[str, float]:
+        """{"rotary": I_z/(A L^2), "shear": E I_z/(kappa G A L^2)} [-], in bending in x-y: Timoshenko's theory."""
+        square = self.length**2
+        return {"rotary": self.I_z / self.area / square, "shear": self.EI / self.shear_stiffness / square}
+
+    @property
     def EI(self) -> Any:
         """Stiffness E I_z [N m^2] of bending in the x-y plane."""
         return self.E * self.I_z

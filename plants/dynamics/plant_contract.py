@@ -166,6 +166,42 @@ class PlantContract(Declaration):
         """This plant without and with geometric stiffening, same states. Default: None, there is no such choice."""
         return None
 
+    def physics(self, more: int = 0) -> Self:
+        """The richest model of this machine, by which its fidelities are judged, with `more` shapes than it has by
+        itself. Default: the finest of the ladder, whatever `more` is.
+        """
+        return self.ladder()[-1]
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        """{effect of physics, in words: whether this variant has it}. Default: none are told apart."""
+        return {}
+
+    def without(self, effect: str) -> Self:
+        """This model, which has all effects, without one; where it can be, in the same states."""
+        raise ValueError(f"{type(self).__name__}.without: effect {effect!r} is not one of its effects")
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        """What even `physics` leaves out, in words. Default: what every variant of the ladder does."""
+        return ("what every variant of its ladder leaves out",)
+
+    @property
+    def newton(self) -> Self:
+        """A model of the same states and inputs whose Jacobians, cheaper, serve Newton's method. Default: itself."""
+        return self
+
+    def embedding(self, simpler: PlantContract) -> Array:
+        """E (nx, nx of `simpler`): the states E x of this model that move as x of a simpler one does. Default: states
+        of one name are the same, the others are zero.
+        """
+        have = {s.name: k for k, s in enumerate(simpler.states)}
+        E = np.zeros((len(self.states), len(have)))
+        for k, s in enumerate(self.states):
+            if s.name in have:
+                E[k, have[s.name]] = 1.0
+        return E
+
     @property
     def unfelt(self) -> Unfelt:
         """States that may have no part in the stability of the rest. Default: none."""

@@ -25,17 +25,21 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_finite, shown
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.dynamics.plant_contract import PlantContract
 from pliant.plants.exact_rotations.quadrature import Array
 from pliant.plants.validity.ranges import Range, largest
 from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
 from pliant.plants.validity.slender import STATIONS
 
 from .cross_sections import PlanarSections
-from .declaration import MOST_TWISTS, LargeBeamDeclaration
+from .declaration import BASES, MOST_TWISTS, LargeBeamDeclaration
 from .sub_beam_chain import Chain
 from .tangent_field import Tangents
+
+PHYSICS_SHAPES = 5  # that physics has by itself
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +77,26 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         if not self.planar:
             steps.append(dataclasses.replace(steps[-1], twists=min(max(2 * self.twists, 1), MOST_TWISTS)))
         return tuple(steps)
+
+    def physics(self, more: int = 0) -> Self:
+        """Exact rotations, with `more` than five shapes; in space as many twists as shapes."""
+        modes = min(PHYSICS_SHAPES + more, BASES[self.rotation_basis])
+        twists = min(modes, MOST_TWISTS) if not self.planar else self.twists
+        changes: dict[str, Any] = {"kinematics": "strain", "segments": 1, "points": None}
+        return dataclasses.replace(self, modes=modes, twists=twists, **changes)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        plane = ("bending out of the plane", "torsion") if self.planar else ()
+        return (*plane, "shear", "extension", "plasticity")
+
+    def embedding(self, simpler: PlantContract) -> Array:
+        """Turns of the root and twists as they are, curvatures projected."""
+        if not (isinstance(simpler, LargeBeamDeclaration) and simpler.kinematics == self.kinematics == "strain"):
+            return super().embedding(simpler)
+        bend, flap = (own.embedding(other) for own, other in zip(self._rotations, simpler._rotations))
+        blocks = [bend] if self.planar else [bend, flap, np.eye(self.twists, simpler.twists)]
+        return np.kron(np.eye(2), linalg.block_diag(*blocks))
 
     @property
     def _loaded(self) -> bool:

@@ -18,8 +18,11 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import beams
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import OwnsArrays
-from pliant.plants.exact_rotations.quadrature import Array, Points, sparse
+from pliant.plants.exact_rotations.quadrature import Array, Points, points, sparse
+
+POINTS = 48  # by which one kind of shapes is projected on another
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +151,13 @@ class Rotations:
         """dpsi/dxi at xi (k,) -> (k, n)."""
         bent = self.basis.phi(xi, 2) / self.scale
         return np.column_stack([np.zeros_like(xi), bent]) if self.rotating else bent
+
+    def embedding(self, simpler: Rotations) -> Array:
+        """The coordinates (n, n of simpler) whose curvature comes nearest; a turn of the root is the same in both."""
+        at, k = points(POINTS), int(self.rotating)
+        root = np.sqrt(at.weight)[:, None]
+        have, want = root * self.curvature(at.xi)[:, k:], root * simpler.curvature(at.xi)[:, k:]
+        return np.asarray(linalg.block_diag(np.eye(k), np.linalg.lstsq(have, want, rcond=None)[0]))
 
     @property
     def stiffness(self) -> Array:

@@ -24,8 +24,9 @@ from pliant.plants.core.signals import index
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.slender import NONE_HOLDS, pinned
 
-from .mechanism import SliderCrankMechanism
+from .mechanism import MOST_MODES, SliderCrankMechanism
 
+PHYSICS_MODES = 5  # that physics has by itself
 DRY_SPEED = 1e-2  # [m/s] over which dry friction changes its sign
 
 
@@ -58,6 +59,27 @@ class SliderCrank(SliderCrankMechanism):
             changes: dict[str, Any] = {"kinematics": kinematics, "basis": "pinned-pinned", "modes": n}
             steps.append(dataclasses.replace(self, axial_modes=0, **changes))
         return tuple(steps)
+
+    def physics(self, more: int = 0) -> Self:
+        """Stiffened, with `more` than five modes of the pinned rod."""
+        modes = min(PHYSICS_MODES + more, MOST_MODES)
+        return dataclasses.replace(self, kinematics="stiffened", basis="pinned-pinned", modes=modes, axial_modes=0)
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        bends = self.kinematics != "rigid" and self.modes > 0
+        return {"bending": bends, "shortening of the bent rod": bends and self.kinematics == "stiffened"}
+
+    def without(self, effect: str) -> Self:
+        changes: dict[str, dict[str, Any]] = {
+            "bending": {"kinematics": "rigid"},
+            "shortening of the bent rod": {"kinematics": "linear"},
+        }
+        return dataclasses.replace(self, **changes[effect]) if effect in changes else super().without(effect)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        return "exact rotations of the rod", "shear and rotary inertia of the rod", "clearance of the joints"
 
     def _rod_kinetic_energy(self, pin: tuple[ca.SX, ca.SX], rate: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
         return self.elastic.kinetic_energy(pin, rate, *self._split(q), *self._split(v))

@@ -151,6 +151,24 @@ class SpacecraftDeclaration(MechanicalPlant):
             steps += [dataclasses.replace(self, kinematics=kinematics, appendages=bodies) for bodies in sets]
         return tuple(steps)
 
+    def physics(self, more: int = 0) -> Self:
+        """Stiffened, with all modes of modal data and `more` and one more of each appendage that is a beam."""
+        bodies = tuple(_richer(a, more + 1) for a in self.appendages)
+        return dataclasses.replace(self, kinematics="stiffened", appendages=bodies)
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        bends = self.kinematics != "rigid" and sum(self.mode_counts) > 0
+        return {"bending": bends, "shortening of the bent appendages": bends and self.kinematics == "stiffened"}
+
+    def without(self, effect: str) -> Self:
+        kinds = {"bending": "rigid", "shortening of the bent appendages": "linear"}
+        return dataclasses.replace(self, kinematics=kinds[effect]) if effect in kinds else super().without(effect)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        return "exact rotations of the appendages", "modes that their modal data leave out", "fuel that moves"
+
     def state(self, values: Mapping[str, float] | None = None, **named: float) -> np.ndarray:
         """x (nx,) with these states by name; the others at rest with body and reference axes aligned."""
         x = np.zeros(self.nx)
@@ -204,3 +222,12 @@ class SpacecraftDeclaration(MechanicalPlant):
     @abstractmethod
     def residual(self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
         """M a + bias - loads (6 + n,) at any accelerations a (6 + n,)."""
+
+
+def _richer(appendage: Appendage, more: int) -> Appendage:
+    """All modes of modal data, or more of a beam."""
+    if isinstance(appendage.body, ModalData):
+        return dataclasses.replace(appendage, modes=None)
+    own = 1 if appendage.modes is None else appendage.modes
+    modes = own + more if isinstance(own, int) else tuple(n + more for n in own)
+    return dataclasses.replace(appendage, modes=modes)

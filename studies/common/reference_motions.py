@@ -16,6 +16,7 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
+from pliant.plants.core.argument_gates import require_finite
 from pliant.plants.validity.ranges import in_words
 
 TIGHT = 1e-10  # rtol of a converged motion; atol is a hundredth
@@ -36,8 +37,11 @@ def share(progress: Progress | None, start: float, stop: float) -> Progress:
 class Motions:
     """Motions of one scene, kept."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, inputs: np.ndarray | None = None) -> None:
+        """`inputs` (nt, nu): held from each control time to the next; None: the scene's nominal inputs."""
         self.scene = scene
+        if inputs is not None:
+            self.held = require_finite("Motions.inputs", inputs, (len(scene.times), scene.plant.nu))
         self._kept: dict[Plant, np.ndarray | PliantError] = {}
         self._starts: dict[Plant, np.ndarray] = {}
         self._outside: dict[Plant, str] = {}
@@ -52,13 +56,25 @@ class Motions:
         """Input (nt, nu) held from each control time to the next."""
         return np.array([self.scene.nominal_input(t) for t in self.scene.times])
 
-    def run(self, plant: Plant, **options: Any) -> Trajectory:
-        """The motion from the start, options as in Plant.simulate."""
+    def start(self, plant: Plant) -> np.ndarray:
+        """Where a fidelity starts, (nx,)."""
         if plant not in self._starts:
             self._starts[plant] = self.scene.with_plant(plant).initial[0]
+        return self._starts[plant]
+
+    def run(self, plant: Plant, **options: Any) -> Trajectory:
+        """The motion from the start, options as in Plant.simulate."""
+        return self.at_nodes(plant, self.held, self.scene.times, **options)
+
+    def at_nodes(self, plant: Plant, held: np.ndarray, times: np.ndarray, **options: Any) -> Trajectory:
+        """The motion from the start at other times (m,), the input held (m, nu) from each to the next."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)  # `outside` tells it, once for each fidelity
-            return plant.simulate(self._starts[plant], self.held, self.scene.times, **options)
+            return plant.simulate(self.start(plant), held, times, **options)
+
+    def outputs(self, plant: Plant, rtol: float) -> np.ndarray:
+        """The compared outputs (nt, n) at a tolerance."""
+        return self.compared(self.run(plant, rtol=rtol, atol=rtol / 100))
 
     def compared(self, motion: Trajectory) -> np.ndarray:
         """The outputs (nt, n) that the scene compares."""

@@ -1,12 +1,11 @@
-"""The smallest model for a scene: climb the plant's ladder until finer rungs no longer change its outputs.
+"""The smallest model for a scene: climb from the cheapest, and stop at the first that keeps the tolerance against physics.
 
-Two neighbouring rungs may agree because both lack the same effect: one and two bending modes without the
-shortening of the bent links agree with each other, and both are wrong. So a rung is taken only when it agrees
-with the *finest* one, which holds every effect of the ladder, and the finest rung itself must be confirmed by
-another variant. The error bound of a rung is its difference from the finest plus that shown convergence.
+What physics gives (`physics_motion`: exact rotations, shear, as many shapes as matter) is known with a stated
+uncertainty, and every rung's motion is compared with it. Rungs that agree with each other confirm nothing, as they may
+lack the same effect. A rung's bound is its difference from physics and that uncertainty; a tolerance is met where the
+bound keeps it. What even physics leaves out is named.
 
-A rung whose own motion leaves the range of its kinematics (`Plant.validity`) is not taken, whatever it agrees with; and
-where the finest leaves its own, no rung is shown to be right.
+Rungs are the plant's ladder, the scene's own plant where its fields are on no rung of it, and physics itself.
 """
 
 from __future__ import annotations
@@ -17,51 +16,35 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+import numpy as np
+
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import Plant
-from pliant.plants.core.argument_gates import require_function, require_instance, require_number
-from pliant.plants.spacecraft_parts.appendage import Appendage
-from pliant.studies.common.formatting import measured as in_unit
+from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants.core.argument_gates import as_tuple, require_function, require_instance, require_number, shown
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 
+from . import effects as worth
+from .effects import Effect
+from .physics_motion import PhysicsMotion, physics_motion
 from .speed_accuracy import METHODS, SUBSTEPS, TOLERANCES, Chart, Row, Runner, chart
+from .verdict_in_words import words
 
-# (field, value that brings the effect in) -> words; None: any value
-EFFECTS = {
-    ("kinematics", "stiffened"): "shortening of the bent links",
-    ("kinematics", "linear"): "bending",
-    ("reduction", "full"): "bending",
-    ("modes", None): "modes",
-    ("appendages", None): "modes",
-    ("basis", None): "shape functions",
-}
 STEP_SEARCH = 4.0  # [s] for the largest step
+CLIMB = 1e-6  # rtol of a rung's motion
+CONFIRMED = 1e-2  # of the tolerance: what the chosen rung's motion is integrated to
 
 
 @dataclass(frozen=True)
 class Rung:
-    """One variant of the ladder; differences in the compared outputs' unit."""
+    """One variant; differences in the compared outputs' unit. None: not tried, as a cheaper one keeps the tolerance."""
 
     variant: str
     states: int
-    change: float | None  # to the next finer rung
-    error: float  # from the finest rung
-    bound: float  # error plus the shown convergence of the finest
+    error: float | None  # from physics; infinite where its motion fails
+    bound: float | None  # error plus the uncertainty of physics
     chosen: bool = False
     note: str = ""
     outside: str = ""  # which ranges of its kinematics its own motion leaves
-
-
-@dataclass(frozen=True)
-class Effect:
-    """What one field of the chosen plant is worth: the change of the outputs when it alone is changed."""
-
-    name: str
-    field: str
-    chosen: str  # the chosen plant's value
-    other: str
-    change: float
-    kept: bool  # in the chosen plant; else left out of it
 
 
 @dataclass(frozen=True)
@@ -75,12 +58,28 @@ class Choice:
     met: bool
     rungs: tuple[Rung, ...]
     effects: tuple[Effect, ...]
-    confirmed_by: str  # the variant nearest to the finest ..
-    convergence: float  # .. and their difference
+    physics: str  # what errors are measured against, and how it was found
+    convergence: float  # its uncertainty
+    missing: tuple[str, ...]  # not met: the effects that it takes; met: what even physics leaves out
     integrator: Row | None  # the fastest within the tolerance, of the chosen plant
     largest_step: Row | None  # the fixed-step method with the largest step within it
     text: str
     unit: str = "m"  # of the compared outputs, differences and tolerance
+
+    @property
+    def method(self) -> str | None:
+        """Of the fastest integrator within the tolerance."""
+        return None if self.integrator is None else self.integrator.method
+
+    @property
+    def step(self) -> float | None:
+        """Its step [s]; None of an adaptive one."""
+        return None if self.integrator is None else self.integrator.step
+
+    @property
+    def seconds_per_second(self) -> float | None:
+        """Its time for a simulated second [s]."""
+        return None if self.integrator is None else self.integrator.seconds
 
     def to_json(self) -> dict[str, Any]:
         content = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "plant"}
@@ -96,61 +95,166 @@ def choose(
     tolerance: float | None = None,
     *,
     measured: Chart | None = None,
-    motions: Motions | None = None,
+    motions: Motions | Sequence[Any] | None = None,
     progress: Progress | None = None,
 ) -> Choice:
     """The cheapest rung whose error bound is within `tolerance` [unit of scene.compare; None: the scene's].
 
-    Also the fastest integrator and the largest fixed step that keep it; the first from `measured`, or from a
-    short chart of that rung. Where none is shown to keep it the finest is returned with met=False. ValueError for a
-    tolerance not above 0.
+    `motions`: which motions it is to keep it on, each None (the scene's open loop) or a Trajectory, as of a closed
+    loop, whose inputs are played at the control times; None: the open loop alone. Also the fastest integrator and the
+    largest fixed step that keep it on the first; the first from `measured`, or from a short chart of that rung. Where no
+    rung is shown to keep it, `met` is False, and `missing` says what is missing. ValueError for a tolerance not above 0.
+
+    Example
+    -------
+    >>> found = choose(scenes.get("two-link-reach"), 1e-3)
+    >>> found.plant.label, found.met, [(r.variant, r.bound) for r in found.rungs]
     """
     require_instance("choose.scene", scene, Scene)
     tolerance = scene.tolerance if tolerance is None else tolerance
     tolerance = require_number("choose.tolerance", tolerance, "positive", scene.unit)
     if measured is not None:
         require_instance("choose.measured", measured, Chart)
-    if motions is not None:
-        require_instance("choose.motions", motions, Motions)
+    played = _motions(scene, motions)
     if progress is not None:
         require_function("choose.progress", progress)
-    told, motions = progress or silent, motions or Motions(scene)
-    ladder = motions.ladder
-    for i, plant in enumerate(ladder):
-        told(0.5 * i / len(ladder), plant.label)
-        motions.difference(plant, plant)
-    rungs, chosen = _climb(motions, tolerance)
-    plant = ladder[chosen]
+    told = progress or silent
+    told(0.0, "physics")
+    climb = _Climb(played, tolerance)
+    rungs, chosen = climb.rungs(share(progress, 0.3, 0.6))
+    plant, met = climb.ladder[chosen], rungs[chosen].chosen and climb.shown(rungs[chosen])
     told(0.6, "effects")
-    effects = _effects(motions, plant)
-    met = _shown(rungs[chosen], rungs[-1], tolerance)
+    found_effects = worth.of(played[0], climb.physics[0], plant)
     fastest, largest = None, None
     if met:
         fastest = None if measured is None else measured.fastest(tolerance, plant.label)
         if fastest is None:
             sharp, told_of_it = dataclasses.replace(scene, tolerance=tolerance), share(progress, 0.7, 0.9)
-            part = chart(sharp, budget=STEP_SEARCH, variants=(plant,), motions=motions, progress=told_of_it)
+            part = chart(sharp, budget=STEP_SEARCH, variants=(plant,), motions=played[0], progress=told_of_it)
             fastest = part.fastest(tolerance, plant.label)
         told(0.9, "largest step")
-        largest = _largest_step(motions, plant, tolerance)
-    nearest, convergence = motions.shown_convergence
+        largest = _largest_step(played[0], plant, tolerance)
     found = Choice(
         scene=scene.name,
         compare=scene.compare,
-        tolerance=float(tolerance),
+        tolerance=tolerance,
         plant=plant,
         met=met,
         rungs=rungs,
-        effects=effects,
-        confirmed_by=nearest,
-        convergence=convergence,
+        effects=found_effects,
+        physics=climb.told,
+        convergence=climb.uncertainty,
+        missing=climb.missing(met, found_effects),
         integrator=fastest,
         largest_step=largest,
         text="",
         unit=scene.unit,
     )
     told(1.0, "choice")
-    return dataclasses.replace(found, text=_words(found, motions))
+    return dataclasses.replace(found, text=words(found))
+
+
+def _motions(scene: Scene, given: Any) -> list[Motions]:
+    """The motions to keep the tolerance on."""
+    if given is None or isinstance(given, Motions):
+        return [given or Motions(scene)]
+    found = []
+    for i, one in enumerate(as_tuple("choose.motions", given)):
+        if one is None or isinstance(one, Motions):
+            found.append(one or Motions(scene))
+            continue
+        motion = require_instance(f"choose.motions[{i}]", one, Trajectory)
+        if tuple(s.name for s in motion.inputs) != tuple(s.name for s in scene.plant.inputs):
+            raise ValueError(f"choose.motions[{i}] has inputs {shown(motion.inputs)}, must have the plant's")
+        found.append(Motions(scene, motion.resample(scene.times[scene.times <= motion.t[-1] + 1e-12]).u))
+    if not found:
+        raise ValueError("choose.motions = () must hold at least one motion")
+    return found
+
+
+class _Climb:
+    """Rungs of a scene against physics, on every motion asked for."""
+
+    def __init__(self, played: list[Motions], tolerance: float) -> None:
+        self.played, self.tolerance = played, tolerance
+        self.physics: list[PhysicsMotion | None] = []
+        self.failed = ""
+        for motions in played:
+            try:
+                self.physics.append(physics_motion(motions, tolerance))
+            except PliantError as failure:
+                self.physics.append(None)
+                self.failed = f"physics cannot be played: {failure}"
+        known = [p for p in self.physics if p is not None]
+        self.uncertainty = max((p.uncertainty for p in known), default=float("inf")) if not self.failed else float("inf")
+        self.told = self.failed or known[0].how
+        self.ladder = _rungs(played[0].scene.plant, known[-1].physics if known else None)
+        self.outside = "; ".join(p.outside for p in known if p.outside)
+
+    def rungs(self, progress: Progress) -> tuple[tuple[Rung, ...], int]:
+        """The rungs, and which is chosen: the first whose bound is within the tolerance, else the one nearest to it."""
+        found: list[Rung] = []
+        chosen: int | None = None
+        for i, plant in enumerate(self.ladder):
+            progress(i / len(self.ladder), plant.label)
+            if chosen is not None:
+                found.append(Rung(plant.label, plant.nx, None, None, note="not tried: a cheaper one keeps the tolerance"))
+                continue
+            found.append(self._tried(plant))
+            if self.shown(found[-1]):
+                chosen = i
+        if chosen is None:
+            finite = [r.bound if r.bound is not None else float("inf") for r in found]
+            chosen = int(np.argmin(finite)) if np.isfinite(finite).any() else len(found) - 1
+        found[chosen] = dataclasses.replace(found[chosen], chosen=True)
+        return tuple(found), chosen
+
+    def shown(self, rung: Rung) -> bool:
+        """Whether a rung is shown to keep the tolerance: by its bound, where physics is within its own range."""
+        return rung.bound is not None and rung.bound <= self.tolerance and not self.outside and not self.failed
+
+    def _tried(self, plant: Plant) -> Rung:
+        error, outside, note = 0.0, "", ""
+        for motions, physics in zip(self.played, self.physics):
+            try:
+                own = motions.outputs(plant, CLIMB)
+                outside = outside or motions.outside_so_far(plant)
+                apart = float(np.abs(own - physics.outputs).max()) if physics is not None else float("inf")
+                if self._near(apart):
+                    own = motions.outputs(plant, max(CLIMB * CONFIRMED, 1e-10))
+                    apart = float(np.abs(own - physics.outputs).max()) if physics is not None else float("inf")
+                error = max(error, apart)
+            except PliantError as failure:
+                error, note = float("inf"), f"{type(failure).__name__}: {failure}"
+        if outside and not note:
+            note = "leaves the range of its kinematics"
+        return Rung(plant.label, plant.nx, error, error + self.uncertainty, note=note, outside=outside)
+
+    def _near(self, error: float) -> bool:
+        """Whether the climb's integration may decide: it is then done again, a hundred times finer."""
+        return error <= 2 * self.tolerance
+
+    def missing(self, met: bool, effects: Sequence[Effect]) -> tuple[str, ...]:
+        """What a tolerance that is not met takes; of one that is met, what no model here has."""
+        plant = self.ladder[-1]
+        if met:
+            return plant.unmodelled
+        if self.failed or self.outside:
+            return (self.failed or self.outside,)
+        lacking = tuple(e.name for e in effects if not e.kept and e.change > 0.1 * self.tolerance)
+        return (*lacking, *plant.unmodelled)
+
+
+def _rungs(plant: Plant, physics: Plant | None) -> tuple[Plant, ...]:
+    """The ladder, the plant itself where it is on no rung, behind those of fewer states, and physics."""
+    ladder: list[Plant] = list(plant.ladder())
+    labels = {p.label for p in ladder}
+    if plant.label not in labels:
+        at = next((i for i, p in enumerate(ladder) if p.nx > plant.nx), len(ladder))
+        ladder.insert(at, plant)
+    if physics is not None and physics.label not in {p.label for p in ladder}:
+        ladder.append(physics)
+    return tuple(ladder)
 
 
 def _largest_step(motions: Motions, plant: Plant, tolerance: float) -> Row | None:
@@ -162,129 +266,3 @@ def _largest_step(motions: Motions, plant: Plant, tolerance: float) -> Row | Non
         if good:
             return min(good, key=lambda r: r.seconds or 0.0)
     return None
-
-
-def _climb(motions: Motions, tolerance: float) -> tuple[tuple[Rung, ...], int]:
-    """The rungs, and which is chosen: the first whose bound is within the tolerance, else the finest."""
-    ladder, finest = motions.ladder, motions.reference
-    _, convergence = motions.shown_convergence
-    rungs: list[Rung] = []
-    for i, plant in enumerate(ladder):
-        change = motions.difference(plant, ladder[i + 1]) if i + 1 < len(ladder) else None
-        error = motions.difference(plant, finest)
-        bound = error + convergence
-        note = ""
-        if change is not None and change <= tolerance < bound:
-            note = "agrees with the next rung, not with the finest"
-        if plant == finest:
-            note = "the finest"
-        outside = motions.outside(plant)
-        if outside:
-            note = f"{note}; leaves its range" if note else "leaves its range"
-        rungs.append(Rung(plant.label, plant.nx, change, error, bound, note=note, outside=outside))
-    chosen = next((i for i, rung in enumerate(rungs) if _shown(rung, rungs[-1], tolerance)), len(rungs) - 1)
-    rungs[chosen] = dataclasses.replace(rungs[chosen], chosen=True)
-    return tuple(rungs), chosen
-
-
-def _shown(rung: Rung, finest: Rung, tolerance: float) -> bool:
-    """Whether a rung is shown to keep the tolerance: it and the finest within the ranges of their kinematics."""
-    return rung.bound <= tolerance and not rung.outside and not finest.outside
-
-
-def _effects(motions: Motions, plant: Plant) -> tuple[Effect, ...]:
-    """Each field that differs along the ladder, changed alone: to its next cheaper value, to the finest's."""
-    ladder = motions.ladder
-    found: list[Effect] = []
-    for f in dataclasses.fields(plant):
-        values = _values(ladder, f.name)
-        own = getattr(plant, f.name)
-        if len(values) < 2 or own not in values:
-            continue
-        at = values.index(own)
-        finest = getattr(motions.reference, f.name)
-        cheaper = [value for value in values[:at] if value != finest]
-        others = [(cheaper[-1], True)] if cheaper else []
-        if finest != own:
-            others.append((finest, False))
-        for value, kept in others:
-            changed = _changed(plant, f.name, value)
-            if changed is None:
-                continue
-            change = motions.difference(plant, changed)
-            bringing = own if kept else value
-            if "rigid" in (own, value):
-                bringing = "linear"
-            name = EFFECTS.get((f.name, bringing)) or EFFECTS.get((f.name, None)) or f.name
-            found.append(Effect(name, f.name, _plain(own), _plain(value), change, kept))
-    return tuple(sorted(found, key=lambda e: -e.change))
-
-
-def _changed(plant: Plant, field: str, value: Any) -> Plant | None:
-    """The plant with one field changed; None where it may not be, or where that makes no other model."""
-    try:
-        changed = dataclasses.replace(plant, **{field: value})
-    except ValueError:
-        return None
-    return changed if changed.label != plant.label else None
-
-
-def _values(ladder: Sequence[Plant], field: str) -> list[Any]:
-    """A field's values up the ladder, numbers in order, on the rungs where it matters (a rigid arm has no modes)."""
-    values = list(dict.fromkeys(getattr(rung, field) for rung in ladder))
-    matter = [rung for rung in ladder if any(_changed(rung, field, value) for value in values)]
-    values = list(dict.fromkeys(getattr(rung, field) for rung in matter))
-    if all(isinstance(v, int) or (isinstance(v, tuple) and all(isinstance(n, int) for n in v)) for v in values):
-        values.sort()
-    return values
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, tuple) and all(isinstance(v, Appendage) for v in value):
-        value = tuple(v.data.n for v in value)
-    return "+".join(map(str, value)) if isinstance(value, tuple) else str(value)
-
-
-def _words(choice: Choice, motions: Motions) -> str:
-    rung = next(r for r in choice.rungs if r.chosen)
-    outputs = " and ".join(choice.compare)
-
-    def said(value: float) -> str:
-        return in_unit(value, choice.unit)
-
-    if choice.met:
-        lead = (
-            f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
-            f"{said(choice.tolerance)}: it is {said(rung.error)} from the finest, "
-            f"{motions.reference.label}"
-        )
-        lead += "" if choice.plant != motions.reference else " (it is the finest itself)"
-    else:
-        lead = (
-            f"No variant is shown to keep {outputs} within {said(choice.tolerance)}; the finest, "
-            f"{rung.variant}, is returned"
-        )
-    parts = [f"{lead}. The finest is confirmed by {choice.confirmed_by} to {said(choice.convergence)}."]
-    left = [e for e in choice.effects if not e.kept]
-    kept = [e for e in choice.effects if e.kept]
-    if left:
-        each = ", ".join(f"{e.name} ({e.other} for {e.chosen}): {said(e.change)}" for e in left)
-        parts.append(f"Left out: {each}.")
-    if kept:
-        each = ", ".join(f"{e.name} ({e.chosen}, not {e.other}): {said(e.change)}" for e in kept)
-        parts.append(f"Kept: {each}.")
-    if choice.integrator is not None:
-        speed = (choice.integrator.seconds or 0.0) * 1e3
-        parts.append(f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second.")
-    if choice.largest_step is not None:
-        parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
-    finest = choice.rungs[-1]
-    for r in choice.rungs:
-        if r.outside and (r is finest or r.bound <= choice.tolerance):
-            why = "so that nothing is shown by comparing with it" if r is finest else "and is not taken"
-            parts.append(f"{r.variant} leaves the range of its kinematics, {why}: {r.outside}.")
-    misled = [r for r in choice.rungs if r.note.startswith("agrees")]
-    if misled:
-        names = "; ".join(r.variant for r in misled)
-        parts.append(f"Within the tolerance of the next rung and yet wrong: {names}.")
-    return " ".join(parts)

@@ -1,0 +1,84 @@
+"""The richest models of the arms, by which their fidelities are judged, and how a simpler arm's motion is one of theirs.
+
+Exact rotations, rotary inertia and shear, on polynomials, which hold any curvature that loads at the tip and inertia
+bring about.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from pliant.plants.core.imports import linalg
+from pliant.plants.exact_rotations.projection import projection
+
+if TYPE_CHECKING:
+    from .single_link_declaration import SingleLinkDeclaration
+    from .two_link_declaration import TwoLinkDeclaration
+
+S = TypeVar("S", bound="SingleLinkDeclaration")
+T = TypeVar("T", bound="TwoLinkDeclaration")
+A = TypeVar("A", "SingleLinkDeclaration", "TwoLinkDeclaration")
+
+SINGLE, TWO = 4, 3  # shapes of a link that physics has by itself
+MOST = 12  # shapes of a link: beyond, polynomials of this degree are told apart by few digits alone
+UNMODELLED = ("bending out of the plane", "torsion", "extension", "joints that give way", "plasticity")
+
+
+def of_single_link(arm: S, more: int) -> S:
+    """Exact rotations with shear of a single link."""
+    modes = min(SINGLE + more, MOST)
+    return dataclasses.replace(
+        arm, kinematics="strain", theory="timoshenko", frame="clamped", basis="polynomial", modes=modes
+    )
+
+
+def of_two_links(arm: T, more: int) -> T:
+    """Exact rotations with shear of two links, whose joint turns with the first one's tip."""
+    modes = (min(TWO + more, MOST),) * 2
+    return dataclasses.replace(
+        arm, kinematics="strain", theory="timoshenko", basis="polynomial", modes=modes, reduction="full", tip_slope=True
+    )
+
+
+def single_embedding(finer: SingleLinkDeclaration, simpler: SingleLinkDeclaration) -> np.ndarray:
+    """E (nx, nx of simpler): the hub as it is, curvatures projected, each in its own frame."""
+    bend = linalg.block_diag(1.0, projection(simpler.elastic.basis, finer.elastic.basis))
+    E = np.linalg.solve(finer.clamped_map, bend @ simpler.clamped_map)
+    return np.kron(np.eye(2), E)
+
+
+def two_embedding(finer: TwoLinkDeclaration, simpler: TwoLinkDeclaration) -> np.ndarray:
+    """E (nx, nx of simpler): joints as they are, curvatures of each link projected."""
+    bends = [projection(a.basis, b.basis) for a, b in zip(simpler.links, finer.links)]
+    return np.kron(np.eye(2), linalg.block_diag(np.eye(2), *bends))
+
+
+def effects(arm: SingleLinkDeclaration | TwoLinkDeclaration) -> dict[str, bool]:
+    """What physics has, and whether this variant does."""
+    bends = any(arm.mode_counts) if hasattr(arm, "mode_counts") else arm.mode_count > 0
+    found = {
+        "bending": bends,
+        "shortening of the bent links": bends and arm.kinematics in ("stiffened", "strain"),
+        "exact rotations": bends and arm.kinematics == "strain",
+        "shear": bends and arm.theory == "timoshenko",
+    }
+    if hasattr(arm, "tip_slope"):
+        found["slope of the first link's tip"] = bends and arm.tip_slope
+        found["inertia of the bent arm"] = bends and arm.reduction == "full"
+    return found
+
+
+def without(arm: A, effect: str) -> A:
+    """Physics with one effect left out."""
+    changes: dict[str, dict[str, Any]] = {
+        "bending": {"modes": 0 if isinstance(arm.modes, int) else (0, 0)},
+        "shortening of the bent links": {"kinematics": "linear"},
+        "exact rotations": {"kinematics": "stiffened"},
+        "shear": {"theory": "euler-bernoulli"},
+        "slope of the first link's tip": {"tip_slope": False},
+        "inertia of the bent arm": {"reduction": "rigid-inertia"},
+    }
+    return dataclasses.replace(arm, **changes[effect])

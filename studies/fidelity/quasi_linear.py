@@ -1,0 +1,136 @@
+"""The motion of a fine model from that of a simple one, without simulating it: Newton's method on the whole motion.
+
+The simple motion is embedded in the fine model's states, x = E x_s. What it lacks of being a motion of the fine model,
+c(t) = f(x, u) - dx/dt, drives the fine model's linear model along it,
+
+    d(delta)/dt = A(t) delta + c(t),   delta(0) = x_f(0) - E x_s(0),
+
+and x + delta is a better motion: the error of the simple one, to first order. Newton's method goes on from there until
+it settles; it says that it does not where it does not. Each part of a control period is one step of Gauss's method of
+order four, collocation at two points: implicit, so that modes too fast for the nodes follow their load, and without
+damping of its own.
+
+Source   R. E. Bellman, R. E. Kalaba, "Quasilinearization and Nonlinear Boundary-Value Problems" (1965); E. Hairer,
+         G. Wanner, "Solving Ordinary Differential Equations II" (1996), IV.5
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pliant.plants import Plant, PliantError, Trajectory
+
+from .motion_nodes import MotionNodes
+
+Array = np.ndarray
+BUTCHER = np.array([[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]])  # of Gauss's method of order four
+MOST_PASSES = 8
+RELINEARISED = 3  # passes that make a new A; later ones keep it, and ..
+NEAR = 30.0  # .. those after a change of less than this many times what is wanted
+SHRINKS = 0.7  # a pass that changes more than this share of what the last one changed does not settle
+
+
+class NotSettled(PliantError):
+    """Newton's method left the motions that it can follow; the message says where."""
+
+
+class CorrectedMotion:
+    """The motion of `fine` from `motion`, that of a simpler plant at all nodes; `x0` (nx,) is where the fine one starts.
+
+    columns: which outputs are compared. outputs (nt, n) are those at the control times, after as many passes as made.
+    """
+
+    def __init__(
+        self, fine: Plant, simple: Plant, motion: Trajectory, nodes: MotionNodes, x0: Array, columns: list[int]
+    ) -> None:
+        self.fine, self.nodes, self.columns = fine, nodes, columns
+        self._tangent: Plant = fine.newton
+        E, at = fine.embedding(simple), nodes.gauss
+        assert motion.dx is not None
+        self.u, self.t = nodes.inputs[at], nodes.all[at]
+        self.x, self.rate = motion.x[at] @ E.T, motion.dx[at] @ E.T
+        self.at_ends = motion.x[nodes.ends] @ E.T
+        self._start = x0 - self.at_ends[0]
+        self.passes, self.changes = 0, list[float]()
+        self.outputs = self._measured()
+
+    def settle(self, within: float) -> float:
+        """Pass after pass until one changes the outputs by at most `within`; what they may still err by.
+
+        NotSettled where passes do not shrink, or the motion leaves what the fine model can be evaluated at.
+        """
+        while self.passes < MOST_PASSES:
+            before = self.outputs
+            self.step(anew=self.passes < RELINEARISED and (not self.changes or self.changes[-1] > NEAR * within))
+            change = float(np.abs(self.outputs - before).max())
+            if self.passes > 2 and change > within and change > SHRINKS * self.changes[-1]:
+                raise NotSettled(f"pass {self.passes} still changes the outputs by {change:.3g}")
+            self.changes.append(change)
+            if self.passes > 1 and change <= within:
+                share = min(change / self.changes[-2], SHRINKS) if self.changes[-2] > 0 else 0.0
+                return change * share / (1 - share)
+        raise NotSettled(f"{MOST_PASSES} passes do not settle: the last changed the outputs by {self.changes[-1]:.3g}")
+
+    def step(self, anew: bool = True) -> None:
+        """One pass, with the linear model made anew or that of the last."""
+        if anew:
+            self._linearise()
+        n = self.x.shape[1]
+        c = self._rates(self.x) - self.rate
+        delta, at_gauss = _collocated(self._A.reshape(-1, 2, n, n), c.reshape(-1, 2, n), self.nodes.h, self._start)
+        moved = at_gauss.reshape(-1, n)
+        self.at_ends = self.at_ends + delta
+        self.x, self.rate = self.x + moved, self.rate + np.einsum("kij,kj->ki", self._A, moved) + c
+        self._start = np.zeros(n)
+        self.passes += 1
+        self.outputs = self._measured()
+
+    def _linearise(self) -> None:
+        """A (2 m, nx, nx), at the accelerations of the motion as it is."""
+        self._A: Array = self._tangent.jacobians_along(self._motion(self._tangent))[0]
+        if not np.isfinite(self._A).all():
+            raise NotSettled("the linear model along the motion is not finite")
+
+    def _motion(self, plant: Plant) -> Trajectory:
+        return Trajectory.from_arrays(self.t, self.x, self.u, plant=plant, dx=self.rate)
+
+    def _rates(self, x: Array) -> Array:
+        if not np.isfinite(x).all():
+            raise NotSettled("the corrected motion is not finite")
+        return np.asarray(self.fine.dynamics(x, self.u, t=self.t))
+
+    def _measured(self) -> Array:
+        at = self.at_ends[self.nodes.control]
+        if not np.isfinite(at).all():
+            raise NotSettled("the corrected motion is not finite")
+        found: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
+        return np.asarray(found[:, self.columns])
+
+    def response(self, push: Array) -> Array:
+        """delta (m + 1, nx) at the ends of parts that rates push (2 m, nx) at the Gauss points bring about."""
+        n = self.x.shape[1]
+        return _collocated(self._A.reshape(-1, 2, n, n), push.reshape(-1, 2, n), self.nodes.h, np.zeros(n))[0]
+
+
+def _collocated(A: Array, c: Array, h: Array, start: Array) -> tuple[Array, Array]:
+    """delta (m + 1, n) at the ends and (m, 2, n) at the Gauss points of steps h (m,), from A (m, 2, n, n), c (m, 2, n).
+
+    K_i = A_i (delta + h sum_j a_ij K_j) + c_i at both points, delta + h (K_1 + K_2)/2 at the end.
+    """
+    m, _, n, _ = A.shape
+    left = -h[:, None, None, None, None] * BUTCHER[:, :, None, None] * A[:, :, None]  # (m, 2, 2, n, n)
+    left[:, [0, 1], [0, 1]] += np.eye(n)
+    square = left.transpose(0, 1, 3, 2, 4).reshape(m, 2 * n, 2 * n)
+    right = np.concatenate([A.reshape(m, 2 * n, n), c.reshape(m, 2 * n, 1)], axis=-1)
+    slopes = np.linalg.solve(square, right)  # K = slopes [delta; 1]
+    half = h[:, None, None] / 2
+    onward = half * (slopes[:, :n] + slopes[:, n:])
+    delta = [start]
+    for k in range(m):
+        delta.append(delta[k] + onward[k, :, :n] @ delta[k] + onward[k, :, n])
+    ends = np.array(delta)
+    K = (np.einsum("kij,kj->ki", slopes[..., :n], ends[:-1]) + slopes[..., n]).reshape(m, 2, n)
+    inner = ends[:-1, None] + h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, K)
+    return ends, inner
