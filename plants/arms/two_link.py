@@ -30,6 +30,7 @@ from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
+from .exact_rotation_equations import of_two_links, written_out
 from .two_link_declaration import TwoLinkDeclaration
 
 TURNED = 0.01  # [rad], of link 2 by link 1's tip: a hundredth of its length at its own tip
@@ -155,6 +156,11 @@ class TwoLinkArm(TwoLinkDeclaration):
         w1, w2, v1, v2 = self._split(v)
         friction = self.joint_friction[0] * w1**2 / 2 + self.joint_friction[1] * w2**2 / 2
         return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
+
+    def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        if self.reduction in ("full", "rigid") and written_out(self.links[0]):
+            return of_two_links(self, x, u, w, self._offset_load)
+        return super().equations(t, x, u, w)
 
     def _tip(self, q: ca.SX) -> ca.SX:
         _, _, q1, q2 = self._split(q)
