@@ -118,9 +118,9 @@ def _of_pairs(G: Array, W: Array, root: Array, c: ca.SX, s: ca.SX, square: ca.SX
     if len(a):
         ca_, cb, sa, sb = c[list(a)], c[list(b)], s[list(a)], s[list(b)]
         cosine, sine = ca_ * cb + sa * sb, ca.DM(W[a, b]) * (sa * cb - ca_ * sb)
-    for k, (i, j) in enumerate(zip(a, b)):
-        force[i] += sine[k] * square[int(j)]
-        force[j] -= sine[k] * square[int(i)]
+    for k, (one, other) in enumerate(zip(a.tolist(), b.tolist())):
+        force[one] += sine[k] * square[other]
+        force[other] -= sine[k] * square[one]
     for i in range(n):
         for j in range(i + 1):
             weight = W[a, b] * (G[a, i] * G[b, j] + G[b, i] * G[a, j])
