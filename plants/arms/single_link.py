@@ -28,13 +28,12 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_choice, require_finite
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
-from pliant.plants.dynamics.plant_contract import PlantContract
 from pliant.plants.exact_rotations.strain_link import StrainLink
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
-from . import physics
+from .exact_rotation_equations import of_single_link, written_out
 from .link_frames import FRAMES, to_clamped
 from .single_link_declaration import SingleLinkDeclaration
 
@@ -64,7 +63,8 @@ class SingleLinkArm(SingleLinkDeclaration):
     def ladder(self) -> tuple[Self, ...]:
         """From the rigid link through one to four modes, with and without shortening, to exact rotations.
 
-        Modes of a free tip know nothing of a payload's force and moment; above them stands one rung that does.
+        Modes of a free tip know nothing of a payload's force and moment; above them stands one rung that does. Exact
+        rotations are had in the clamped frame alone.
         """
         steps: list[Self] = [dataclasses.replace(self, kinematics="rigid")]
         for kinematics, n in (
@@ -78,35 +78,9 @@ class SingleLinkArm(SingleLinkDeclaration):
             steps.append(dataclasses.replace(self, kinematics=kinematics, modes=n))
         if self.basis == "clamped-free":
             steps.append(dataclasses.replace(steps[-1], basis="payload"))
-        basis = "payload" if self.basis == "clamped-free" else self.basis
-        for n in (2, 3, 4):
-            steps.append(dataclasses.replace(self, kinematics="strain", frame="clamped", basis=basis, modes=n))
+        for n in (2, 3, 4) if self.frame == "clamped" else ():
+            steps.append(dataclasses.replace(steps[-1], kinematics="strain", modes=n))
         return tuple(steps)
-
-    def physics(self, more: int = 0) -> Self:
-        """Exact rotations with shear and rotary inertia on polynomials, `more` than 4."""
-        return physics.of_single_link(self, more)
-
-    @property
-    def effects(self) -> dict[str, bool]:
-        return physics.effects(self)
-
-    def without(self, effect: str) -> Self:
-        return physics.without(self, effect) if effect in self.effects else super().without(effect)
-
-    @property
-    def newton(self) -> Self:
-        """The stiffened arm in place of exact rotations."""
-        return self._of("stiffened") if self.kinematics == "strain" else self
-
-    def embedding(self, simpler: PlantContract) -> np.ndarray:
-        if not isinstance(simpler, SingleLinkDeclaration):
-            return super().embedding(simpler)
-        return physics.single_embedding(self, simpler)
-
-    @property
-    def unmodelled(self) -> tuple[str, ...]:
-        return physics.UNMODELLED
 
     @cached_property
     def clamped_map(self) -> np.ndarray:
@@ -162,6 +136,11 @@ class SingleLinkArm(SingleLinkDeclaration):
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
         v = self._clamped(v)
         return self.hub_friction * v[0] ** 2 / 2 + self.elastic.dissipation(v[1:])
+
+    def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        if written_out(self.elastic):
+            return of_single_link(self, x, u, w, self._offset_load)
+        return super().equations(t, x, u, w)
 
     def _tip(self, q: ca.SX) -> ca.SX:
         q = self._clamped(q)

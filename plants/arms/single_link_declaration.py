@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
+
+import numpy as np
 
 from pliant.plants import beams
 from pliant.plants.beams.elastic_link import ElasticLink
@@ -13,8 +17,10 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.dynamics.plant_contract import PlantContract
 from pliant.plants.exact_rotations.strain_link import elastic_link
 
+from . import physics
 from .link_frames import FRAMES
 
 KINEMATICS = ("rigid", "linear", "stiffened", "strain")
@@ -126,6 +132,31 @@ class SingleLinkDeclaration(LagrangianPlant):
         shear = ", shear" if self.theory == "timoshenko" else ""
         frame = "" if self.frame == "clamped" else f", {self.frame} frame"
         return f"{self.kinematics}, {self.basis} {self.modes}{shear}{frame}"
+
+    def physics(self, more: int = 0) -> Self:
+        """Exact rotations with shear and rotary inertia on polynomials, `more` than 4."""
+        return physics.of_single_link(self, more)
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        return physics.effects(self)
+
+    def without(self, effect: str) -> Self:
+        return physics.without(self, effect) if effect in self.effects else super().without(effect)
+
+    @property
+    def newton(self) -> Self:
+        """The stiffened arm in place of exact rotations."""
+        return dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
+
+    def embedding(self, simpler: PlantContract) -> np.ndarray:
+        if not isinstance(simpler, SingleLinkDeclaration):
+            return super().embedding(simpler)
+        return physics.single_embedding(self, simpler)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        return physics.UNMODELLED
 
     @cached_property
     def elastic(self) -> ElasticLink:

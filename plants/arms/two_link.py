@@ -25,13 +25,12 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
-from pliant.plants.dynamics.plant_contract import PlantContract
 from pliant.plants.exact_rotations.strain_link import StrainLink
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
-from . import physics
+from .exact_rotation_equations import of_two_links, written_out
 from .two_link_declaration import TwoLinkDeclaration
 
 TURNED = 0.01  # [rad], of link 2 by link 1's tip: a hundredth of its length at its own tip
@@ -82,31 +81,6 @@ class TwoLinkArm(TwoLinkDeclaration):
                 )
             )
         return tuple(steps)
-
-    def physics(self, more: int = 0) -> Self:
-        """Exact rotations with shear and rotary inertia on polynomials, `more` than 3 a link."""
-        return physics.of_two_links(self, more)
-
-    @property
-    def effects(self) -> dict[str, bool]:
-        return physics.effects(self)
-
-    def without(self, effect: str) -> Self:
-        return physics.without(self, effect) if effect in self.effects else super().without(effect)
-
-    @property
-    def newton(self) -> Self:
-        """The stiffened arm in place of exact rotations."""
-        return self._of("stiffened") if self.kinematics == "strain" else self
-
-    def embedding(self, simpler: PlantContract) -> np.ndarray:
-        if not isinstance(simpler, TwoLinkDeclaration):
-            return super().embedding(simpler)
-        return physics.two_embedding(self, simpler)
-
-    @property
-    def unmodelled(self) -> tuple[str, ...]:
-        return physics.UNMODELLED
 
     def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         n1 = self.mode_counts[0]
@@ -182,6 +156,11 @@ class TwoLinkArm(TwoLinkDeclaration):
         w1, w2, v1, v2 = self._split(v)
         friction = self.joint_friction[0] * w1**2 / 2 + self.joint_friction[1] * w2**2 / 2
         return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
+
+    def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        if self.reduction in ("full", "rigid") and written_out(self.links[0]):
+            return of_two_links(self, x, u, w, self._offset_load)
+        return super().equations(t, x, u, w)
 
     def _tip(self, q: ca.SX) -> ca.SX:
         _, _, q1, q2 = self._split(q)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
+
+import numpy as np
 
 from pliant.plants import beams
 from pliant.plants.beams.elastic_link import ElasticLink
@@ -14,7 +18,10 @@ from pliant.plants.core.argument_gates import require_counts
 from pliant.plants.core.parameters import flag, part, quantity, require_choice, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.dynamics.plant_contract import PlantContract
 from pliant.plants.exact_rotations.strain_link import elastic_link
+
+from . import physics
 
 REDUCTIONS = ("full", "rigid-inertia", "rigid-coupling", "rigid")
 KINEMATICS = ("linear", "stiffened", "strain")
@@ -115,6 +122,31 @@ class TwoLinkDeclaration(LagrangianPlant):
         slope = "" if self.tip_slope else ", no tip slope"
         shear = ", shear" if self.theory == "timoshenko" else ""
         return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{shear}{stage}{slope}"
+
+    def physics(self, more: int = 0) -> Self:
+        """Exact rotations with shear and rotary inertia on polynomials, `more` than 3 a link."""
+        return physics.of_two_links(self, more)
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        return physics.effects(self)
+
+    def without(self, effect: str) -> Self:
+        return physics.without(self, effect) if effect in self.effects else super().without(effect)
+
+    @property
+    def newton(self) -> Self:
+        """The stiffened arm in place of exact rotations."""
+        return dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
+
+    def embedding(self, simpler: PlantContract) -> np.ndarray:
+        if not isinstance(simpler, TwoLinkDeclaration):
+            return super().embedding(simpler)
+        return physics.two_embedding(self, simpler)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        return physics.UNMODELLED
 
     @cached_property
     def links(self) -> tuple[ElasticLink, ElasticLink]:

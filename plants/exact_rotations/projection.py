@@ -28,4 +28,6 @@ def projection(simpler: Basis, finer: Basis) -> Array:
         return np.zeros((finer.n, simpler.n))
     at = points(POINTS)
     root = np.sqrt(at.weight)[:, None]
-    return np.asarray(np.linalg.lstsq(root * curvatures(finer, at.xi), root * curvatures(simpler, at.xi), rcond=None)[0])
+    return np.asarray(
+        np.linalg.lstsq(root * curvatures(finer, at.xi), root * curvatures(simpler, at.xi), rcond=None)[0]
+    )

@@ -71,3 +71,8 @@ def points(m: int, panels: int = 1) -> Points:
 def sparse(matrix: Array) -> ca.DM:
     """A constant matrix without what is only rounding."""
     return ca.sparsify(ca.DM(np.where(np.abs(matrix) > TINY * np.abs(matrix).max(initial=0.0), matrix, 0.0)))
+
+
+def applied(matrix: Array, q: ca.SX) -> ca.SX:
+    """A constant matrix (m, n) times coordinates q, of any shape where there are none, (m, 1)."""
+    return ca.densify(sparse(matrix) @ ca.reshape(q, matrix.shape[1], 1))

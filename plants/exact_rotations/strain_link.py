@@ -29,7 +29,7 @@ from pliant.plants.beams.legendre_ritz import StrainShapes
 from pliant.plants.beams.section import Beam
 from pliant.plants.beams.shape_functions import Basis
 
-from .quadrature import Array, Points, points, sparse
+from .quadrature import Array, Points, applied, points, sparse
 
 BENT = 1.0  # [rad]: the largest turn at which quadrature is judged
 WITHIN = 1e-3  # of the inertia of any combination of rates: half of it is that of a frequency
@@ -72,7 +72,7 @@ def enough(basis: Basis) -> Points:
     errs by at most WITHIN of itself, whatever its rates; a straight link's inertia is exact.
     """
     if not basis.n:
-        return points(2)
+        return points(1)
     straight = np.zeros(basis.n)
     bent = straight.copy()
     bent[0] = BENT / np.abs(turns(basis, np.linspace(0.0, 1.0, 101))[:, 0]).max()
@@ -98,12 +98,12 @@ class StrainLink(ElasticLink):
 
     def _angle(self, q: ca.SX) -> ca.SX:
         """theta (m,) at the points, or its rate."""
-        return sparse(turns(self.basis, self.points.xi)) @ q / self.beam.length
+        return applied(turns(self.basis, self.points.xi), q) / self.beam.length
 
     def _shear(self, q: ca.SX) -> ca.SX | None:
         """Shear strain (m,) at the points, or its rate; None without."""
         gamma = shears(self.basis, self.points.xi)
-        return None if gamma is None else sparse(gamma) @ q / self.beam.length
+        return None if gamma is None else applied(gamma, q) / self.beam.length
 
     def tangents(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         """dr/dx at the points, (m,) each, in the root frame."""
@@ -125,8 +125,6 @@ class StrainLink(ElasticLink):
         return ca.dot(ca.DM(weight), values)
 
     def tip(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-        if not self.basis.n:
-            return ca.SX(self.beam.length), ca.SX(0)
         x, y = self.tangents(q)
         weight = self.points.weight
         return self.beam.length * self._sum(weight, x), self.beam.length * self._sum(weight, y)
@@ -144,46 +142,26 @@ class StrainLink(ElasticLink):
         return -self.tip_velocity((ca.SX(0), ca.SX(0)), ca.SX(0), q, v)[0]
 
     def tip_velocity(self, root: tuple[ca.SX, ca.SX], omega: ca.SX, q: ca.SX, v: ca.SX) -> tuple[ca.SX, ca.SX]:
-        if not self.basis.n:
-            return root[0], root[1] + omega * self.beam.length
         ex, ey = self.tangent_rates(omega, q, v)
         L, weight = self.beam.length, self.points.weight
         return root[0] + L * self._sum(weight, ex), root[1] + L * self._sum(weight, ey)
 
     def centre(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         L, m = self.beam.length, self.beam.mass
-        if not self.basis.n:
-            return m * L / 2, ca.SX(0)
         x, y = self.tangents(q)
         weight = self.points.first_moment
         return m * L * self._sum(weight, x), m * L * self._sum(weight, y)
 
     def kinetic_energy(self, root: tuple[ca.SX, ca.SX], omega: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
-        if not self.basis.n:
-            return super().kinetic_energy(root, omega, q, v)
         L, m, at = self.beam.length, self.beam.mass, self.points
         ex, ey = self.tangent_rates(omega, q, v)
-        reach = sparse(at.root)
+        reach, rates = sparse(at.root), ca.vertcat(omega, ca.reshape(v, self.basis.n, 1))
         first = self._sum(at.first_moment, ex), self._sum(at.first_moment, ey)
         return (
             m * (root[0] ** 2 + root[1] ** 2) / 2
             + m * L * (root[0] * first[0] + root[1] * first[1])
             + m * L**2 / 2 * (ca.sumsqr(reach @ ex) + ca.sumsqr(reach @ ey))
-            + self._straight(omega, v)
-        )
-
-    def _straight(self, omega: ca.SX, v: ca.SX) -> ca.SX:
-        """What is constant in the inertia [J]: the straight link's integrals less their quadrature, and the turning of
-        the sections.
-        """
-        L, m, basis = self.beam.length, self.beam.mass, self.basis
-        lacking = _rest_inertia(basis) - _inertia(basis, self.points, np.zeros(basis.n))
-        rates = ca.vertcat(omega * L, v)
-        size = np.sqrt(np.diag(_rest_inertia(basis)))
-        lacking = np.where(np.abs(lacking) > 1e-13 * np.outer(size, size), lacking, 0.0)
-        turning, per_area = _turning(basis), self.beam.I_z / self.beam.area
-        return m / 2 * ca.bilin(ca.sparsify(ca.DM(lacking)), rates, rates) + m * per_area / (2 * L**2) * ca.bilin(
-            ca.DM(turning), rates, rates
+            + ca.bilin(constant_inertia(self), rates, rates) / 2
         )
 
     def centreline(self, q: Array, points: int) -> Array:
@@ -195,6 +173,20 @@ class StrainLink(ElasticLink):
             strain = gamma @ q / L
             x, y = x - strain * np.sin(angle), y + strain * np.cos(angle)
         return L * at.cumulative(np.linspace(0.0, 1.0, points)) @ np.column_stack([x, y])
+
+
+def constant_inertia(link: StrainLink) -> ca.SX:
+    """What is constant in the inertia for rates (omega, v), (1 + n, 1 + n): the straight link's integrals less their
+    quadrature, and the turning of the sections.
+    """
+    beam, basis = link.beam, link.basis
+    exact = _rest_inertia(basis)
+    lacking = exact - _inertia(basis, link.points, np.zeros(basis.n))
+    size = np.sqrt(np.diag(exact))
+    lacking = np.where(np.abs(lacking) > 1e-13 * np.outer(size, size), lacking, 0.0)
+    unit = ca.vertcat(beam.length, *[1.0] * basis.n)
+    per_area = beam.I_z / beam.area / beam.length**2
+    return beam.mass * (ca.SX(ca.DM(lacking)) + per_area * ca.DM(_turning(basis))) * (unit @ unit.T)
 
 
 def _turning(basis: Basis) -> Array:

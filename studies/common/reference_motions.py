@@ -74,7 +74,9 @@ class Motions:
 
     def outputs(self, plant: Plant, rtol: float) -> np.ndarray:
         """The compared outputs (nt, n) at a tolerance."""
-        return self.compared(self.run(plant, rtol=rtol, atol=rtol / 100))
+        motion = self.run(plant, rtol=rtol, atol=rtol / 100)
+        self._outside[plant] = "; ".join(in_words(entry) for entry in motion.stats.get("validity", ()))
+        return self.compared(motion)
 
     def compared(self, motion: Trajectory) -> np.ndarray:
         """The outputs (nt, n) that the scene compares."""

@@ -186,7 +186,9 @@ class _Climb:
                 self.physics.append(None)
                 self.failed = f"physics cannot be played: {failure}"
         known = [p for p in self.physics if p is not None]
-        self.uncertainty = max((p.uncertainty for p in known), default=float("inf")) if not self.failed else float("inf")
+        self.uncertainty = (
+            max((p.uncertainty for p in known), default=float("inf")) if not self.failed else float("inf")
+        )
         self.told = self.failed or known[0].how
         self.ladder = _rungs(played[0].scene.plant, known[-1].physics if known else None)
         self.outside = "; ".join(p.outside for p in known if p.outside)
@@ -198,7 +200,9 @@ class _Climb:
         for i, plant in enumerate(self.ladder):
             progress(i / len(self.ladder), plant.label)
             if chosen is not None:
-                found.append(Rung(plant.label, plant.nx, None, None, note="not tried: a cheaper one keeps the tolerance"))
+                found.append(
+                    Rung(plant.label, plant.nx, None, None, note="not tried: a cheaper one keeps the tolerance")
+                )
                 continue
             found.append(self._tried(plant))
             if self.shown(found[-1]):

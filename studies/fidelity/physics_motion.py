@@ -13,13 +13,12 @@ Where the correction does not settle, physics is simulated, and the result says 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from pliant.envs.scenes.scene import Scene
-from pliant.plants import Plant, PliantError
+from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import index
 from pliant.studies.common.reference_motions import Motions
 
@@ -44,6 +43,8 @@ class PhysicsMotion:
     time: float
     shapes: float
     how: str  # in words
+    outside: str = ""  # which of its own ranges it leaves
+    motion: CorrectedMotion | None = field(default=None, repr=False)  # None where it was simulated
 
     @property
     def uncertainty(self) -> float:
@@ -66,7 +67,6 @@ class _Search:
     """More nodes, then more shapes."""
 
     def __init__(self, motions: Motions, tolerance: float) -> None:
-        self.corrected_motion: CorrectedMotion
         self.motions, self.scene, self.within = motions, motions.scene, KNOWN * tolerance
         self.simple = motions.ladder[0]
         self._nodes: dict[int, tuple[MotionNodes, Any]] = {}
@@ -89,29 +89,46 @@ class _Search:
         while more < MOST_SHAPES:
             physics = self.scene.plant.physics(more + 1)
             if physics == self.scene.plant.physics(more):
-                return PhysicsMotion(found, physics, passes, time, 0.0, self._words(physics))
+                return self._found(found, passes, time, 0.0)
             richer, passes = self._outputs(more + 1, parts)
             shapes, found, more = _largest(richer - found), richer, more + 1
             if shapes <= self.within or (last is not None and shapes > last):
                 break
             last = shapes
-        return PhysicsMotion(found, physics, passes, time, shapes, self._words(physics))
+        return self._found(found, passes, time, shapes)
 
-    def _words(self, physics: Plant) -> str:
-        return f"{physics.label}, from the motion of {self.simple.label}"
+    def _found(self, outputs: Array, passes: float, time: float, shapes: float) -> PhysicsMotion:
+        motion = self.motion
+        how = f"{motion.fine.label}, from the motion of {self.simple.label}"
+        return PhysicsMotion(outputs, motion.fine, passes, time, shapes, how, motion.judged(), motion)
 
     def _outputs(self, more: int, parts: int) -> tuple[Array, float]:
         """The outputs with `more` shapes, and what Newton's method leaves."""
-        physics = self.scene.plant.physics(more)
         if parts not in self._nodes:
             nodes = MotionNodes(self.scene.times, self.motions.held, parts)
-            self._nodes[parts] = nodes, self.motions.at_nodes(self.simple, nodes.inputs, nodes.all, rtol=RTOL, atol=RTOL / 100)
-        nodes, motion = self._nodes[parts]
-        columns = [index(physics.outputs, name, "output") for name in self.scene.compare]
-        start = self.motions.start(physics)
-        corrected = CorrectedMotion(physics, self.simple, motion, nodes, start, columns)
-        left = corrected.settle(self.within)
-        return corrected.outputs, left
+            tight = {"rtol": RTOL, "atol": RTOL / 100}
+            self._nodes[parts] = nodes, self.motions.at_nodes(self.simple, nodes.inputs, nodes.all, **tight)
+        physics = self.scene.plant.physics(more)
+        self.motion = corrected(self.motions, physics, self.simple, *self._nodes[parts])
+        left = self.motion.settle(self.within)
+        return self.motion.outputs, left
+
+
+def corrected(motions: Motions, fine: Plant, simple: Plant, nodes: MotionNodes, motion: Trajectory) -> CorrectedMotion:
+    """The motion of `fine` from that of `simple` at the nodes, before the first pass."""
+    columns = [index(fine.outputs, name, "output") for name in motions.scene.compare]
+    return CorrectedMotion(fine, simple, motion, nodes, motions.start(fine), columns)
+
+
+def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion) -> Array:
+    """The compared outputs (nt, n) of another fine plant, found as `like` was."""
+    if like.motion is None:
+        return motions.outputs(plant, RTOL)
+    nodes, simple = like.motion.nodes, motions.ladder[0]
+    tight = {"rtol": RTOL, "atol": RTOL / 100}
+    found = corrected(motions, plant, simple, nodes, motions.at_nodes(simple, nodes.inputs, nodes.all, **tight))
+    found.settle(max(like.uncertainty, RTOL))
+    return found.outputs
 
 
 def _largest(difference: Array) -> float:
@@ -130,4 +147,5 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
         if shapes <= within:
             break
     physics = plant.physics(more)
-    return PhysicsMotion(found, physics, 0.0, 1e-2 * within, shapes, f"{physics.label}, simulated: {reason}")
+    how = f"{physics.label}, simulated: {reason}"
+    return PhysicsMotion(found, physics, 0.0, within, shapes, how, motions.outside_so_far(physics))

@@ -21,11 +21,14 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants.validity.ranges import in_words, left
 
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
-BUTCHER = np.array([[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]])  # of Gauss's method of order four
+BUTCHER = np.array(
+    [[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]]
+)  # of Gauss's method of order four
 MOST_PASSES = 8
 RELINEARISED = 3  # passes that make a new A; later ones keep it, and ..
 NEAR = 30.0  # .. those after a change of less than this many times what is wanted
@@ -108,10 +111,25 @@ class CorrectedMotion:
         found: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
         return np.asarray(found[:, self.columns])
 
-    def response(self, push: Array) -> Array:
-        """delta (m + 1, nx) at the ends of parts that rates push (2 m, nx) at the Gauss points bring about."""
+    def without(self, lacking: Plant) -> Array:
+        """What the compared outputs (nt, n) change by, to first order, in a model of the same states that lacks an effect.
+
+        Its rates at this motion differ by a push, which the linear model carries, and its outputs by themselves.
+        """
         n = self.x.shape[1]
-        return _collocated(self._A.reshape(-1, 2, n, n), push.reshape(-1, 2, n), self.nodes.h, np.zeros(n))[0]
+        push = np.asarray(lacking.dynamics(self.x, self.u, t=self.t)) - self._rates(self.x)
+        delta, _ = _collocated(self._A.reshape(-1, 2, n, n), push.reshape(-1, 2, n), self.nodes.h, np.zeros(n))
+        at = (self.at_ends + delta)[self.nodes.control]
+        if not np.isfinite(at).all():
+            raise NotSettled("the motion without it is not finite")
+        found: Any = lacking.measure(at, self.nodes.held, t=self.nodes.times)
+        return np.asarray(found[:, self.columns]) - self.outputs
+
+    def judged(self) -> str:
+        """Which ranges of the fine model its own motion leaves, in words."""
+        at, u, t = self.at_ends[self.nodes.control], self.nodes.held, self.nodes.times
+        motion = Trajectory.from_arrays(t, at, u, plant=self.fine, dx=self.fine.dynamics(at, u, t=t))
+        return "; ".join(in_words(found.to_json()) for found in left(self.fine, motion))
 
 
 def _collocated(A: Array, c: Array, h: Array, start: Array) -> tuple[Array, Array]:

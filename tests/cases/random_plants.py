@@ -148,7 +148,7 @@ def draw(seed: int) -> Drawn:
             "hub_friction": lambda: spin * log(-3, 0),
             "payload": lambda: payload(rng, L, m, True),
             "gravity": lambda: L / t**2 * rng.uniform(-1, 1),
-            "kinematics": lambda: pick("rigid", "linear"),
+            "kinematics": lambda: pick("rigid", "linear", "strain"),
             "theory": lambda: "timoshenko",
             "basis": lambda: pick("clamped-free", "polynomial"),
             "frame": lambda: pick("pinned", "pinned-pinned"),
@@ -167,7 +167,7 @@ def draw(seed: int) -> Drawn:
             "gravity": lambda: L / t**2 * rng.uniform(-1, 1),
             "tip_slope": lambda: False,
             "reduction": lambda: pick("rigid-inertia", "rigid-coupling", "rigid"),
-            "kinematics": lambda: "stiffened",
+            "kinematics": lambda: pick("stiffened", "strain"),
             "basis": lambda: pick("payload", "polynomial"),
         }
     elif family == "large":
@@ -202,7 +202,10 @@ def draw(seed: int) -> Drawn:
     for taken, barred in (("drive", "frame"), ("basis", "axial_modes")):  # which do not go together
         if {taken, barred} <= set(chosen):
             chosen.remove((taken, barred)[rng.integers(2)])
-    made = replace(base, **{name: ways[name]() for name in chosen})
+    drawn = {name: ways[name]() for name in chosen}
+    if drawn.get("kinematics") == "strain" and drawn.pop("frame", None):  # refused together
+        chosen.remove("frame")
+    made = replace(base, **drawn)
     if family == "large" and made.kinematics == "substructured":
         made = replace(made, segments=pick(1, 2, 3), frame=pick("mean-axis", "chord", "tangent"), modes=pick(1, 2))
     return Drawn(family, made, np.array([L, m, t]), tuple(chosen))

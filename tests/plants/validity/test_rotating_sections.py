@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from pliant.plants import LargeDeflectionBeam, Payload, Trajectory
+from pliant.plants import LargeDeflectionBeam, Payload, SingleLinkArm, Trajectory, TwoLinkArm, beams
+from pliant.plants.exact_rotations.quadrature import points
+from pliant.plants.exact_rotations.strain_link import enough
 from pliant.plants.validity import rotating_sections
 from pliant.plants.validity.ranges import values
 
@@ -125,3 +127,33 @@ def test_a_twisted_sub_beam_sends_its_bends_out_of_their_plane_by_less_than_is_c
             assert found == pytest.approx(rotating_sections.SKEW, rel=1e-9)
     error = np.linalg.norm(tips[0] - tips[1]) / np.linalg.norm(tips[1])
     assert (0.005 if along == 2 else 0.001) < error < 0.05
+
+
+def test_a_link_of_exact_rotations_is_asked_for_strains_and_turn_not_for_slopes() -> None:
+    """One polynomial bends it to a circle: slope and curvature by hand. Rigid links are asked for nothing."""
+    arm = dataclasses.replace(SingleLinkArm.textbook(), kinematics="strain", basis="polynomial", modes=1)
+    turned = float(arm.elastic.basis.tip_slope[0]) * 0.1 / arm.link.length
+    found = reached(arm, state(arm, eta1=0.1))
+    assert set(found) == {"strain of the link's fibres", "axial strain of the link", "turn of the link's sections"}
+    depth = np.sqrt(3 * arm.link.I_z / arm.link.area)
+    assert found["strain of the link's fibres"] == pytest.approx(turned * depth / arm.link.length, rel=1e-9)
+    assert found["turn of the link's sections"] == pytest.approx(turned, rel=1e-9)
+    two = dataclasses.replace(TwoLinkArm.textbook(), kinematics="strain", modes=(0, 1))
+    assert {q.split(" of ")[1].split("'")[0] for q in reached(two, np.zeros(two.nx))} == {"link 2"}
+
+
+@pytest.mark.parametrize("n", [1, 4, 8])
+def test_quadrature_errs_by_less_than_is_said_up_to_the_turn(n) -> None:
+    """T of a polynomial field bent to RESOLVED, from its tangents at the link's points and at 64."""
+    basis = beams.basis("polynomial", n)
+    bent = np.eye(n)[0] * rotating_sections.RESOLVED / np.abs(basis.phi(np.linspace(0, 1, 101), 1)).max(axis=0)[0]
+
+    def inertia(at, q):
+        psi = basis.phi(at.xi, 1)
+        each, angle = np.column_stack([np.ones(len(psi)), psi]), (psi @ q)[:, None]
+        rows = np.vstack([at.root @ (-np.sin(angle) * each), at.root @ (np.cos(angle) * each)])
+        return rows.T @ rows
+
+    exact = inertia(points(64), bent)
+    lacking = np.linalg.eigvals(np.linalg.solve(exact, inertia(enough(basis), bent) - exact))
+    assert 1e-4 < np.abs(lacking).max() < 0.05

@@ -1,0 +1,51 @@
+"""A choice in a few sentences."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pliant.studies.common.formatting import measured
+
+if TYPE_CHECKING:
+    from .choice import Choice
+
+
+def words(choice: Choice) -> str:
+    """Which variant, how far it is from physics and how well that is known, what it leaves out and what is missing."""
+    rung = next(r for r in choice.rungs if r.chosen)
+    outputs = " and ".join(choice.compare)
+
+    def said(value: float) -> str:
+        return measured(value, choice.unit)
+
+    if choice.met:
+        parts = [
+            f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
+            f"{said(choice.tolerance)} of physics: it is {said(rung.error or 0.0)} away."
+        ]
+    else:
+        nearest = "" if rung.error is None or rung.error == float("inf") else f", {said(rung.error)} away"
+        parts = [
+            f"No variant is shown to keep {outputs} within {said(choice.tolerance)} of physics; the nearest, "
+            f"{rung.variant}{nearest}, is returned."
+        ]
+    if choice.convergence < float("inf"):
+        parts.append(f"Physics is {choice.physics}, known to {said(choice.convergence)}.")
+    else:
+        parts.append(f"{choice.physics[0].upper()}{choice.physics[1:]}.")
+    for kept, word in ((False, "Left out"), (True, "Kept")):
+        each = ", ".join(f"{e.name}, {said(e.change)}" for e in choice.effects if e.kept == kept)
+        if each:
+            parts.append(f"{word}: {each}.")
+    if choice.missing:
+        word = "No model here has" if choice.met else "Missing"
+        parts.append(f"{word}: {', '.join(choice.missing)}.")
+    if choice.integrator is not None:
+        speed = (choice.integrator.seconds or 0.0) * 1e3
+        parts.append(f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second.")
+    if choice.largest_step is not None:
+        parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
+    failed = [r for r in choice.rungs if r.error == float("inf")]
+    if failed:
+        parts.append(f"Without a motion: {'; '.join(r.variant for r in failed)}.")
+    return " ".join(parts)
