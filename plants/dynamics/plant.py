@@ -88,8 +88,14 @@ class Plant(PlantContract):
         return arguments.told(self, "dynamics", [self._rate(values, batch)], values[1])[0]
 
     def _rate(self, values: tuple[Any, ...], batch: int | None) -> Array:
-        """dx/dt at checked arguments, finite or not."""
-        return self._dynamics(*values, batch=batch)[0]
+        return self._sound_rate(values[1], self._dynamics(*values, batch=batch))
+
+    def _sound_rate(self, x: Array, results: list[Array]) -> Array:
+        return results[0]
+
+    def told_rates(self, values: tuple[Any, ...], results: list[Array]) -> Array:
+        """What `dynamics` gives at checked arguments, and tells of it, from what `_dynamics` gave there."""
+        return arguments.told(self, "dynamics", [self._sound_rate(values[1], results)], values[1])[0]
 
     def measure(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
         """Outputs y: (ny,) or (B, ny)."""

@@ -18,7 +18,8 @@ from pliant.plants.core.parameters import LONGEST, SHORTEST, require_choice, req
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
 from pliant.plants.motions import motion_source
-from pliant.plants.motions.compile_rule import MotionKernel
+from pliant.plants.motions.compile_rule import OnDemand
+from pliant.plants.motions.motion_library import MotionLibrary
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
@@ -126,9 +127,8 @@ def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | Non
 
 
 @lru_cache(maxsize=64)
-def motion_kernel(plant: PlantLike, method: str) -> MotionKernel | None:
+def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | None:
     """Whole motions of a plant by a method, all explicit ones together; None for what has no compiled form."""
-    rate = ca.Function("rate", list(plant.symbols), [plant.expressions[0]])
     if method in motion_source.EXPLICIT:
         times = {name: METHODS[name].input_times for name in motion_source.EXPLICIT}
 
@@ -141,11 +141,11 @@ def motion_kernel(plant: PlantLike, method: str) -> MotionKernel | None:
     else:
         return None
     methods = motion_source.EXPLICIT if method in motion_source.EXPLICIT else (method,)
-    return MotionKernel(
-        rate,
-        (lambda: rate) if len(methods) > 1 else lambda: step_map(plant, method),
+    return OnDemand(
+        lambda: ca.Function("rate", list(plant.symbols), [plant.expressions[0]]),
+        (plant._dynamics._function if len(methods) > 1 else step_map(plant, method)).n_instructions,
         "explicit" if len(methods) > 1 else inspect.getsource(step_maps),
-        methods,
+        lambda path: MotionLibrary(path, methods),
         source,
         lambda: motion_trials(plant, methods),
         f"motions of {type(plant).__name__} ({plant.label}) by {' and '.join(methods)}",

@@ -33,6 +33,11 @@ def fractions() -> np.ndarray:
     return np.asarray(DOP853.C, dtype=float)
 
 
+def limits() -> tuple[float, ...]:
+    """What bounds the steps, in the order in which compiled motions take them."""
+    return GROW, SHRINK, SAFETY, SMALLEST_STEP, MOST_STEPS
+
+
 class StepFunction:
     """(t, z, us (nu, 12), w, p, h) -> z(t + h) and the estimates of orders 5 and 3 of its error per unit of h.
 

@@ -14,26 +14,16 @@ from pliant.plants.core.parameters import require_choice, require_parts, require
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import read_only_times
 from pliant.plants.core.trajectory import Trajectory
-from pliant.plants.motions.motion_library import LONG, TOO_MANY, MotionLibrary
+from pliant.plants.motions.motion_library import A_CALL, LONG, TOO_MANY, MotionLibrary
 from pliant.plants.motions.motion_source import PAIR
+from pliant.plants.motions.observations import observer
 from pliant.plants.validity.ranges import judged
 
-from . import cvodes, radau
+from . import cvodes, dormand_prince, radau
 from .batch_stepper import motion_kernel
-from .dormand_prince import (
-    GROW,
-    MOST_STEPS,
-    SAFETY,
-    SHRINK,
-    SMALLEST_STEP,
-    first_step,
-    march,
-    too_many_steps,
-    too_small_a_step,
-)
 from .held_inputs import HeldInput, Input, sampling_grid
 from .step_guard import diverged
-from .step_maps import METHODS, check_step, stepper
+from .step_maps import METHODS, check_step, doubtful, stepper
 
 ADAPTIVE = ("dop853", "radau")
 TOLD = 200  # parts of a compiled motion after which progress is told, at most
@@ -63,7 +53,7 @@ def simulate(
         raise ValueError(f"step = {shown(step)} must be a number of seconds for {known}, and None otherwise")
     if step is not None:
         step = require_seconds("step", step)
-        require_parts("step", step, float(t[-1] - t[0]), MOST_STEPS, "steps")
+        require_parts("step", step, float(t[-1] - t[0]), dormand_prince.MOST_STEPS, "steps")
     for name, value in (("rtol", rtol), ("atol", atol)):
         require_number(name, value, "positive", most=1.0)
     if progress is not None:
@@ -74,13 +64,15 @@ def simulate(
     if batch is not None:
         raise ValueError(f"simulate takes one state ({plant.nx},), not a batch of {batch}")
     plant.check_state(x)
+    w, p = (np.ascontiguousarray(a, dtype=float) for a in (w, p))
 
     began = clock.perf_counter()
     grid, rows = sampling_grid(t, u)
     drive = HeldInput(plant, u, grid, w, p)
     run = _Run(plant, drive, grid, x, w, p, method, step, rtol, atol, audit, progress)
     states, work, samples = (z[rows] for z in (*run.march(), drive.samples))
-    dx = plant.dynamics(states, samples, w=w, p=p, t=t)
+    values, rows_at = plant._arguments(states, samples, w, p, t)
+    rates, outputs = observer(plant)(values, rows_at or 1)
     stats: dict[str, Any] = {
         "method": method,
         "seconds": clock.perf_counter() - began,
@@ -96,11 +88,11 @@ def simulate(
         t=t,
         x=states,
         u=samples,
-        y=plant._output(t[:, None], states, samples, w, p, batch=len(t))[0],
+        y=outputs[0],
         states=plant.states,
         inputs=plant.inputs,
         outputs=plant.outputs,
-        dx=dx,
+        dx=plant.told_rates(values, rates),
         w=np.tile(w, (len(t), 1)),
         disturbances=plant.disturbances,
         hold="linear" if drive.smooth else "zero-order",
@@ -134,6 +126,7 @@ class _Run:
         self.every = max(1, self.intervals // CHECKS)
         if self.step is not None:
             self.counts = np.maximum(1, np.ceil(np.diff(self.t) / self.step * (1 - 1e-12))).astype(LONG)
+            self.long = self.counts.sum() > A_CALL
         covered = self.method in METHODS or (self.method == "dop853" and self.drive.law is None and not self.audit)
         self.kernel = motion_kernel(self.plant, PAIR if self.adaptive else self.method) if covered else None
         self.library: MotionLibrary | None = None
@@ -204,13 +197,15 @@ class _Run:
         return min(self.intervals, self.reached + part)
 
     def _fixed_natively(self, z: np.ndarray) -> None:
-        k = self.reached
-        self._check(k, z[k])
+        k, checked = self.reached, self.long
+        if checked:  # beforehand, so that no long run is in vain
+            self._check(k, z[k])
         if self.drive.law is None:
-            done = self.motion.march(k, min(self._ahead(), (k // self.every + 1) * self.every))
+            done = self.motion.march(k, self._ahead())
         else:
             done = self.motion.march_sampled(k, METHODS[self.method].input_times, self.drive.at)
         self.reached, i = self.motion.place
+        self._check_passed(k + checked, self.reached + (not done), z)
         taken = int(self.counts[k : self.reached].sum()) + i
         self.steps, self.native = self.steps + taken, self.native + taken
         if not done:  # the virtual machine has the last word, and the words
@@ -224,6 +219,15 @@ class _Run:
         if k % self.every == 0:
             h = (self.t[k + 1] - self.t[k]) / self.counts[k]
             check_step(self.plant, z, self.method, h, u=self.drive.samples[k], p=self.p, t=self.t[k])
+
+    def _check_passed(self, first: int, last: int, z: np.ndarray) -> None:
+        """`_check` at the starts of intervals first .. last - 1, which compiled code has gone through."""
+        k, reached = np.arange(-(-first // self.every) * self.every, last, self.every), self.reached
+        steps = (self.t[k + 1] - self.t[k]) / self.counts[k]
+        for i in doubtful(self.plant, z[k], self.method, steps, self.drive.samples[k], self.p):
+            self.reached = int(k[i])  # what came later tells nothing where this one is past the limit
+            self._check(self.reached, z[self.reached])
+        self.reached = reached
 
     def _fixed(self, k: int, z: np.ndarray, start: int = 0) -> np.ndarray:
         began, count = self.t[k], int(self.counts[k])
@@ -249,7 +253,7 @@ class _Run:
         """Of the adaptive methods, from time k on; under a smooth input no longer than the run."""
         if self.first is None:
             at = (self.t[k], z[: self.plant.nx], self.drive.samples[k])
-            self.first = first_step(self.plant, *at, self.w, self.p)
+            self.first = dormand_prince.first_step(self.plant, *at, self.w, self.p)
             if self.drive.smooth:
                 self.first = min(self.first, self.t[-1] - self.t[0])
         return self.first
@@ -257,15 +261,15 @@ class _Run:
     def _adaptive_natively(self, library: MotionLibrary, z: np.ndarray) -> None:
         k = self.reached
         arrays = (np.ascontiguousarray(self.t), self.drive.samples, self.w, self.p, z)
-        motion = library.adapted(arrays, (self.rtol, self.atol, GROW, SHRINK, SAFETY, SMALLEST_STEP, MOST_STEPS))
+        motion = library.adapted(arrays, (self.rtol, self.atol, *dormand_prince.limits()))
         stopped = motion.march(k, self._ahead(), self._first_step(k, z[k]), restart=not self.drive.smooth)
         self.reached, self.first = motion.reached, motion.step
         self.steps, self.native = self.steps + motion.tried, self.native + motion.tried
         if stopped:
             last = z[self.reached + 1]
             if stopped == TOO_MANY:
-                raise too_many_steps(motion.time, last, motion.trial)
-            raise too_small_a_step(motion.time, last, motion.step, len(last))
+                raise dormand_prince.too_many_steps(motion.time, last, motion.trial)
+            raise dormand_prince.too_small_a_step(motion.time, last, motion.step, len(last))
         if self.progress is not None:
             self.progress(self.t[self.reached])
 
@@ -282,7 +286,9 @@ class _Run:
             else:
                 told = {"audit": self.audit, "report": self.progress}
                 drive = self.drive.at if law else None
-                out, tried, self.first = march(self.plant, *at, drive, *fixed, first=first, **tolerances, **told)
+                out, tried, self.first = dormand_prince.march(
+                    self.plant, *at, drive, *fixed, first=first, **tolerances, **told
+                )
         self.steps += tried
         return out
 

@@ -222,3 +222,15 @@ def check_step(
             mode,
             limit,
         )
+
+
+def doubtful(plant: PlantLike, x: np.ndarray, method: str, steps: np.ndarray, u: np.ndarray, p: np.ndarray) -> Any:
+    """Which of the states x (n, nx), each with its step (n,) and input (n, nu), `check_step` has to look at; the others
+    are within what is damped for sure.
+    """
+    if not len(x) or METHODS[method].tableau is None:
+        return np.zeros(0, dtype=int)
+    slopes = plant._jacobians(0.0, x, u, np.zeros(plant.nw), p, batch=len(x))[0]
+    sound = np.isfinite(slopes).all(axis=(1, 2))
+    fastest = np.abs(np.linalg.eigvals(np.where(sound[:, None, None], slopes, 0.0))).max(axis=1)
+    return np.flatnonzero(~sound | (steps * fastest > damped_within(method)))

@@ -13,7 +13,7 @@ import inspect
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import casadi as ca
 import numpy as np
@@ -30,11 +30,12 @@ from pliant.plants.native import (
     slp_packing,
 )
 from pliant.plants.rounding.agreement import KernelMismatch, Trial
-from pliant.plants.toolchain import shared_library
+from pliant.plants.toolchain import compiler_process, shared_library
 
 from . import motion_source
 
 Array = np.ndarray
+L = TypeVar("L")
 LONG = np.dtype(ctypes.c_long)
 DOUBLE = np.dtype(float)
 A_CALL = 200_000  # steps of one native call at most, so that a long motion can be interrupted
@@ -152,26 +153,34 @@ def _place(array: Array) -> int:
     return int(array.ctypes.data)
 
 
-_loaded: dict[str, MotionLibrary] = {}
+_loaded: dict[str, Any] = {}
 
 
-def cached(name: str, methods: Sequence[str]) -> MotionLibrary | None:
+def compiler_known() -> bool:
+    """Whether this process, or an earlier one, has asked the compiler what it can: else nothing of it is kept."""
+    if compiler.toolchain.cache_info().currsize:
+        return True
+    return any(compiler._stored(command) is not None for command in compiler_process.candidates())
+
+
+def cached(name: str, load: Callable[[Path], L]) -> L | None:
     """The library kept under a name, in memory or on disk."""
     if name not in _loaded:
         path = kernel_cache.path_of(f"motion-{name}.so")
         if path is None:
             return None
-        _loaded[name] = MotionLibrary(path, methods)
-    return _loaded[name]
+        _loaded[name] = load(path)
+    return cast(L, _loaded[name])
 
 
 def build(
     key_of: Callable[[], str],
-    methods: Sequence[str],
+    load: Callable[[Path], L],
     source: Callable[[], str],
     trials: Callable[[], Sequence[Trial]],
     said: str,
-) -> MotionLibrary | None:
+    lanes: int,
+) -> L | None:
     """The library kept under a key, or compiled, compared with the virtual machine and kept; None, told, where not."""
     try:
         with kernel_loader.generating:
@@ -180,10 +189,10 @@ def build(
                 _loaded[name] = kernel_cache.kept(
                     f"motion-{name}.so",
                     lambda: compiler.build(source()),
-                    lambda path: MotionLibrary(path, methods),
-                    lambda path: kernel_loader.check(path, trials(), DOUBLE, 1, said),
+                    load,
+                    lambda path: kernel_loader.check(path, trials(), DOUBLE, lanes, said),
                 )
-            return _loaded[name]
+            return cast(L, _loaded[name])
     except compiler.NoCompiler as missing:
         kernel_loader.tell(str(missing), said, every=True)
     except (
