@@ -135,7 +135,9 @@ def summary(rows: list[by_seed.Row]) -> str:
     told = [r for r in rows if r["native"] is not None]
     worst = max((r["far"] / r["bound"] for r in told), default=0.0)
     wrong, vague = [r["seed"] for r in rows if not r["right"]], sum(r["bound"] > VAGUE for r in told)
-    text = f"{len(rows)} motions, {sum(r['native'] for r in told)} compiled, {len(rows) - len(told)} stopped in both ways"
+    text = (
+        f"{len(rows)} motions, {sum(r['native'] for r in told)} compiled, {len(rows) - len(told)} stopped in both ways"
+    )
     text += f", {vague} too wild to tell: largest difference {worst:.2g} of what rounding explains, "
     return text + f"{len(wrong)} wrong {wrong[:10]}"
 
