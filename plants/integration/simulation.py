@@ -278,17 +278,14 @@ class _Run:
         if not self.drive.smooth:
             first = min(first, times[-1] - times[0])
         at, fixed = (times, z, self.drive.samples[k]), (self.w, self.p)
-        tolerances = {"rtol": self.rtol, "atol": self.atol}
+        options: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol, "first": first}
         with np.errstate(all="ignore"):
             if self.method == "radau":
-                drive = self.drive if law else None
-                out, tried = radau.march(self.plant, *at, drive, *fixed, first=first, **tolerances)
+                out, tried = radau.march(self.plant, *at, self.drive if law else None, *fixed, **options)
             else:
-                told = {"audit": self.audit, "report": self.progress}
-                drive = self.drive.at if law else None
-                out, tried, self.first = dormand_prince.march(
-                    self.plant, *at, drive, *fixed, first=first, **tolerances, **told
-                )
+                options |= {"audit": self.audit, "report": self.progress}
+                function = self.drive.at if law else None
+                out, tried, self.first = dormand_prince.march(self.plant, *at, function, *fixed, **options)
         self.steps += tried
         return out
 

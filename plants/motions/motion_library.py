@@ -54,7 +54,7 @@ WRITERS: tuple[ModuleType, ...] = (
 
 @functools.cache
 def _writers() -> str:
-    return "\n".join([ca.__version__, *[inspect.getsource(module) for module in WRITERS]])
+    return "\n".join([ca.CasadiMeta.version(), *[inspect.getsource(module) for module in WRITERS]])
 
 
 def key(equations: ca.Function, kind: str) -> str:

@@ -20,7 +20,7 @@ with too small a step, the state of both in row k + 1; 3 after `most` steps.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -178,7 +178,7 @@ def _defined(function: ca.Function) -> str:
     return "".join(f"#define {name} {size}\n" for name, size in sizes.items() if name not in ("NT", "NX"))
 
 
-def explicit_source(rate: ca.Function, input_times: dict[str, Sequence[float]]) -> str:
+def explicit_source(rate: ca.Function, input_times: Mapping[str, Sequence[float]]) -> str:
     """All explicit methods of the rates (t, x, u, w, p) -> dx/dt; input_times: fractions of a step, by method."""
     from scipy.integrate import DOP853
 
