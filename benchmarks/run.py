@@ -18,7 +18,7 @@ from dataclasses import asdict
 from pathlib import Path
 from statistics import mean
 
-from cases import cold_start, controller_acts, environments, fma_peak, learning, physics, spacecraft, stability
+from cases import cold_start, controller_acts, environments, fma_peak, learning, motions, physics, spacecraft, stability
 from cases import soak as soaking
 from harness import sampling, table, targets
 from peers import cantilever, peers
@@ -33,6 +33,7 @@ PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
     "physics": lambda: [*physics.cases(), *peers.physics_cases()],
     "jacobians": lambda: list(physics.jacobian_cases()),
     "environments": lambda: [*environments.cases(), *peers.environment_cases()],
+    "motions": lambda: list(motions.cases()),
     "cantilever": lambda: list(cantilever.cases()),
     "stability": lambda: list(stability.cases()),
     "spacecraft": lambda: list(spacecraft.cases()),

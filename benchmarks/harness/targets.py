@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from cases import cold_start, controller_acts, fma_peak, learning, physics, spacecraft, stability
+from cases import cold_start, controller_acts, fma_peak, learning, motions, physics, spacecraft, stability
 from cases import environments as env
 from cases.soak import GROWTH, STEPS, Soak
 from peers import cantilever, peers
@@ -49,7 +49,7 @@ def _median(row: Row | None) -> float | None:
 def checks(rows: Sequence[Row], soak: Soak | None, steps: int = STEPS) -> list[Check]:
     """Everything asked, in order; `steps` of the soak."""
     found = [_physics(rows), _environments(rows), _times(rows), _soak(soak, steps), _learning(rows), _cantilever(rows)]
-    found += [_stability(rows), _spacecraft(rows), _controllers(rows)]
+    found += [_stability(rows), _spacecraft(rows), _controllers(rows), _motions(rows)]
     return [check for part in found for check in part]
 
 
@@ -171,3 +171,11 @@ def _controllers(rows: Sequence[Row]) -> Iterator[Check]:
         yield Check(12, f"{what}, against HPIPM", ratio(peer, own), asked, "times")
         tails = None if not (own and peer and own.tail and peer.tail) else peer.tail / own.tail
         yield Check(12, f"{what}, 99th percentile, against HPIPM's", tails, asked / 3, "times")
+
+
+def _motions(rows: Sequence[Row]) -> Iterator[Check]:
+    """The worst of the scenes."""
+    found = motions.over(rows, "simulate", "stepper", motions.METHODS)
+    yield Check(13, "simulate, held inputs, fixed steps, over the stepper's time", found, 1.3, "times", least=False)
+    found = motions.over(rows, "dop853", "rk8 at its error", [f"{rtol:g}" for rtol in motions.TOLERANCES])
+    yield Check(13, "simulate, adaptive, over rk8's time at equal error", found, 2.0, "times", least=False)

@@ -62,6 +62,7 @@ def rk8() -> Tableau:
     return Tableau(DOP853.A[:12, :12], DOP853.B, DOP853.C[:12])
 
 
+@lru_cache(maxsize=1)
 def rk4() -> Tableau:
     """Kutta's classical method."""
     A = np.diag([0.5, 0.5, 1.0], -1)

@@ -33,8 +33,7 @@ def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Argum
     time = require_times(plant, t)
     values, batch = [time.reshape(-1, 1) if time.ndim else time[None]], len(time) if time.ndim else None
     sizes = (plant.nx, plant.nu, plant.nw, len(plant.varied))
-    signals = (plant.states, plant.inputs, plant.disturbances, plant.parameters)
-    for i, (name, value, size, named) in enumerate(zip("xuwp", (x, u, w, p), sizes, signals), start=1):
+    for i, (name, value, size) in enumerate(zip("xuwp", (x, u, w, p), sizes), start=1):
         array = real_array(f"{type(plant).__name__}.{name}", default[i] if value is None else value)
         if array.ndim not in (1, 2) or array.shape[-1] != size:
             owner = f"{type(plant).__name__}.{name}"
@@ -42,6 +41,7 @@ def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Argum
         if not np.isfinite(array).all():
             k = int(np.argwhere(~np.isfinite(array))[0][-1])
             bad = array[..., k][~np.isfinite(array[..., k])].flat[0]
+            named = (plant.states, plant.inputs, plant.disturbances, plant.parameters)[i - 1]
             raise ValueError(f"{type(plant).__name__}.{name}[{k}] ({named[k].name}) = {bad} must be finite")
         if array.ndim == 2:
             if batch not in (None, len(array)):

@@ -80,10 +80,10 @@ class MechanicalPlant(Plant):
     def _dynamics(self) -> NumericFunction:
         return function("dynamics", list(self.symbols), list(self._motion))
 
-    def _rate(self, values: tuple[Any, ...], batch: int | None) -> Array:
+    def _sound_rate(self, x: Array, results: list[Array]) -> Array:
         """dx/dt: (nx,) or (B, nx). Raises MassMatrixError where the mass matrix is not positive definite."""
-        rate, pivot = self._dynamics(*values, batch=batch)
-        self.check_definite(values[1], pivot)
+        rate, pivot = results
+        self.check_definite(x, pivot)
         return rate
 
     def check_definite(self, x: Array, pivot: Array) -> None:

@@ -88,8 +88,11 @@ class Plant(PlantContract):
         return arguments.told(self, "dynamics", [self._rate(values, batch)], values[1])[0]
 
     def _rate(self, values: tuple[Any, ...], batch: int | None) -> Array:
-        """dx/dt at checked arguments, finite or not."""
-        return self._dynamics(*values, batch=batch)[0]
+        return self._sound_rate(values[1], self._dynamics(*values, batch=batch))
+
+    def told_rates(self, values: tuple[Any, ...], results: list[Array]) -> Array:
+        """What `dynamics` gives at checked arguments, and tells of it, from what `_dynamics` gave there."""
+        return arguments.told(self, "dynamics", [self._sound_rate(values[1], results)], values[1])[0]
 
     def measure(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
         """Outputs y: (ny,) or (B, ny)."""
@@ -148,6 +151,9 @@ class Plant(PlantContract):
         "rosenbrock" (fixed `step` [s]). audit=True integrates the work done too and puts the energy balance into stats.
         Raises StabilityLimitError when a fixed step is past the method's limit, IntegrationError where it must stop.
         Warns (ValidityWarning) where the motion leaves a range of `validity`, and says so in stats["validity"].
+
+        Fixed steps but midpoint's, and dop853's under inputs held, run in compiled code where that is at hand or pays:
+        stats["native"] says whether all did, plants/motions/compile_rule.py when a compiler is asked. Same digits.
         """
         options: dict[str, Any] = {"method": method, "step": step, "rtol": rtol, "atol": atol}
         return simulate(self, x0, u, t, w=w, p=p, audit=audit, progress=progress, **options)

@@ -1,9 +1,11 @@
-"""Fixed steps of a plant over a batch of lanes, on native kernels or on CasADi's virtual machine."""
+"""Fixed steps of a plant, of a batch of lanes or a whole motion, on native kernels or on the virtual machine."""
 
 from __future__ import annotations
 
 import copy
+import inspect
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
 
@@ -15,6 +17,9 @@ from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.parameters import LONGEST, SHORTEST, require_choice, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
+from pliant.plants.motions import motion_source
+from pliant.plants.motions.compile_rule import OnDemand
+from pliant.plants.motions.motion_library import MotionLibrary
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
@@ -22,6 +27,7 @@ from pliant.plants.native.thread_pool import available
 from pliant.plants.rounding.agreement import Reference, Trial, of_function
 from pliant.plants.rounding.extended_evaluation import mover
 
+from . import step_maps
 from .step_guard import StepGuard, sound
 from .step_maps import METHODS, step_map, stepper
 
@@ -118,6 +124,42 @@ def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | Non
         made=(step_kernel, (plant, method, dtype) if lanes is None else (plant, method, dtype, lanes)),
         lanes=lanes,
     )
+
+
+@lru_cache(maxsize=64)
+def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | None:
+    """Whole motions of a plant by a method, all explicit ones together; None for what has no compiled form."""
+    if method in motion_source.EXPLICIT:
+        times = {name: METHODS[name].input_times for name in motion_source.EXPLICIT}
+
+        def source() -> str:
+            return motion_source.explicit_source(rate_function(plant), times)
+    elif method in motion_source.IMPLICIT:
+
+        def source() -> str:
+            return motion_source.implicit_source(step_map(plant, method))
+    else:
+        return None
+    methods = motion_source.EXPLICIT if method in motion_source.EXPLICIT else (method,)
+    return OnDemand(
+        lambda: ca.Function("rate", list(plant.symbols), [plant.expressions[0]]),
+        (plant._dynamics._function if len(methods) > 1 else step_map(plant, method)).n_instructions,
+        "explicit" if len(methods) > 1 else inspect.getsource(step_maps),
+        lambda path: MotionLibrary(path, methods),
+        source,
+        lambda: motion_trials(plant, methods),
+        f"motions of {type(plant).__name__} ({plant.label}) by {' and '.join(methods)}",
+    )
+
+
+def motion_trials(plant: PlantLike, methods: Sequence[str]) -> list[Trial]:
+    """How a library of motions is checked: the rates once, and steps by every method."""
+    found: dict[str, Trial] = {}
+    for method in methods:
+        for trial in step_trials(plant, method, rate_function(plant)):
+            own = trial if trial.entry == "rates" else replace(trial, entry=f"steps_{method}")
+            found.setdefault(own.entry, own)
+    return list(found.values())
 
 
 def _numbers(name: str, value: Any) -> Array:

@@ -33,6 +33,11 @@ def fractions() -> np.ndarray:
     return np.asarray(DOP853.C, dtype=float)
 
 
+def limits() -> tuple[float, ...]:
+    """What bounds the steps, in the order in which compiled motions take them."""
+    return GROW, SHRINK, SAFETY, SMALLEST_STEP, MOST_STEPS
+
+
 class StepFunction:
     """(t, z, us (nu, 12), w, p, h) -> z(t + h) and the estimates of orders 5 and 3 of its error per unit of h.
 
@@ -73,6 +78,42 @@ class StepFunction:
 step_function = lru_cache(maxsize=32)(StepFunction)
 
 
+def first_step(plant: PlantLike, t: float, x: np.ndarray, u: np.ndarray, w: np.ndarray, p: np.ndarray) -> float:
+    """A tenth of the fastest mode's time [s]: at an exact equilibrium every error estimate is zero, and what goes by
+    those would begin with a step as long as the run.
+
+    The slopes df/dx have half the digits, by differences: a first step needs no more, and the exact Jacobian of a large
+    plant takes seconds to build.
+    """
+    moves = np.sqrt(np.finfo(float).eps) * np.maximum(np.abs(x), 1.0)
+    points = np.vstack([x, x + np.diag(moves)])
+    rate = np.array([plant._dynamics(t, at, u, w, p)[0] for at in points])
+    fastest = np.abs(np.linalg.eigvals(((rate[1:] - rate[0]) / moves[:, None]).T)).max(initial=0.0)
+    return float(0.1 / max(fastest, 1e-3))
+
+
+def too_many_steps(t: float, x: np.ndarray, trial: float) -> IntegrationError:
+    """What ends a motion after MOST_STEPS."""
+    return IntegrationError(
+        f"dop853 stopped at t = {t:.6g} s after {MOST_STEPS:,} steps, the last of {trial:.3g} s; go on from the last "
+        "state, or use a method for stiff plants",
+        t,
+        x,
+        trial,
+    )
+
+
+def too_small_a_step(t: float, z: np.ndarray, h: float, nx: int) -> IntegrationError:
+    """What ends a motion whose step has fallen to nothing."""
+    return IntegrationError(
+        f"dop853 stopped at t = {t:.6g} s, its step having fallen to {h:.3g} s, at state {z}; the motion is singular "
+        "there, or rtol and atol are too small",
+        t,
+        z[:nx],
+        h,
+    )
+
+
 def march(
     plant: PlantLike,
     times: np.ndarray,
@@ -107,13 +148,7 @@ def march(
             new, e5, e3 = step(t, z, us, w, p, trial)
             tried += 1
             if tried > MOST_STEPS:
-                raise IntegrationError(
-                    f"dop853 stopped at t = {t:.6g} s after {MOST_STEPS:,} steps, the last of {trial:.3g} s; go on "
-                    "from the last state, or use a method for stiff plants",
-                    t,
-                    z[: plant.nx],
-                    trial,
-                )
+                raise too_many_steps(t, z[: plant.nx], trial)
             scale = atol + rtol * np.maximum(np.abs(z), np.abs(new))
             s5, s3 = (e5 / scale) @ (e5 / scale), (e3 / scale) @ (e3 / scale)
             bottom = s5 + 0.01 * s3
@@ -125,13 +160,7 @@ def march(
                 continue
             h = trial * (max(SHRINK, SAFETY * error**-0.125) if np.isfinite(error) else SHRINK)
             if h < SMALLEST_STEP * max(1.0, abs(t)):
-                raise IntegrationError(
-                    f"dop853 stopped at t = {t:.6g} s, its step having fallen to {h:.3g} s, at state {z}; the motion "
-                    "is singular there, or rtol and atol are too small",
-                    t,
-                    z[: plant.nx],
-                    h,
-                )
+                raise too_small_a_step(t, z, h, plant.nx)
         out[k] = z
         if report is not None:
             report(t)

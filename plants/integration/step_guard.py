@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.errors import DivergenceWarning
+from pliant.plants.core.errors import DivergenceWarning, IntegrationError
 from pliant.plants.core.plant_protocol import PlantLike
 
 from .step_maps import METHODS, check_step
@@ -79,3 +79,14 @@ class StepGuard:
 def sound(x: Any) -> Array:
     """Which lanes of x (batch, nx) are finite numbers: (batch,) bool."""
     return np.isfinite(x).all(axis=1)
+
+
+def diverged(method: str, t: float, x: Array, h: float) -> IntegrationError:
+    """What ends a motion whose step of h [s] from state x at t has no finite result."""
+    return IntegrationError(
+        f"{method} diverged at t = {t:.6g} s with a step of {h:.4g} s from state {x}; take a smaller step or an "
+        "adaptive method",
+        t,
+        x,
+        h,
+    )

@@ -1,0 +1,53 @@
+"""Rates and outputs along a motion: natively the virtual machine's, with its warnings and errors."""
+
+import numpy as np
+import pytest
+from oscillators import Oscillator, Scalar
+
+from pliant.plants import MassMatrixError, SingleLinkArm
+from pliant.plants.core.errors import NotFiniteWarning
+from pliant.plants.motions import compile_rule
+from pliant.plants.motions.observations import Observer, observer
+from pliant.plants.native import kernel_loader
+
+pytestmark = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
+
+
+@pytest.fixture
+def at_once(monkeypatch):
+    for price in ("COMPILING", "LOOKING"):
+        monkeypatch.setattr(compile_rule, price, (0.0, 0.0))
+
+
+@pytest.mark.parametrize("rows", [1, 7, 8, 30])
+def test_rows_are_the_virtual_machines(at_once, rows):
+    plant, rng = Oscillator(), np.random.default_rng(rows)
+    x, u, w, t = rng.normal(size=(rows, 2)), rng.normal(size=(rows, 1)), np.array([0.3]), rng.normal(size=(rows, 1))
+    (rate,), (y,) = Observer(plant)((t, x, u, w, np.zeros(0)), rows)
+    np.testing.assert_allclose(rate, np.column_stack([x[:, 1], u[:, 0] + 0.3 - 100 * x[:, 0]]), rtol=1e-14)
+    np.testing.assert_allclose(y, x[:, :1] + u, rtol=1e-14)
+    assert rate.flags.c_contiguous
+
+
+def test_rows_without_a_number_are_told_of(at_once):
+    plant = Scalar(ends=True)
+    values, rows = plant._arguments(np.array([[0.0], [2.0]]), t=np.zeros(2))
+    results, _ = Observer(plant)(values, rows)
+    with pytest.warns(NotFiniteWarning, match=r"1 of 2 entries are not finite, first \[1, 0\]"):
+        plant.told_rates(values, results)
+
+
+def test_a_mass_matrix_that_is_lost_is_an_error():
+    arm = SingleLinkArm.textbook()
+    values, rows = arm._arguments(np.zeros((2, arm.nx)))
+    rate, pivot = arm._dynamics(*values, batch=rows)
+    with pytest.raises(MassMatrixError, match="not positive definite"):
+        arm.told_rates(values, [rate, -pivot])
+
+
+def test_few_rows_stay_on_the_virtual_machine_and_are_counted():
+    own = Observer(Oscillator(omega=np.e))
+    values = (np.zeros((3, 1)), np.ones((3, 2)), np.zeros(1), np.zeros(1), np.zeros(0))
+    own(values, 3)
+    assert own.kernel.spent > 0.0 and not own.kernel.compiled
+    assert observer(Oscillator(omega=np.e)) is observer(Oscillator(omega=np.e))
