@@ -68,13 +68,14 @@ def real_array(name: str, value: Any) -> np.ndarray:
 
 
 def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
-    """`value` as a float array; ValueError unless it has `shape` and is finite (a single -1 means any length)."""
+    """`value` as a float array; ValueError unless it has `shape`, is finite and at most LARGEST (-1 is any length)."""
     array = real_array(name, value)
     if array.ndim != len(shape) or any(want not in (-1, have) for want, have in zip(shape, array.shape)):
         raise ValueError(f"{name} has shape {array.shape}, must be {shape}")
-    if not np.all(np.isfinite(array)):
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{name}{list(where)} = {array[where]} must be finite")
+    if not np.all(np.abs(array) <= LARGEST):
+        where = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= LARGEST))[0])
+        most = f"at most {LARGEST:g} in size" if np.isfinite(array[where]) else "finite"
+        raise ValueError(f"{name}{list(where)} = {array[where]} must be {most}")
     return array
 
 

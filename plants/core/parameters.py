@@ -114,6 +114,11 @@ def _entries(name: str, value: Any, allowed: str, unit: str) -> Any:
     """Floats and symbols, in tuples as they came."""
     if isinstance(value, tuple):
         return tuple(_entries(f"{name}[{i}]", item, allowed, unit) for i, item in enumerate(value))
+    return number_or_symbol(name, value, allowed, unit)
+
+
+def number_or_symbol(name: str, value: Any, allowed: str = "finite", unit: str = "1") -> Any:
+    """`value` as a float, or the one symbol that it is; ValueError for anything else."""
     if not is_symbolic(value):
         return require_number(name, value, allowed, unit)
     if value.numel() != 1:
