@@ -49,6 +49,8 @@ class OffsetPayload:
             value = require_number(f"OffsetPayload.{name}", getattr(self, name), least=low, most=LARGEST_RATIO)
             object.__setattr__(self, name, value)
         offset = require_finite("OffsetPayload.offset", self.offset, (3,))
+        if np.abs(offset).max() > LARGEST_RATIO:
+            raise ValueError(f"OffsetPayload.offset = {offset.tolist()} must be within +-{LARGEST_RATIO:g}")
         object.__setattr__(self, "offset", tuple(offset.tolist()))
         I_xx, I_zz, I_xz = self.moments
         if not (0 <= I_xx <= LARGEST_RATIO and 0 <= I_zz <= LARGEST_RATIO):

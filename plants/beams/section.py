@@ -13,8 +13,8 @@ from typing import Any, Protocol
 
 import casadi as ca
 
-from pliant.plants.core.argument_gates import require_number, shown
-from pliant.plants.core.parameters import is_symbolic, quantity, validate
+from pliant.plants.core.argument_gates import shown
+from pliant.plants.core.parameters import is_symbolic, number_or_symbol, quantity, validate
 
 
 class MaterialLike(Protocol):
@@ -176,10 +176,7 @@ def _round(material: MaterialLike, m: Any) -> Any:
 
 def _positive(owner: str, **lengths: Any) -> list[Any]:
     """Every length [m], positive or symbolic."""
-    return [
-        value if is_symbolic(value) else require_number(f"{owner} {name}", value, "positive", "m")
-        for name, value in lengths.items()
-    ]
+    return [number_or_symbol(f"{owner} {name}", value, "positive", "m") for name, value in lengths.items()]
 
 
 def _require_material(owner: str, material: Any) -> None:

@@ -31,6 +31,7 @@ RANGES = {
     "finite": ("a finite number", lambda v: True),
 }
 SHORTEST, LONGEST = 1e-15, 1e9  # [s] between which a step of a machine lies
+LARGEST_ENTRY = 1e150  # of an array: squares are finite
 LEAST, LARGEST = 1e-75, 1e75  # sizes of one number: fourth powers are finite; what has to be > 0 is not below
 BYTES = ("b", "B", "c")  # formats of memory that holds no numbers
 DEEPEST, SHOWN = 8, 120  # lists in lists; characters of a value in a message
@@ -68,13 +69,14 @@ def real_array(name: str, value: Any) -> np.ndarray:
 
 
 def require_finite(name: str, value: Any, shape: tuple[int, ...]) -> Any:
-    """`value` as a float array; ValueError unless it has `shape` and is finite (a single -1 means any length)."""
+    """`value` as a float array; ValueError unless it has `shape` (-1: any length), is finite, at most LARGEST_ENTRY."""
     array = real_array(name, value)
     if array.ndim != len(shape) or any(want not in (-1, have) for want, have in zip(shape, array.shape)):
         raise ValueError(f"{name} has shape {array.shape}, must be {shape}")
-    if not np.all(np.isfinite(array)):
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{name}{list(where)} = {array[where]} must be finite")
+    if not np.all(np.abs(array) <= LARGEST_ENTRY):
+        where = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= LARGEST_ENTRY))[0])
+        most = f"at most {LARGEST_ENTRY:g} in size" if np.isfinite(array[where]) else "finite"
+        raise ValueError(f"{name}{list(where)} = {array[where]} must be {most}")
     return array
 
 

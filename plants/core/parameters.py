@@ -8,7 +8,9 @@ tuples ("hub_inertia.0"). A CasADi expression passes unchecked: that is how a pa
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, TypeVar
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple, TypeVar
 
 import casadi as ca
 
@@ -75,45 +77,67 @@ def validate(obj: Any) -> None:
 
     Lists and arrays become tuples, numbers of any type floats. A field with metadata "gate" becomes gate(name, value).
     """
-    for field in dataclasses.fields(obj):
-        if "gate" in field.metadata:
-            name, gate = f"{type(obj).__name__}.{field.name}", field.metadata["gate"]
-            object.__setattr__(obj, field.name, gate(name, getattr(obj, field.name)))
-        if "allowed" in field.metadata:
-            value, told, shapes = getattr(obj, field.name), field.metadata, _shapes(field)
-            if (
-                type(value) is float
-                and () in shapes
-                and LEAST <= abs(value) <= LARGEST
-                and RANGES[told["allowed"]][1](value)
-            ):
-                continue  # as most are, at little cost
-            name = f"{type(obj).__name__}.{field.name}"
-            object.__setattr__(obj, field.name, _checked(name, nested(value), told, shapes))
+    for name, gate, told in _plan(type(obj)):
+        value = getattr(obj, name)
+        if gate is not None:
+            object.__setattr__(obj, name, gate(f"{type(obj).__name__}.{name}", value))
+        if told is None or (type(value) is float and told.fits(value)):
+            continue  # as most are, at little cost
+        found = _checked(f"{type(obj).__name__}.{name}", nested(getattr(obj, name)), told)
+        object.__setattr__(obj, name, found)
     for path in getattr(obj, "varied", ()):
         unit_of(obj, path)
 
 
-def _shapes(field: dataclasses.Field[Any]) -> tuple[tuple[int, ...], ...]:
-    own, other = field.metadata["shape"], field.metadata["or_shape"]
-    if own is None:
-        own = (-1,) if "tuple" in str(field.type) else ()
-    return (own,) if other is None else (own, other)
+class _Quantity(NamedTuple):
+    """What a quantity() field must be."""
+
+    unit: str
+    allowed: str
+    holds: Callable[[float], bool]
+    shapes: tuple[tuple[int, ...], ...]
+    one: bool  # whether it may be one number
+
+    def fits(self, value: float) -> bool:
+        return self.one and self.holds(value) and (value == 0 or LEAST <= abs(value) <= LARGEST)
+
+    @classmethod
+    def of(cls, field: dataclasses.Field[Any]) -> _Quantity:
+        told = field.metadata
+        own, other = told["shape"], told["or_shape"]
+        if own is None:
+            own = (-1,) if "tuple" in str(field.type) else ()
+        shapes = (own,) if other is None else (own, other)
+        return cls(told["unit"], told["allowed"], RANGES[told["allowed"]][1], shapes, () in shapes)
 
 
-def _checked(name: str, value: Any, told: Any, shapes: tuple[tuple[int, ...], ...]) -> Any:
-    unit, allowed = told["unit"], told["allowed"]
-    if not any(_has_shape(value, shape) for shape in shapes):
-        text = " or ".join(_in_words(shape) for shape in shapes)
-        each = "" if allowed == "finite" else f", each {RANGES[allowed][0]}"
-        raise ValueError(f"{name} = {shown(value)} must be {text}{each} [{unit}]")
-    return _entries(name, value, allowed, unit)
+@cache
+def _plan(made: type) -> tuple[tuple[str, Callable[..., Any] | None, _Quantity | None], ...]:
+    """(name, gate, quantity) of the fields of a dataclass that have one of them."""
+    return tuple(
+        (f.name, f.metadata.get("gate"), _Quantity.of(f) if "allowed" in f.metadata else None)
+        for f in dataclasses.fields(made)
+        if "gate" in f.metadata or "allowed" in f.metadata
+    )
+
+
+def _checked(name: str, value: Any, told: _Quantity) -> Any:
+    if not any(_has_shape(value, shape) for shape in told.shapes):
+        text = " or ".join(_in_words(shape) for shape in told.shapes)
+        each = "" if told.allowed == "finite" else f", each {RANGES[told.allowed][0]}"
+        raise ValueError(f"{name} = {shown(value)} must be {text}{each} [{told.unit}]")
+    return _entries(name, value, told.allowed, told.unit)
 
 
 def _entries(name: str, value: Any, allowed: str, unit: str) -> Any:
     """Floats and symbols, in tuples as they came."""
     if isinstance(value, tuple):
         return tuple(_entries(f"{name}[{i}]", item, allowed, unit) for i, item in enumerate(value))
+    return number_or_symbol(name, value, allowed, unit)
+
+
+def number_or_symbol(name: str, value: Any, allowed: str = "finite", unit: str = "1") -> Any:
+    """`value` as a float, or the one symbol that it is; ValueError for anything else."""
     if not is_symbolic(value):
         return require_number(name, value, allowed, unit)
     if value.numel() != 1:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_counts
+from pliant.plants.core.argument_gates import LEAST, require_counts
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.quaternions import skew
@@ -53,9 +53,10 @@ def clamped_modes(
     if inner.size:
         Kfi = K[np.ix_(free, inner)]
         Kff = Kff - Kfi @ np.linalg.solve(K[np.ix_(inner, inner)], Kfi.T)
-    carried = np.repeat(masses[free_nodes], 3) > 0
+    carried = np.repeat(masses[free_nodes], 3) >= LEAST
     if not carried.all():
-        raise ValueError(f"from_matrices.mass: nodes {free_nodes[~carried[::3]].tolist()} must carry mass")
+        where = free_nodes[~carried[::3]].tolist()
+        raise ValueError(f"from_matrices.mass: nodes {where} must carry mass, at least {LEAST:g} kg")
     modes = require_count("from_matrices", "modes", modes, 0, len(free))
     if not modes:
         return masses, np.zeros((0, nodes, 3)), np.zeros(0)

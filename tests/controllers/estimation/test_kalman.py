@@ -154,6 +154,7 @@ def test_innovations_are_white():
     assert (np.linalg.solve(np.linalg.cholesky(careless.innovation_covariance), innovations[200:].T) ** 2).sum() > high
 
 
+@pytest.mark.campaign
 @pytest.mark.every(2)
 @pytest.mark.parametrize("delay", [0, 2])
 def test_time_varying_filter_along_a_slew(delay):

@@ -220,6 +220,7 @@ def test_damaged_checkpoints_are_refused(trained, tmp_path, damage, words):
         rl.train(SCENE, steps=4096, folder=folder, resume=True, settings=SMALL)
 
 
+@pytest.mark.campaign
 def test_checkpoint_of_something_else_is_refused(trained, tmp_path):
     folder = copy(trained[0], tmp_path)
     with pytest.raises(ValueError, match="scene = 'single-link-slew' must be 'two-link-reach'"):

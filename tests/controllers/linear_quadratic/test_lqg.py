@@ -174,6 +174,7 @@ def test_every_plant_of_the_library_has_sensors_that_it_knows():
         sensors_of("arm")
 
 
+@pytest.mark.campaign
 def test_a_spin_that_the_filter_reads_and_the_law_leaves_has_no_margins_and_without_it_there_are():
     """Four wheels share a spin that turns nothing: with their tachometers the filter's loop keeps a pole at one, which
     rounding put within the circle on some machines: "disk 0.0023". On the model without it, which the regulator has,

@@ -72,6 +72,7 @@ def test_continuous_cost_to_go_is_the_integrated_cost():
     assert controller.cost_to_go(start) == pytest.approx(rolled[-1, -1], rel=1e-8)
 
 
+@pytest.mark.campaign
 def test_sampled_cost_to_go_is_the_integrated_cost():
     model, dt = arm(), 0.1
     controller = LQR.design(model, {"theta": 50.0, "tip": 10.0, "acc": 0.3}, {"torque": 0.4}, dt=dt)

@@ -31,6 +31,7 @@ def test_states_that_no_cost_sees_are_left_out_of_the_terminal_cost():
     assert not nmpc.horizon.P[k].any() and nmpc.horizon.P.any() and not nmpc.law.K[:, k].any()
 
 
+@pytest.mark.campaign
 def test_a_goal_that_is_not_at_rest_has_no_regulator():
     scene = scenes.get("slider-crank-run")
     with pytest.raises(EquilibriumError, match="crank_angle changes by"):

@@ -118,6 +118,7 @@ def test_binding_limit_is_kept_and_no_allowed_perturbation_costs_less():
         assert rolled(scene, np.clip(found.u + size * d, -3.0, 3.0)).min() >= found.cost * (1 - 1e-9)
 
 
+@pytest.mark.campaign
 def test_exact_and_gauss_newton_hessians_and_both_solvers_meet():
     costs = [
         bound(SLEW, solver=s, hessian=h, tolerance=1e-9).cost
@@ -170,6 +171,7 @@ def test_a_guess_saves_iterations_and_changes_nothing():
         assert warm.iterations < cold.iterations and warm.cost == pytest.approx(cold.cost, rel=1e-8)
 
 
+@pytest.mark.campaign
 def test_disturbance_and_parameters_enter():
     still = optimal(carts(), np.zeros(4), 40)
     assert optimal(carts(), np.zeros(4), 40, w=[0.5]).cost > still.cost * 1.01

@@ -72,6 +72,7 @@ def test_reserve_holds_on_both_sides():
     assert found.u.max() == pytest.approx(16.0, abs=1e-5) and found.u.min() == pytest.approx(-16.0, abs=1e-5)
 
 
+@pytest.mark.campaign
 def test_via_points_are_met():
     found = plan(REACH, via={0.5: {"theta1": -1.4, "theta2": 0.6}})
     motion = found.trajectory(REACH.plant)

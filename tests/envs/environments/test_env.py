@@ -30,6 +30,7 @@ def test_ids() -> None:
     assert gymnasium.make("pliant.envs:pliant/TwoLinkReach-v0").unwrapped.scene.name == "two-link-reach"
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize(
     ("env_id", "randomise"),
     [*((env_id, True) for env_id in IDS), *(pytest.param(i, False, marks=pytest.mark.campaign) for i in SAMPLE)],

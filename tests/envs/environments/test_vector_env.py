@@ -97,6 +97,7 @@ def test_lanes_have_their_own_parameters(name: str) -> None:
         np.testing.assert_allclose(vector.states[lane], motion.x[-1], rtol=1e-9, atol=1e-11)
 
 
+@pytest.mark.campaign
 def test_gusts_push_the_lanes() -> None:
     scene = scenes.get("two-link-reach", gusts=(("tip_force_y", 2.0),), start_spread=0.0, randomise=())
     vector = PlantVectorEnv(scene, 8, randomise=True)

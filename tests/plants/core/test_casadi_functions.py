@@ -163,6 +163,7 @@ def test_a_varied_plant_builds_in_its_own_parameters():
     assert dataclasses.replace(varied, varied=()).symbols is plain.symbols
 
 
+@pytest.mark.campaign
 def test_a_compiled_plant_keeps_its_native_functions_to_itself():
     native = SingleLinkArm.textbook().compile()
     fresh = SingleLinkArm.textbook()

@@ -191,6 +191,7 @@ def test_linear_model_along_a_nominal_keeps_its_disturbance():
     assert np.abs(ltv.c).max() < 1e-9 * np.abs(nominal.dx).max()
 
 
+@pytest.mark.campaign
 def test_a_compiled_plant_gives_the_same_model_along_a_nominal():
     rng = np.random.default_rng(4)
     x, u = 0.02 * rng.normal(size=(30, OFFSET_LINK.nx)), rng.normal(size=(30, 1))

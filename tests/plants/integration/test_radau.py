@@ -25,6 +25,7 @@ def test_an_input_of_time(vibration):
     np.testing.assert_allclose(found[:, 0], np.cos(TIMES), atol=1e-6)
 
 
+@pytest.mark.campaign
 def test_it_stops_where_the_motion_ends(blowing):
     """1 / (1 - t) is infinite at 1 s."""
     with np.errstate(all="ignore"), pytest.raises(IntegrationError, match="radau stopped after t = "):

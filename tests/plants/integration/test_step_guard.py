@@ -48,6 +48,7 @@ def test_lanes_away_from_rest_and_their_parameters_are_looked_at():
     opted_out(x, np.zeros(1), np.array([own, own / 9, own]))
 
 
+@pytest.mark.campaign
 def test_an_implicit_method_has_no_limit():
     plant = PLANTS["one"]
     assert StepGuard(plant, "rosenbrock", 1.0, check=True)._limited is False

@@ -57,6 +57,7 @@ def test_midpoint_that_finds_no_solution_stops():
     assert caught.value.time < 0.9 and caught.value.state.shape == (12,)
 
 
+@pytest.mark.campaign
 def test_adaptive_methods_agree():
     times = np.linspace(0, 0.4, 5)
     u = np.tile([1.0, 0.5], (5, 1)) * np.sin(times)[:, None]

@@ -120,6 +120,7 @@ def test_a_lane_depends_neither_on_its_place_nor_on_the_others(random_state):
             np.testing.assert_array_equal(have[0], want[k])
 
 
+@pytest.mark.campaign
 def test_parameters_by_lane(random_state):
     plant = PLANTS["two varied"]
     x, u = points(plant, random_state, 2)

@@ -95,6 +95,7 @@ def test_strains_and_spins_of_the_spatial_beam_against_its_frames(name):
     assert turning == pytest.approx(kinetic, rel=1e-6)
 
 
+@pytest.mark.campaign
 def test_offset_payload_twists_the_spatial_beam_as_bar_theory_says():
     """A weight beside the axis of a stiff beam: a small twist m g y L/(G J)."""
     stiff = dataclasses.replace(BEAM.beam, E=1e6 * BEAM.beam.E, G=1e3 * BEAM.beam.G)

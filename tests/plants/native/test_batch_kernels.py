@@ -119,6 +119,7 @@ def test_bad_input_is_named(build, message: str) -> None:
         build()
 
 
+@pytest.mark.campaign
 def test_compiled_plant_gives_the_same_functions() -> None:
     fast = ARM.compile()
     x, u = states(9), np.array([0.3, -0.2])

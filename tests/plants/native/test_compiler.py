@@ -30,6 +30,7 @@ def toolchain(monkeypatch, tmp_path):
     compiler.toolchain.cache_clear()
 
 
+@pytest.mark.campaign
 def test_added_flags_are_last_and_enter_the_key(toolchain):
     plain, added = toolchain(""), toolchain("-DANSWER=42 '-DWORDS=two words'")
     assert added.compile_flags == (*plain.compile_flags, "-DANSWER=42", "-DWORDS=two words")
@@ -39,6 +40,7 @@ def test_added_flags_are_last_and_enter_the_key(toolchain):
     assert toolchain("") == plain and toolchain("-DANSWER=43").compile_flags[-1] == "-DANSWER=43"
 
 
+@pytest.mark.campaign
 def test_added_flags_reach_the_compiler(toolchain, tmp_path):
     toolchain("-DANSWER=42")
     library = tmp_path / "answer.so"
@@ -49,6 +51,7 @@ def test_added_flags_reach_the_compiler(toolchain, tmp_path):
         compiler.build(SOURCE)
 
 
+@pytest.mark.campaign
 def test_added_flags_decide_on_the_processor(toolchain):
     """The macros that give target and vector width are those under the added flags."""
     command = compiler.candidates()[0]

@@ -144,6 +144,7 @@ assert not any(child.exitcode for child in children)
     assert all(kernel_cache.path_of(n) for n in names)
 
 
+@pytest.mark.campaign
 @needs_compiler
 def test_a_damaged_kernel_is_rebuilt(folder: Path) -> None:
     first = subprocess.run([sys.executable, "-c", STEP], capture_output=True, text=True, check=True).stdout

@@ -137,6 +137,7 @@ def test_where_vectors_gain_little_the_code_is_scalar() -> None:
     assert slp_codegen.lane_function("rate", beam, 8, 8) == scalar_codegen.block_function("rate", beam)
 
 
+@pytest.mark.campaign
 @pytest.mark.every(2)
 @pytest.mark.parametrize("root", ["clamped", "driven"])
 def test_one_lane_of_a_beam_moves_as_many_do(root: str) -> None:

@@ -156,6 +156,7 @@ def test_forces_obey_newtons_laws_on_the_bent_rod(basis):
         assert y["slider_x"] == pytest.approx(place[-1, 0], abs=1e-12)
 
 
+@pytest.mark.campaign
 def test_accelerations_of_the_middle_are_the_derivatives_of_its_motion():
     """Fourier derivatives around the cycle of the middle's position, taken from the outline."""
     cycle = steady_cycle(PLANT, points=361)

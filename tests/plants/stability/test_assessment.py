@@ -46,6 +46,7 @@ def test_states_that_others_do_not_feel_may_be_left_out(model_of, pulsating):
             assess(model_of(model.t, A), states=states)
 
 
+@pytest.mark.campaign
 def test_an_arm_along_its_own_motion():
     arm = TwoLinkArm.textbook()
     arm = dataclasses.replace(arm, joint_friction=(2.0, 1.0), modes=(1, 1))

@@ -327,6 +327,7 @@ def modulated(depth, nu, nodes=129):
     return craft.linearize_along(nominal, p=np.column_stack([k, k]))
 
 
+@pytest.mark.campaign
 def test_modulated_hinge_of_the_reference(reference):
     table = reference("spacecraft")["hinge_stiffness_modulated"]
     for row in table["floquet"]:

@@ -25,6 +25,7 @@ def test_scene_regulator_is_stable_on_every_variation(case):
         assert loop.verdict.startswith("stable")
 
 
+@pytest.mark.campaign
 def test_radius_is_that_of_the_design(case):
     _, law, loops = case
     assert loops[0].radius == pytest.approx(np.abs(law.poles).max(), rel=1e-9)

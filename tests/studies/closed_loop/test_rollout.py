@@ -63,6 +63,7 @@ def test_without_noise_and_delay_it_is_plant_simulate(scene):
     assert run.cost == pytest.approx(scene.cost(exact), rel=1e-5)
 
 
+@pytest.mark.campaign
 def test_finer_plant_from_other_parameters_is_that_plant(fine):
     """The kernel's parameters p against a plant that is built with the numbers; payload shapes stay the nominal's."""
     given = dataclasses.replace(nominal(fine), p=fine.varied_plant.nominal_parameters * [1.0, 1.2, 0.8])

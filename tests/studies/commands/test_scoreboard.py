@@ -2,11 +2,13 @@
 
 import json
 
+import pytest
 from typer.testing import CliRunner
 
 from pliant.studies.commands.cli import app
 
 
+@pytest.mark.campaign
 def test_command(tmp_path):
     arguments = ["scoreboard", "single-link-slew", "--controllers", "LQR", "--seeds", "2", "--bounds", "1"]
     done = CliRunner().invoke(app, [*arguments, "--jobs", "1", "--json", "--out", str(tmp_path)])

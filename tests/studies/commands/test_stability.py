@@ -32,6 +32,7 @@ def test_table_and_picture(run, tmp_path):
     assert (tmp_path / "s.png").stat().st_size > 10_000
 
 
+@pytest.mark.campaign
 def test_json_is_json_alone(run):
     """All that the verdict holds, and nothing beside it on stdout; the nominal is swung once: nothing decides."""
     done = run("two-link-reach", *SHORT, "--json")

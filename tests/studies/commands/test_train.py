@@ -15,6 +15,7 @@ def run(*words):
     return CliRunner().invoke(app, ["train", *words])
 
 
+@pytest.mark.campaign
 def test_command_trains_and_goes_on(tmp_path):
     pytest.importorskip("stable_baselines3")
     given = ["--steps", "2560", "--num-envs", "64", "--threads", "1", "--out", str(tmp_path), "--json"]

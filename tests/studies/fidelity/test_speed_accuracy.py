@@ -44,6 +44,7 @@ def test_error_falls_at_the_order_of_the_method(fine, method):
     assert order == pytest.approx(ORDERS[method], abs=0.1)
 
 
+@pytest.mark.campaign
 def test_error_of_a_converged_row_is_the_difference_of_the_models(measured):
     """Against the same two models integrated by another code, CVODES of SUNDIALS."""
     u = np.array([SLEW.nominal_input(t) for t in SLEW.times])

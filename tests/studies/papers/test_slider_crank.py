@@ -18,6 +18,7 @@ def test_filter_keeps_the_slow_and_drops_the_fast_without_lag():
         figures.low_pass(t, slow, 3000.0)
 
 
+@pytest.mark.campaign
 def test_figures_draw_and_the_motion_ends_on_the_steady_cycle():
     plant = dataclasses.replace(figures.textbook(), modes=1)
     drawn = figures.figures(plant, cycles=2)

@@ -62,6 +62,7 @@ def test_readme_shows_the_committed_numbers():
     assert block[1].strip() == short(TABLE).strip()
 
 
+@pytest.mark.campaign
 def test_cells_played_again_are_those_of_the_table():
     """LQR and the trained policy on the slew, and its bounds.
 

@@ -50,6 +50,7 @@ def test_progress_grows_to_one():
     assert seen == sorted(seen) and seen[-1] == 1.0
 
 
+@pytest.mark.campaign
 @pytest.mark.every(2)
 @pytest.mark.parametrize(
     ("name", "left"), [("spacecraft-orbit", "wheel1_momentum"), ("spacecraft-slew", "quaternion_0")]

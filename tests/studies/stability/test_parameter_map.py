@@ -108,6 +108,7 @@ def test_a_backend_that_is_not_installed_is_named(monkeypatch):
         map_stability(hill, grid, backend="dask")
 
 
+@pytest.mark.campaign
 def test_a_plants_parameters_by_name():
     arm = dataclasses.replace(SingleLinkArm.textbook(), gravity=9.81, hub_friction=0.3, basis="clamped-free")
     grid = {"hub_friction": (0.1, 0.4), "payload.mass": (0.2, 0.6, 1.0)}
@@ -198,6 +199,7 @@ def test_a_nominal_from_a_rigid_plant_is_lifted():
         modes_needed(arm, motion, 1.0, most=0)
 
 
+@pytest.mark.campaign
 def test_a_spacecraft_that_spins_about_its_intermediate_axis_needs_one_mode(reference):
     """The nominal is a rigid spin; the reference is without geometric stiffening, which changes 1e-7 here."""
 
