@@ -1,4 +1,4 @@
-"""The richest models of the arms, by which their fidelities are judged, and how a simpler arm's motion is one of theirs.
+"""The richest models of the arms, by which their fidelities are judged, and how a simpler arm's motion is theirs.
 
 Exact rotations, rotary inertia and shear, on polynomials, which hold any curvature that loads at the tip and inertia
 bring about.

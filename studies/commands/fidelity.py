@@ -47,8 +47,8 @@ def chart(
     rows = [(r.variant, r.setting, (r.seconds or 0.0) * 1e3, r.error, r.step_error) for r in front]
     caption = (
         f"{len(found.measured)} settings measured, {len(found.failed)} without a result (see --json). "
-        f"Errors are from {found.reference.variant}, confirmed by {found.reference.nearest} to "
-        f"{measured(found.reference.difference, found.unit)}."
+        f"Errors are from physics, {found.reference.how}, known to "
+        f"{measured(found.reference.uncertainty, found.unit)}."
     )
     head = ("variant", "method", "ms per simulated s", f"error [{found.unit}]", f"of it by the step [{found.unit}]")
     show(f"{chosen.name}, the Pareto front", head, rows, caption=caption)
@@ -75,13 +75,13 @@ def choose(
             (
                 r.variant,
                 r.states,
-                measured(r.change, found.unit) if r.change is not None else "-",
-                measured(r.error, found.unit),
+                measured(r.error, found.unit) if r.error is not None else "-",
+                measured(r.bound, found.unit) if r.bound is not None else "-",
                 "chosen" if r.chosen else r.note,
             )
             for r in found.rungs
         ]
-        show(f"{chosen.name}, the ladder", ("variant", "states", "from the next", "from the finest", ""), rows)
+        show(f"{chosen.name}, the ladder", ("variant", "states", "from physics", "at most", ""), rows)
         say(found.text)
     if not found.met:
         complain("no variant is shown to keep the tolerance")

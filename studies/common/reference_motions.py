@@ -45,6 +45,7 @@ class Motions:
         self._kept: dict[Plant, np.ndarray | PliantError] = {}
         self._starts: dict[Plant, np.ndarray] = {}
         self._outside: dict[Plant, str] = {}
+        self.truth: dict[float, Any] = {}  # what physics gives, by the tolerance for which it was found
 
     @cached_property
     def ladder(self) -> tuple[Plant, ...]:
@@ -108,25 +109,10 @@ class Motions:
         """The same as far as its motion is known already."""
         return self._outside.get(plant, "")
 
-    def difference(self, plant: Plant, other: Plant) -> float:
-        """Largest difference of any compared output between two fidelities; infinite where one fails."""
+    def difference(self, plant: Plant, other: Plant | np.ndarray) -> float:
+        """Largest difference of any compared output from another fidelity's, or outputs (nt, n); infinite if one fails."""
         try:
-            return float(np.abs(self.converged(plant) - self.converged(other)).max())
+            against = self.converged(other) if isinstance(other, Plant) else other
+            return float(np.abs(self.converged(plant) - against).max())
         except PliantError:
             return float("inf")
-
-    @cached_property
-    def reference(self) -> Plant:
-        """The finest variant."""
-        return self.ladder[-1]
-
-    @cached_property
-    def shown_convergence(self) -> tuple[str, float]:
-        """The variant nearest to the reference, and how far it is from it: what is shown of its error.
-
-        Not the variant below it on the ladder: that may have poorer shape functions at nearly the same cost.
-        """
-        self.converged(self.reference)
-        others = [(self.difference(plant, self.reference), plant.label) for plant in self.ladder[:-1]]
-        distance, label = min(others)
-        return label, distance

@@ -1,4 +1,4 @@
-"""The smallest model for a scene: climb from the cheapest, and stop at the first that keeps the tolerance against physics.
+"""The smallest model for a scene: climb from the cheapest to the first that keeps the tolerance against physics.
 
 What physics gives (`physics_motion`: exact rotations, shear, as many shapes as matter) is known with a stated
 uncertainty, and every rung's motion is compared with it. Rungs that agree with each other confirm nothing, as they may
@@ -11,7 +11,6 @@ Rungs are the plant's ladder, the scene's own plant where its fields are on no r
 from __future__ import annotations
 
 import dataclasses
-import time as clock
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -25,11 +24,11 @@ from pliant.studies.common.reference_motions import Motions, Progress, share, si
 
 from . import effects as worth
 from .effects import Effect
+from .integrators import integrators
 from .physics_motion import PhysicsMotion, physics_motion
-from .speed_accuracy import METHODS, SUBSTEPS, TOLERANCES, Chart, Row, Runner, chart
+from .speed_accuracy import Chart, Row
 from .verdict_in_words import words
 
-STEP_SEARCH = 4.0  # [s] for the largest step
 CLIMB = 1e-6  # rtol of a rung's motion
 CONFIRMED = 1e-2  # of the tolerance: what the chosen rung's motion is integrated to
 
@@ -102,8 +101,8 @@ def choose(
 
     `motions`: which motions it is to keep it on, each None (the scene's open loop) or a Trajectory, as of a closed
     loop, whose inputs are played at the control times; None: the open loop alone. Also the fastest integrator and the
-    largest fixed step that keep it on the first; the first from `measured`, or from a short chart of that rung. Where no
-    rung is shown to keep it, `met` is False, and `missing` says what is missing. ValueError for a tolerance not above 0.
+    largest fixed step that keep it on the first. Where no rung is shown to keep it, `met` is False, and `missing` says
+    what is missing. ValueError for a tolerance not above 0.
 
     Example
     -------
@@ -126,14 +125,11 @@ def choose(
     told(0.6, "effects")
     found_effects = worth.of(played[0], climb.physics[0], plant)
     fastest, largest = None, None
-    if met:
-        fastest = None if measured is None else measured.fastest(tolerance, plant.label)
-        if fastest is None:
-            sharp, told_of_it = dataclasses.replace(scene, tolerance=tolerance), share(progress, 0.7, 0.9)
-            part = chart(sharp, budget=STEP_SEARCH, variants=(plant,), motions=played[0], progress=told_of_it)
-            fastest = part.fastest(tolerance, plant.label)
-        told(0.9, "largest step")
-        largest = _largest_step(played[0], plant, tolerance)
+    if met and climb.physics[0] is not None:
+        told(0.7, "integrator")
+        fastest, largest = integrators(played[0], climb.physics[0], plant, tolerance)
+        if measured is not None and measured.tolerance <= tolerance:
+            fastest = measured.fastest(tolerance, plant.label) or fastest
     found = Choice(
         scene=scene.name,
         compare=scene.compare,
@@ -259,14 +255,3 @@ def _rungs(plant: Plant, physics: Plant | None) -> tuple[Plant, ...]:
     if physics is not None and physics.label not in {p.label for p in ladder}:
         ladder.append(physics)
     return tuple(ladder)
-
-
-def _largest_step(motions: Motions, plant: Plant, tolerance: float) -> Row | None:
-    """The fixed-step method with the largest step within the tolerance, of several the fastest."""
-    runner = Runner(motions, clock.perf_counter() + STEP_SEARCH, prune=False)
-    for level in range(len(SUBSTEPS)):
-        rows = [runner.measure(plant, method, level) for method in METHODS if method not in TOLERANCES]
-        good = [r for r in rows if r is not None and r.error is not None and r.error <= tolerance]
-        if good:
-            return min(good, key=lambda r: r.seconds or 0.0)
-    return None

@@ -39,9 +39,9 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
 def _worth(motions: Motions, physics: PhysicsMotion, name: str) -> float:
     try:
         lacking = physics.physics.without(name)
-        if names(lacking.states) == names(physics.physics.states) and physics.motion is not None:
-            if np.array_equal(lacking.embedding(physics.physics), np.eye(lacking.nx)):
-                return float(np.abs(physics.motion.without(lacking)).max())
+        same = names(lacking.states) == names(physics.physics.states)
+        if same and physics.motion and np.allclose(lacking.embedding(physics.physics), np.eye(lacking.nx), atol=1e-9):
+            return float(np.abs(physics.motion.without(lacking)).max())
         return float(np.abs(outputs_of(motions, lacking, physics) - physics.outputs).max())
     except PliantError:
         return float("inf")

@@ -57,10 +57,13 @@ def physics_motion(motions: Motions, tolerance: float) -> PhysicsMotion:
 
     PliantError where neither the correction settles nor physics can be simulated.
     """
-    try:
-        return _Search(motions, tolerance).corrected()
-    except (NotSettled, PliantError) as reason:
-        return _simulated(motions, tolerance, str(reason))
+    if tolerance not in motions.truth:
+        try:
+            motions.truth[tolerance] = _Search(motions, tolerance).corrected()
+        except (NotSettled, PliantError) as reason:
+            motions.truth[tolerance] = _simulated(motions, tolerance, str(reason))
+    found: PhysicsMotion = motions.truth[tolerance]
+    return found
 
 
 class _Search:

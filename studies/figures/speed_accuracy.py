@@ -40,6 +40,8 @@ def speed_accuracy(chart: Chart) -> Figure:
     if front:
         ax.step(*zip(*front), where="post", color=INK, lw=1.2, zorder=1)
     ax.axvline(chart.tolerance, color=COLOURS[7], lw=1.2, ls="--")
+    if lowest < chart.reference.uncertainty < highest:
+        ax.axvspan(lowest, chart.reference.uncertainty, color=QUIET, alpha=0.15, lw=0, zorder=0)
     aside: Any = {"ha": "right", "va": "top", "rotation": 90, "transform": ax.get_xaxis_transform()}
     ax.text(chart.tolerance, 0.99, "tolerance ", color=COLOURS[7], **aside)
     ax.set_xscale("log")
@@ -47,7 +49,7 @@ def speed_accuracy(chart: Chart) -> Figure:
     beyond = f", from {highest:g} {chart.unit} at the edge" if any(error == highest for error, _, _ in rows) else ""
     ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]{beyond}")
     ax.set_ylabel("wall time per simulated second [ms]")
-    ax.set_title("Speed against accuracy")
+    ax.set_title(f"{chart.scene}: speed against accuracy, from {chart.reference.variant}")
     by_variant = [
         Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", ls="none", label=v) for i, v in enumerate(variants)
     ]
@@ -56,6 +58,8 @@ def speed_accuracy(chart: Chart) -> Figure:
         for i, m in enumerate(methods)
     ]
     by_method.append(Line2D([], [], color=INK, lw=1.2, label="Pareto front (filled)"))
+    if lowest < chart.reference.uncertainty < highest:
+        by_method.append(Line2D([], [], color=QUIET, alpha=0.3, lw=8, label="physics is not known better"))
     figure.legend(handles=[*by_variant, *by_method], loc="outside right upper")
     return figure
 
@@ -67,26 +71,28 @@ def save(chart: Chart, path: str | Path, together: Together | None = None) -> No
 
 @styled
 def ladder(choice: Choice) -> Figure:
-    """Each rung's difference from the finest and from its next finer neighbour, with the tolerance."""
+    """Each rung's difference from physics, with the tolerance and how well physics is known."""
     figure, (ax,) = panels(1, height=0.32 * len(choice.rungs) + 1.0)
     rungs = choice.rungs
     lowest, highest = 1e-4 * choice.tolerance, RUNS_AWAY * choice.tolerance
     at = np.arange(len(rungs))
     for i, rung in enumerate(rungs):
+        if rung.error is None:
+            ax.text(lowest, i, " not tried", color=QUIET, va="center")
+            continue
         colour = COLOURS[2] if rung.chosen else COLOURS[0]
         ax.barh(i, min(max(rung.error, lowest), highest), color=colour, height=0.55, alpha=0.85)
-        if rung.change is not None:
-            ax.plot(min(max(rung.change, lowest), highest), i, "D", color=COLOURS[1], ms=5)
-    ax.plot([], [], "s", color=COLOURS[0], label="from the finest")
+    ax.plot([], [], "s", color=COLOURS[0], label="from physics")
     ax.plot([], [], "s", color=COLOURS[2], label="the chosen one")
-    ax.plot([], [], "D", color=COLOURS[1], label="from the next rung")
+    if lowest < choice.convergence < highest:
+        ax.axvspan(lowest, choice.convergence, color=QUIET, alpha=0.2, lw=0, label="physics is known to")
     ax.axvline(choice.tolerance, color=COLOURS[7], ls="--", lw=1.2, label="tolerance")
     ax.set_xscale("log")
     ax.set_xlim(left=lowest)
     ax.set_yticks(at, [r.variant for r in rungs])
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
-    beyond = f", from {highest:g} {choice.unit} at the edge" if any(r.error > highest for r in rungs) else ""
+    beyond = f", from {highest:g} {choice.unit} at the edge" if any((r.error or 0.0) > highest for r in rungs) else ""
     ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [{choice.unit}]{beyond}")
     ax.set_title("The ladder, cheapest first")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

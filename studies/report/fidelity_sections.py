@@ -17,8 +17,7 @@ def chart(found: Findings) -> str:
     text = paragraph(
         "Each point is one variant by one method at one step. Error: largest difference of "
         f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
-        f"period) from {ref.variant} at rtol {ref.rtol:g}. That reference is confirmed by {ref.nearest} to "
-        f"{measured(ref.difference, chart.unit)}; what all variants leave out is not in it. Time: integration only, "
+        f"period) from physics: {ref.how}, known to {measured(ref.uncertainty, chart.unit)}. Time: integration only, "
         f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
     )
     fast = chart.fastest()
@@ -65,26 +64,23 @@ def choice(found: Findings) -> str:
     """The ladder and what each effect is worth."""
     choice = found.choice
     text = paragraph(
-        "A rung of the ladder is taken when it agrees with the finest one; agreement of two neighbours is not "
-        "enough, for both may lack the same effect."
+        "The cheapest rung whose difference from physics, with what physics is known to, keeps the tolerance is taken; "
+        "that rungs agree with each other shows nothing, as they may lack the same effect."
     )
     rows = [
         (
             r.variant,
             r.states,
-            measured(r.change, choice.unit) if r.change is not None else "–",
-            measured(r.error, choice.unit) if r.error else "–",
+            measured(r.error, choice.unit) if r.error is not None else "–",
+            measured(r.bound, choice.unit) if r.bound is not None else "–",
             "chosen" if r.chosen else r.note,
         )
         for r in choice.rungs
     ]
     marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
-    text += table(("variant", "states", "from the next rung", "from the finest", ""), rows, marked=marked)
-    effects = []
-    for e in choice.effects:
-        change = f"{e.chosen}, not {e.other}" if e.kept else f"{e.other} for {e.chosen}"
-        effects.append((e.name, change, measured(e.change, choice.unit), "kept" if e.kept else "left out"))
+    text += table(("variant", "states", "from physics", "at most", ""), rows, marked=marked)
+    effects = [(e.name, measured(e.change, choice.unit), "kept" if e.kept else "left out") for e in choice.effects]
     if effects:
-        text += paragraph("What each effect is worth, changed alone in the chosen model:")
-        text += table(("effect", "change", "worth", ""), effects)
+        text += paragraph("What each effect of physics is worth, left out alone:")
+        text += table(("effect", "worth", "in the chosen model"), effects)
     return text

@@ -15,6 +15,7 @@ from pliant.studies.closed_loop.comparison import compare
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.choice import choose
+from pliant.studies.fidelity.physics_motion import physics_motion
 from pliant.studies.fidelity.speed_accuracy import chart
 from pliant.studies.stability.judgement import judge
 
@@ -52,7 +53,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     judgement = judge(scene, progress=share(progress, 0.22, 0.27))
     contests = compare(scene, law, loops, progress=share(progress, 0.27, 0.35)) if scene.plant.nu else ()
     told(0.35, "reference")
-    _ = motions.shown_convergence  # before the chart, whose budget is for what it measures
+    truth = physics_motion(motions, scene.tolerance)  # before the chart, whose budget is for what it measures
     if budget is None:
         spent = clock.perf_counter() - began
         budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
@@ -74,7 +75,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         contests=contests,
         chart=measured,
         choice=choice,
-        scene_error=motions.difference(scene.plant, motions.reference),
+        scene_error=motions.difference(scene.plant, truth.outputs),
     )
 
 

@@ -1,0 +1,62 @@
+"""Which method and step plays a chosen plant fastest within a tolerance, and the largest fixed step that keeps it.
+
+Each method is tried from its coarsest setting on, as `simulate` plays it, until one keeps the tolerance against physics
+with what is known of that; none is tried that is expected to take longer than the fastest found, ten times over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from pliant.plants import Plant, PliantError
+from pliant.studies.common.reference_motions import Motions
+
+from .physics_motion import PhysicsMotion
+from .speed_accuracy import SUBSTEPS, TOLERANCES, Row
+
+FIXED = ("rk4", "rk8", "rosenbrock")
+ADAPTIVE = ("dop853",)
+RUNS = 3  # a setting that holds is timed so often
+PATIENCE = 10.0  # times the fastest: longer runs are not made
+
+
+def integrators(
+    motions: Motions, truth: PhysicsMotion, plant: Plant, tolerance: float
+) -> tuple[Row | None, Row | None]:
+    """(the fastest row within the tolerance, the fixed-step row with the largest step within it)."""
+    duration = motions.scene.steps * motions.scene.dt
+    best: Row | None = None
+    largest: Row | None = None
+    for method in (*FIXED, *ADAPTIVE):
+        for options in _settings(method, motions.scene.dt):
+            row = Row(plant.label, plant.nx, method, options.get("step"), options.get("rtol"))
+            try:
+                motion = motions.run(plant, method=method, **options)
+            except PliantError:
+                continue
+            error = float(np.abs(motions.compared(motion) - truth.outputs).max())
+            if not error + truth.uncertainty <= tolerance:
+                if best is not None and motion.stats["seconds"] > PATIENCE * (best.seconds or 0.0) * duration:
+                    break
+                continue
+            runs = [motion, *(motions.run(plant, method=method, **options) for _ in range(RUNS - 1))]
+            native = runs[-1].stats.get("native")
+            times = [m.stats["seconds"] for m in runs if m.stats.get("native") == native]
+            row = replace(row, seconds=median(times) / duration, error=error, runs=len(times))
+            if best is None or (row.seconds or 0.0) < (best.seconds or 0.0):
+                best = row
+            if row.step is not None and (largest is None or row.step > (largest.step or 0.0)):
+                largest = row
+            break
+    return best, largest
+
+
+def _settings(method: str, dt: float) -> list[dict[str, Any]]:
+    """From coarse to fine."""
+    if method in ADAPTIVE:
+        return [{"rtol": rtol, "atol": rtol / 100} for rtol in TOLERANCES[method]]
+    return [{"step": dt / k} for k in SUBSTEPS]
