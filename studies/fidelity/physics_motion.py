@@ -1,8 +1,8 @@
-"""What physics gives on a scene's motion, and how well that is known: what every fidelity of the scene is measured against.
+"""What physics gives on a scene's motion, and how well that is known: what every fidelity is measured against.
 
-`plant.physics()` is the richest model of the scene's machine. Its outputs are found from the cheapest variant's motion by
-`CorrectedMotion`, first with few nodes and shapes, then with more of each until they are known to a small part of the
-tolerance. Three errors are told, each by what one refinement still changed:
+`plant.physics()` is the richest model of the scene's machine. Its outputs are found from the cheapest variant's motion
+by `CorrectedMotion`, first with few nodes and shapes, then with more of each until they are known to a small part of
+the tolerance. Three errors are told, each by what one refinement still changed:
 
     passes   what Newton's method still moves
     time     nodes: half the parts of a period change a method of order four by 15 times what the finer ones err by

@@ -40,7 +40,8 @@ class NotSettled(PliantError):
 
 
 class CorrectedMotion:
-    """The motion of `fine` from `motion`, that of a simpler plant at all nodes; `x0` (nx,) is where the fine one starts.
+    """The motion of `fine` from `motion`, that of a simpler plant at all nodes; `x0` (nx,) is where the fine one
+    starts.
 
     columns: which outputs are compared. outputs (nt, n) are those at the control times, after as many passes as made.
     """
@@ -112,7 +113,7 @@ class CorrectedMotion:
         return np.asarray(found[:, self.columns])
 
     def without(self, lacking: Plant) -> Array:
-        """What the compared outputs (nt, n) change by, to first order, in a model of the same states that lacks an effect.
+        """What the compared outputs (nt, n) change by, to first order, in a model of the same states without an effect.
 
         Its rates at this motion differ by a push, which the linear model carries, and its outputs by themselves.
         """
