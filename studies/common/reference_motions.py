@@ -110,7 +110,7 @@ class Motions:
         return self._outside.get(plant, "")
 
     def difference(self, plant: Plant, other: Plant | np.ndarray) -> float:
-        """Largest difference of any compared output from another fidelity's, or outputs (nt, n); infinite if one fails."""
+        """Largest difference of any compared output from another fidelity's or from outputs (nt, n); or infinite."""
         try:
             against = self.converged(other) if isinstance(other, Plant) else other
             return float(np.abs(self.converged(plant) - against).max())
