@@ -41,7 +41,7 @@ def find(
     scale, step = 1.0, 0.0
     residual = _rate(plant, z, p)
     for _ in range(100):
-        A, B = plant.jacobians(z[:nx], z[nx:], p=p)[:2]
+        A, B = plant._state_jacobians(z[:nx], z[nx:], p)
         at = z[:nx]
         J = plant.rest_residual(at, np.hstack([A, B])[:, free], p)
         residual = plant.rest_residual(at, residual, p)
@@ -81,7 +81,7 @@ def tell_unstable(plant: Plant, x0: np.ndarray, u0: np.ndarray, p: Any) -> None:
     and x of length one (Golub and Van Loan, "Matrix Computations", 7.2.2). Roots that are nearly multiple have large
     errors: of them nothing is said.
     """
-    A = plant.jacobians(x0, u0, p=p)[0]
+    A = plant._state_jacobians(x0, u0, p)[0]
     roots, right = np.linalg.eig(A)
     try:
         left = np.linalg.inv(right)

@@ -17,6 +17,7 @@ from pliant.plants.core.trajectory import Trajectory
 
 from . import arguments
 from .declaration import Array
+from .linear_models import check_signals
 from .plant import Plant
 from .residual_jacobians import Differentiated, ResidualJacobians
 
@@ -126,7 +127,7 @@ class MechanicalPlant(Plant):
     @cached_property
     def _linear(self) -> ResidualJacobians:
         t, x, u, w, _ = self.symbols
-        return ResidualJacobians(self, self.symbolic.output(t, x, u, w), self._differentiated())
+        return ResidualJacobians(self, lambda: self.symbolic.output(t, x, u, w), self._differentiated())
 
     @built_once
     def _jacobians(self) -> NumericFunction:
@@ -139,6 +140,15 @@ class MechanicalPlant(Plant):
         """At the nominal's own accelerations."""
         values, batch = self._arguments(nominal.x, nominal.u, w, p, nominal.t)
         return self._linear.along(*values, self._accelerations(nominal, p), batch=batch)
+
+    def _state_jacobians(self, x: Array, u: Array, p: Any) -> list[Array]:
+        values, batch = self._arguments(x, u, p=p)
+        return self._linear.states(*values, batch=batch)
+
+    def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
+        check_signals(self, nominal)
+        values, batch = self._arguments(nominal.x, nominal.u, nominal.w, p, nominal.t)
+        return self._linear.states_along(*values, self._accelerations(nominal, p), batch=batch)[0]
 
     def net_power(self) -> ca.SX:
         """dE/dt [W] as an expression: power put in less power lost."""

@@ -7,6 +7,7 @@ derivative of M^-1 r takes.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple, cast
@@ -31,18 +32,40 @@ class Differentiated(NamedTuple):
 class ResidualJacobians:
     """[A, B, E, C, D, F] at the accelerations that solve the equations and at others."""
 
-    def __init__(self, plant: PlantLike, output: ca.SX, equations: Differentiated) -> None:
+    def __init__(self, plant: PlantLike, output: Callable[[], ca.SX], equations: Differentiated) -> None:
         _, x, u, w, _ = plant.symbols
-        z = ca.vertcat(x, u, w)
-        self.plant, self.accelerations = plant, equations.solved
-        rate = ca.jacobian(equations.rate, z) + ca.jacobian(equations.rate, equations.a) @ equations.change
+        self._z = ca.vertcat(x, u, w)
+        self.plant, self.accelerations, self._output = plant, equations.solved, output
+        self._symbols = [*plant.symbols, equations.a]
+        rate = ca.jacobian(equations.rate, self._z)
+        self._rates = self._parted(rate + ca.jacobian(equations.rate, equations.a) @ equations.change)
+        self._moved = ca.Function("moved", self._symbols, self._rates)
+
+    def _parted(self, J: ca.SX) -> list[ca.SX]:
+        plant = self.plant
         ends = [0, plant.nx, plant.nx + plant.nu, plant.nx + plant.nu + plant.nw]
-        blocks = [J[:, s:e] for J in (rate, ca.jacobian(output, z)) for s, e in pairwise(ends)]
-        self.blocks = ca.Function("blocks", [*plant.symbols, equations.a], blocks)
+        return [J[:, s:e] for s, e in pairwise(ends)]
+
+    @cached_property
+    def blocks(self) -> ca.Function:
+        """[A, B, E, C, D, F] at accelerations."""
+        outputs = self._parted(ca.jacobian(self._output(), self._z))
+        return ca.Function("blocks", self._symbols, [*self._rates, *outputs])
 
     def slopes(self) -> ca.SX:
         """[A, B] (nx, nx + nu) at the plant's own accelerations, sparse."""
-        return cast(ca.SX, ca.horzcat(*self.blocks(*self.plant.symbols, self.accelerations)[:2]))
+        return cast(ca.SX, ca.horzcat(*self._moved(*self.plant.symbols, self.accelerations)[:2]))
+
+    @cached_property
+    def states(self) -> NumericFunction:
+        """(t, x, u, w, p) -> [A, B] at the plant's own accelerations: without outputs, at a fraction of the cost."""
+        symbols = list(self.plant.symbols)
+        return function("states", symbols, list(self._moved(*symbols, self.accelerations))[:2], matrices=True)
+
+    @cached_property
+    def states_along(self) -> NumericFunction:
+        """(t, x, u, w, p, a) -> [A] at accelerations a (m,)."""
+        return function("states_along", self._symbols, self._rates[:1], matrices=True)
 
     @cached_property
     def solved(self) -> NumericFunction:

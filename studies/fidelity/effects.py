@@ -28,8 +28,8 @@ class Effect:
 
 
 def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[Effect, ...]:
-    """The effects that physics has, the largest first."""
-    if physics is None:
+    """The effects that physics has, the largest first; none where physics had to be simulated."""
+    if physics is None or physics.motion is None:  # its linear model is not known, and another motion costs too much
         return ()
     has = chosen.effects
     found = [Effect(name, _worth(motions, physics, name), has.get(name, False)) for name in physics.physics.effects]
@@ -39,8 +39,9 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
 def _worth(motions: Motions, physics: PhysicsMotion, name: str) -> float:
     try:
         lacking = physics.physics.without(name)
+        assert physics.motion is not None
         same = names(lacking.states) == names(physics.physics.states)
-        if same and physics.motion and np.allclose(lacking.embedding(physics.physics), np.eye(lacking.nx), atol=1e-9):
+        if same and np.allclose(lacking.embedding(physics.physics), np.eye(lacking.nx), atol=1e-9):
             return float(np.abs(physics.motion.without(lacking)).max())
         return float(np.abs(outputs_of(motions, lacking, physics) - physics.outputs).max())
     except PliantError:

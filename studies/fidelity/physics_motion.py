@@ -130,7 +130,7 @@ def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion) -> Array:
     nodes, simple = like.motion.nodes, motions.ladder[0]
     tight = {"rtol": RTOL, "atol": RTOL / 100}
     found = corrected(motions, plant, simple, nodes, motions.at_nodes(simple, nodes.inputs, nodes.all, **tight))
-    found.settle(max(like.uncertainty, RTOL))
+    found.settle(max(0.01 * float(np.abs(found.outputs - like.outputs).max()), like.uncertainty))
     return found.outputs
 
 

@@ -32,6 +32,8 @@ BUTCHER = np.array(
 MOST_PASSES = 8
 RELINEARISED = 3  # passes that make a new A; later ones keep it, and ..
 NEAR = 30.0  # .. those after a change of less than this many times what is wanted
+BEYOND = 1e9  # of a state: nothing moves so
+FAR = 3.0  # times what the first pass changes: a pass that changes more runs away
 SHRINKS = 0.7  # a pass that changes more than this share of what the last one changed does not settle
 
 
@@ -69,7 +71,8 @@ class CorrectedMotion:
             before = self.outputs
             self.step(anew=self.passes < RELINEARISED and (not self.changes or self.changes[-1] > NEAR * within))
             change = float(np.abs(self.outputs - before).max())
-            if self.passes > 2 and change > within and change > SHRINKS * self.changes[-1]:
+            late = self.passes > 2 and change > SHRINKS * self.changes[-1]
+            if change > within and (late or (self.changes and change > FAR * self.changes[0])):
                 raise NotSettled(f"pass {self.passes} still changes the outputs by {change:.3g}")
             self.changes.append(change)
             if self.passes > 1 and change <= within:
@@ -83,7 +86,7 @@ class CorrectedMotion:
             self._linearise()
         n = self.x.shape[1]
         c = self._rates(self.x) - self.rate
-        delta, at_gauss = _collocated(self._A.reshape(-1, 2, n, n), c.reshape(-1, 2, n), self.nodes.h, self._start)
+        delta, at_gauss = self._steps.response(c.reshape(-1, 2, n), self._start)
         moved = at_gauss.reshape(-1, n)
         self.at_ends = self.at_ends + delta
         self.x, self.rate = self.x + moved, self.rate + np.einsum("kij,kj->ki", self._A, moved) + c
@@ -93,22 +96,25 @@ class CorrectedMotion:
 
     def _linearise(self) -> None:
         """A (2 m, nx, nx), at the accelerations of the motion as it is."""
-        self._A: Array = self._tangent.jacobians_along(self._motion(self._tangent))[0]
+        self._A: Array = self._tangent.state_jacobians_along(self._motion(self._tangent))
         if not np.isfinite(self._A).all():
             raise NotSettled("the linear model along the motion is not finite")
+        n = self.x.shape[1]
+        self._steps = _Collocation(self._A.reshape(-1, 2, n, n), self.nodes.h)
 
     def _motion(self, plant: Plant) -> Trajectory:
-        return Trajectory.from_arrays(self.t, self.x, self.u, plant=plant, dx=self.rate)
+        y = np.zeros((len(self.t), plant.ny))  # unused
+        return Trajectory.from_arrays(self.t, self.x, self.u, plant=plant, y=y, dx=self.rate)
 
     def _rates(self, x: Array) -> Array:
-        if not np.isfinite(x).all():
-            raise NotSettled("the corrected motion is not finite")
+        if not (np.abs(x) < BEYOND).all():
+            raise NotSettled("the corrected motion runs away")
         return np.asarray(self.fine.dynamics(x, self.u, t=self.t))
 
     def _measured(self) -> Array:
         at = self.at_ends[self.nodes.control]
-        if not np.isfinite(at).all():
-            raise NotSettled("the corrected motion is not finite")
+        if not (np.abs(at) < BEYOND).all():
+            raise NotSettled("the corrected motion runs away")
         found: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
         return np.asarray(found[:, self.columns])
 
@@ -119,10 +125,10 @@ class CorrectedMotion:
         """
         n = self.x.shape[1]
         push = np.asarray(lacking.dynamics(self.x, self.u, t=self.t)) - self._rates(self.x)
-        delta, _ = _collocated(self._A.reshape(-1, 2, n, n), push.reshape(-1, 2, n), self.nodes.h, np.zeros(n))
+        delta, _ = self._steps.response(push.reshape(-1, 2, n), np.zeros(n))
         at = (self.at_ends + delta)[self.nodes.control]
-        if not np.isfinite(at).all():
-            raise NotSettled("the motion without it is not finite")
+        if not (np.abs(at) < BEYOND).all():
+            raise NotSettled("the motion without it runs away")
         found: Any = lacking.measure(at, self.nodes.held, t=self.nodes.times)
         return np.asarray(found[:, self.columns]) - self.outputs
 
@@ -133,23 +139,29 @@ class CorrectedMotion:
         return "; ".join(in_words(found.to_json()) for found in left(self.fine, motion))
 
 
-def _collocated(A: Array, c: Array, h: Array, start: Array) -> tuple[Array, Array]:
-    """delta (m + 1, n) at the ends and (m, 2, n) at the Gauss points of steps h (m,), from A (m, 2, n, n), c (m, 2, n).
+class _Collocation:
+    """d(delta)/dt = A delta + c over steps h (m,), A (m, 2, n, n) at the Gauss points of each.
 
     K_i = A_i (delta + h sum_j a_ij K_j) + c_i at both points, delta + h (K_1 + K_2)/2 at the end.
     """
-    m, _, n, _ = A.shape
-    left = -h[:, None, None, None, None] * BUTCHER[:, :, None, None] * A[:, :, None]  # (m, 2, 2, n, n)
-    left[:, [0, 1], [0, 1]] += np.eye(n)
-    square = left.transpose(0, 1, 3, 2, 4).reshape(m, 2 * n, 2 * n)
-    right = np.concatenate([A.reshape(m, 2 * n, n), c.reshape(m, 2 * n, 1)], axis=-1)
-    slopes = np.linalg.solve(square, right)  # K = slopes [delta; 1]
-    half = h[:, None, None] / 2
-    onward = half * (slopes[:, :n] + slopes[:, n:])
-    delta = [start]
-    for k in range(m):
-        delta.append(delta[k] + onward[k, :, :n] @ delta[k] + onward[k, :, n])
-    ends = np.array(delta)
-    K = (np.einsum("kij,kj->ki", slopes[..., :n], ends[:-1]) + slopes[..., n]).reshape(m, 2, n)
-    inner = ends[:-1, None] + h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, K)
-    return ends, inner
+
+    def __init__(self, A: Array, h: Array) -> None:
+        m, _, n, _ = A.shape
+        left = -h[:, None, None, None, None] * BUTCHER[:, :, None, None] * A[:, :, None]  # (m, 2, 2, n, n)
+        left[:, [0, 1], [0, 1]] += np.eye(n)
+        self.h = h
+        self._solve = np.linalg.inv(left.transpose(0, 1, 3, 2, 4).reshape(m, 2 * n, 2 * n))
+        self._own = self._solve @ A.reshape(m, 2 * n, n)  # K of delta alone
+        self._onward = np.eye(n) + h[:, None, None] / 2 * (self._own[:, :n] + self._own[:, n:])
+
+    def response(self, c: Array, start: Array) -> tuple[Array, Array]:
+        """delta (m + 1, n) at the ends, (m, 2, n) at the Gauss points, from `start` (n,) under c (m, 2, n)."""
+        m, _, n = c.shape
+        pushed = np.einsum("kij,kj->ki", self._solve, c.reshape(m, 2 * n))
+        push = self.h[:, None] / 2 * (pushed[:, :n] + pushed[:, n:])
+        delta = [start]
+        for k in range(m):
+            delta.append(self._onward[k] @ delta[k] + push[k])
+        ends = np.array(delta)
+        K = (np.einsum("kij,kj->ki", self._own, ends[:-1]) + pushed).reshape(m, 2, n)
+        return ends, ends[:-1, None] + self.h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, K)
