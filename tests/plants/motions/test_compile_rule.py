@@ -12,7 +12,8 @@ from pliant.plants.motions.compile_rule import OnDemand
 from pliant.plants.native import compiler, kernel_loader
 
 needs_compiler = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
-LOOK, COMPILE = (a + 1000 * b for a, b in (compile_rule.LOOKING, compile_rule.COMPILING))
+LOOK = compile_rule.LOOKING[0] + 1000 * compile_rule.LOOKING[1]
+COMPILE = compile_rule.OnDemand(None, lambda: 1000, "", None, None, None, "").price
 
 
 @pytest.fixture
@@ -62,6 +63,11 @@ def test_without_native_code_nothing_is_asked(asked, monkeypatch):
 def test_where_no_compiler_was_ever_asked_the_disk_is_not(monkeypatch, asked):
     monkeypatch.setattr(motion_library, "compiler_known", lambda: False)
     assert made().library(0.9 * COMPILE) is None and asked == []
+
+
+def test_long_functions_cost_more_for_each_operation():
+    prices = [OnDemand(None, lambda n=n: n, "", None, None, None, "").price for n in (100, 1000, 20_000)]
+    np.testing.assert_allclose(prices, [0.7005, 1.65, 40.6])
 
 
 @needs_compiler
