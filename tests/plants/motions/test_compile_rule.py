@@ -90,8 +90,8 @@ def test_an_adaptive_motion_changes_over_on_its_way(monkeypatch):
     """Its steps are not known before: it begins on the virtual machine, and ends where one that stays there does."""
     plant, t = Oscillator(omega=5.0), np.linspace(0.0, 40.0, 401)
     motion_kernel.cache_clear()
-    monkeypatch.setattr(compile_rule, "STEPPING", (0.0, 0.0))
-    monkeypatch.setattr(compile_rule, "COMPILING", (1e-9, 0.0))
+    monkeypatch.setattr(compile_rule, "STEPPING", (1e-12, 0.0))
+    monkeypatch.setattr(compile_rule, "COMPILING", (5e-10, 0.0))
     motion = plant.simulate([1.0, 0.0], None, t)
     library = motion_kernel(plant, "rk8")
     assert library.compiled or library._library is not None
