@@ -259,3 +259,18 @@ def test_work_of_living_children_is_ones_own(bench):
         assert child.stdout.readline() == "done\n"
         assert sum(os.times()[:4]) - own < 0.2 and family() - before > 0.35
         child.stdin.write("\n")
+
+
+def test_simulate_is_judged_by_its_worst_scene(bench):
+    sampling, asked, motions = bench("harness.sampling"), bench("harness.targets"), bench("cases.motions")
+
+    def row(what, scene, how, seconds):
+        name = motions.case_name(what, scene, how)
+        return sampling.Row(motions.GROUP, name, sampling.TIME, 1, 1, False, samples=[seconds])
+
+    given = [row("simulate", "spin-up", "rk4", 1.0), row("stepper", "spin-up", "rk4", 2.0)]
+    given += [row("simulate", "cantilever-drop", "rk8", 1.4), row("stepper", "cantilever-drop", "rk8", 1.0)]
+    given += [row("dop853", "spin-up", "1e-05", 3.0), row("rk8 at its error", "spin-up", "1e-05", 2.0)]
+    found = [c for c in asked.checks(given, None) if c.number == 13]
+    assert [c.measured for c in found] == [pytest.approx(1.4), pytest.approx(1.5)]
+    assert [c.holds for c in found] == [False, True]

@@ -128,7 +128,10 @@ class _Run:
             self.counts = np.maximum(1, np.ceil(np.diff(self.t) / self.step * (1 - 1e-12))).astype(LONG)
             self.long = self.counts.sum() > A_CALL
         covered = self.method in METHODS or (self.method == "dop853" and self.drive.law is None and not self.audit)
-        self.kernel = motion_kernel(self.plant, PAIR if self.adaptive else self.method) if covered else None
+        name = PAIR if self.adaptive else self.method
+        self.kernel = motion_kernel(self.plant, name) if covered else None
+        tableau = METHODS[name].tableau if covered else None
+        self.evaluations = len(tableau.b) if tableau else 1  # of a step
         self.library: MotionLibrary | None = None
         self.slow = 0.0  # [s] spent on the virtual machine
 
@@ -163,8 +166,7 @@ class _Run:
         if self.kernel is None or self.library is not None or k & (k - 1) or (k and not self.adaptive):
             return
         steps = self.intervals if self.adaptive else int(self.counts.sum())
-        tableau = METHODS[PAIR if self.adaptive else self.method].tableau
-        coming = self.kernel.seconds(steps, len(tableau.b) if tableau else 1)
+        coming = self.kernel.seconds(steps, self.evaluations)
         self.library = self.kernel.library(max(coming, self.slow * (self.intervals - k) / k) if k else coming)
         if self.library is not None and not self.adaptive:
             given = (np.ascontiguousarray(self.t), self.counts, self.drive.samples)
@@ -172,7 +174,7 @@ class _Run:
 
     def _on_the_virtual_machine(self, z: np.ndarray) -> None:
         """One interval; under a smooth input as many again as are done, or all where no library is to be expected."""
-        began, k = clock.perf_counter(), self.reached
+        began, k, before = clock.perf_counter(), self.reached, self.steps
         if self.adaptive:
             all_at_once = self.drive.smooth and (self.kernel is None or self.kernel.settled)
             more = self.intervals - k if all_at_once else max(1, k if self.drive.smooth else 1)
@@ -182,9 +184,9 @@ class _Run:
             end = k + 1
             z[end] = self._cvodes(k, z[k]) if self.method == "cvodes" else self._fixed(k, z[k])
         self.reached = end
-        taken = clock.perf_counter() - began
-        self.slow += taken
-        if self.kernel is not None:
+        if self.kernel is not None:  # what is built on the way is not what steps cost
+            taken = self.kernel.seconds(self.steps - before, self.evaluations)
+            self.slow += (taken := min(clock.perf_counter() - began, taken))
             self.kernel.spent += taken
         if self.progress is not None and self.method != "dop853":  # which reports by itself
             self.progress(self.t[end])

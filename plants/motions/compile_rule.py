@@ -4,7 +4,7 @@ A library in memory is always used; one on disk as soon as the motion is longer 
 compiled before the seconds that the virtual machine has spent on this plant's motions, in this process, and those that
 the motion at hand would take, exceed the estimated time to compile: whoever waits as long loses at most as much again
 (the ski-rental bound). Both estimates go by the number of operations, measured on two cores of 2.1 to 3 GHz with gcc 12
-over plants of 100 to 9,000 operations. A library that was refused is not asked for again.
+over plants of 100 to 17,000 operations. A library that was refused is not asked for again.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from . import motion_library
 
 L = TypeVar("L")
 
-COMPILING = (0.6, 1e-3)  # [s] to write, compile and check a library, and for each operation of a right-hand side
+COMPILING = (0.6, 1e-3)  # [s] to write, compile and check a library, and for each operation, where they are few
+TWICE = 20_000  # operations of which each takes twice as long
 LOOKING = (4e-3, 4e-6)  # [s] to look for one on disk and load it, and for each operation
 STEPPING = (2e-5, 6e-9)  # [s] of a step on the virtual machine, and for each of its operations
 
@@ -66,6 +67,11 @@ class OnDemand(Generic[L]):
         return motion_library.key(self._equations(), self.kind)
 
     @property
+    def price(self) -> float:
+        """What compiling is expected to take [s]."""
+        return COMPILING[0] + COMPILING[1] * self.operations * (1 + self.operations / TWICE)
+
+    @property
     def settled(self) -> bool:
         """Whether the virtual machine will stay: native code is not wanted, or was refused."""
         return not kernel_loader.wanted() or (self.compiled and self._library is None)
@@ -87,7 +93,7 @@ class OnDemand(Generic[L]):
             owed = self.spent + coming
             if not self._looked and owed > LOOKING[0] + LOOKING[1] * self.operations:
                 self._looked, self._library = True, self._at_hand()
-            if self._library is None and owed > COMPILING[0] + COMPILING[1] * self.operations:
+            if self._library is None and owed > self.price:
                 self.compiled = True
                 self._library = motion_library.build(
                     lambda: self.key, self._load, self._source, self._trials, self.name, self.lanes

@@ -12,7 +12,8 @@ from pliant.plants.motions.compile_rule import OnDemand
 from pliant.plants.native import compiler, kernel_loader
 
 needs_compiler = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
-LOOK, COMPILE = (a + 1000 * b for a, b in (compile_rule.LOOKING, compile_rule.COMPILING))
+LOOK = compile_rule.LOOKING[0] + 1000 * compile_rule.LOOKING[1]
+COMPILE = compile_rule.OnDemand(None, lambda: 1000, "", None, None, None, "").price
 
 
 @pytest.fixture
@@ -64,6 +65,11 @@ def test_where_no_compiler_was_ever_asked_the_disk_is_not(monkeypatch, asked):
     assert made().library(0.9 * COMPILE) is None and asked == []
 
 
+def test_long_functions_cost_more_for_each_operation():
+    prices = [OnDemand(None, lambda n=n: n, "", None, None, None, "").price for n in (100, 1000, 20_000)]
+    np.testing.assert_allclose(prices, [0.7005, 1.65, 40.6])
+
+
 @needs_compiler
 def test_a_library_on_disk_serves_a_motion_that_would_not_pay_for_it(monkeypatch):
     plant, t = Oscillator(omega=2.0), np.linspace(0.0, 2.0, 21)
@@ -84,8 +90,8 @@ def test_an_adaptive_motion_changes_over_on_its_way(monkeypatch):
     """Its steps are not known before: it begins on the virtual machine, and ends where one that stays there does."""
     plant, t = Oscillator(omega=5.0), np.linspace(0.0, 40.0, 401)
     motion_kernel.cache_clear()
-    monkeypatch.setattr(compile_rule, "STEPPING", (0.0, 0.0))
-    monkeypatch.setattr(compile_rule, "COMPILING", (1e-9, 0.0))
+    monkeypatch.setattr(compile_rule, "STEPPING", (1e-12, 0.0))
+    monkeypatch.setattr(compile_rule, "COMPILING", (5e-10, 0.0))
     motion = plant.simulate([1.0, 0.0], None, t)
     library = motion_kernel(plant, "rk8")
     assert library.compiled or library._library is not None
