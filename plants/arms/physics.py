@@ -15,6 +15,7 @@ from pliant.plants.core.imports import linalg
 from pliant.plants.exact_rotations.projection import projection
 
 if TYPE_CHECKING:
+    from .single_link import SingleLinkArm
     from .single_link_declaration import SingleLinkDeclaration
     from .two_link_declaration import TwoLinkDeclaration
 
@@ -43,7 +44,7 @@ def of_two_links(arm: T, more: int) -> T:
     )
 
 
-def single_embedding(finer: SingleLinkDeclaration, simpler: SingleLinkDeclaration) -> np.ndarray:
+def single_embedding(finer: SingleLinkArm, simpler: SingleLinkArm) -> np.ndarray:
     """E (nx, nx of simpler): the hub as it is, curvatures projected, each in its own frame."""
     bend = linalg.block_diag(1.0, projection(simpler.elastic.basis, finer.elastic.basis))
     E = np.linalg.solve(finer.clamped_map, bend @ simpler.clamped_map)
@@ -56,19 +57,28 @@ def two_embedding(finer: TwoLinkDeclaration, simpler: TwoLinkDeclaration) -> np.
     return np.kron(np.eye(2), linalg.block_diag(np.eye(2), *bends))
 
 
-def effects(arm: SingleLinkDeclaration | TwoLinkDeclaration) -> dict[str, bool]:
+def effects_of_link(arm: SingleLinkDeclaration) -> dict[str, bool]:
     """What physics has, and whether this variant does."""
-    bends = any(arm.mode_counts) if hasattr(arm, "mode_counts") else arm.mode_count > 0
-    found = {
+    bends = arm.mode_count > 0
+    return {
         "bending": bends,
         "shortening of the bent links": bends and arm.kinematics in ("stiffened", "strain"),
         "exact rotations": bends and arm.kinematics == "strain",
         "shear": bends and arm.theory == "timoshenko",
     }
-    if hasattr(arm, "tip_slope"):
-        found["slope of the first link's tip"] = bends and arm.tip_slope
-        found["inertia of the bent arm"] = bends and arm.reduction == "full"
-    return found
+
+
+def effects_of_links(arm: TwoLinkDeclaration) -> dict[str, bool]:
+    """The same of two links."""
+    bends = any(arm.mode_counts)
+    return {
+        "bending": bends,
+        "shortening of the bent links": bends and arm.kinematics in ("stiffened", "strain"),
+        "exact rotations": bends and arm.kinematics == "strain",
+        "shear": bends and arm.theory == "timoshenko",
+        "slope of the first link's tip": bends and arm.tip_slope,
+        "inertia of the bent arm": bends and arm.reduction == "full",
+    }
 
 
 def without(arm: A, effect: str) -> A:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from typing import Any, Self, cast
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
-from pliant.plants.dynamics.plant_contract import PlantContract
+from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.strain_link import elastic_link
 
 from . import physics
@@ -139,7 +139,7 @@ class SingleLinkDeclaration(LagrangianPlant):
 
     @property
     def effects(self) -> dict[str, bool]:
-        return physics.effects(self)
+        return physics.effects_of_link(self)
 
     def without(self, effect: str) -> Self:
         return physics.without(self, effect) if effect in self.effects else super().without(effect)
@@ -147,12 +147,15 @@ class SingleLinkDeclaration(LagrangianPlant):
     @property
     def newton(self) -> Self:
         """The stiffened arm in place of exact rotations."""
-        return dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
+        plain: Any = dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
+        return cast(Self, plain)
 
-    def embedding(self, simpler: PlantContract) -> np.ndarray:
+    def embedding(self, simpler: PhysicsContract) -> np.ndarray:
         if not isinstance(simpler, SingleLinkDeclaration):
             return super().embedding(simpler)
-        return physics.single_embedding(self, simpler)
+        own: Any = self
+        other: Any = simpler
+        return physics.single_embedding(own, other)
 
     @property
     def unmodelled(self) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from typing import Any, Self, cast
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from pliant.plants.core.argument_gates import require_counts
 from pliant.plants.core.parameters import flag, part, quantity, require_choice, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
-from pliant.plants.dynamics.plant_contract import PlantContract
+from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.strain_link import elastic_link
 
 from . import physics
@@ -129,7 +129,7 @@ class TwoLinkDeclaration(LagrangianPlant):
 
     @property
     def effects(self) -> dict[str, bool]:
-        return physics.effects(self)
+        return physics.effects_of_links(self)
 
     def without(self, effect: str) -> Self:
         return physics.without(self, effect) if effect in self.effects else super().without(effect)
@@ -137,9 +137,10 @@ class TwoLinkDeclaration(LagrangianPlant):
     @property
     def newton(self) -> Self:
         """The stiffened arm in place of exact rotations."""
-        return dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
+        plain: Any = dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
+        return cast(Self, plain)
 
-    def embedding(self, simpler: PlantContract) -> np.ndarray:
+    def embedding(self, simpler: PhysicsContract) -> np.ndarray:
         if not isinstance(simpler, TwoLinkDeclaration):
             return super().embedding(simpler)
         return physics.two_embedding(self, simpler)

@@ -77,7 +77,8 @@ def validate(obj: Any) -> None:
 
     Lists and arrays become tuples, numbers of any type floats. A field with metadata "gate" becomes gate(name, value).
     """
-    for name, gate, told in _plan(type(obj)):
+    made: Any = type(obj)
+    for name, gate, told in _plan(made):
         value = getattr(obj, name)
         if gate is not None:
             object.__setattr__(obj, name, gate(f"{type(obj).__name__}.{name}", value))

@@ -206,16 +206,6 @@ class Plant(PlantContract):
         """
         return linear_models.along(self, nominal, p)
 
-    def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
-        """A (nt, nx, nx) of any nominal, in the plant's own states; see `linearize_along`."""
-        linear_models.check_signals(self, nominal)
-        w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), self.nw))
-        return self._jacobians_along(nominal, w, p)[0]
-
-    def _state_jacobians(self, x: Array, u: Array, p: Any) -> list[Array]:
-        """[A, B] at one point."""
-        return self.jacobians(x, u, p=p)[:2]
-
     def _jacobians_along(self, nominal: Trajectory, w: Array, p: Any) -> list[Array]:
         """[A, B, E, C, D, F] (nt, ..) at the nodes of a nominal that need not satisfy the equations."""
         return self.jacobians(nominal.x, nominal.u, w=w, p=p, t=nominal.t)

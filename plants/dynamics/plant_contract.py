@@ -18,6 +18,7 @@ import numpy as np
 
 from pliant.plants.core import parameters
 from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
+from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.validity.ranges import Range
 
@@ -28,7 +29,60 @@ PINION = 0.05  # [m], radius of the wheel by which an encoder reads a length
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlantContract(Declaration):
+class PhysicsContract(Declaration):
+    """What a plant says of its fidelities: the physics they are judged by, how their motions are its own."""
+
+    def physics(self, more: int = 0) -> Self:
+        """The richest model of this machine, by which its fidelities are judged, with `more` shapes than it has by
+        itself. Default: the finest of the ladder, whatever `more` is.
+        """
+        return self.ladder()[-1]
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        """{effect of physics, in words: whether this variant has it}. Default: none are told apart."""
+        return {}
+
+    def without(self, effect: str) -> Self:
+        """This model, which has all effects, without one; where it can be, in the same states."""
+        raise ValueError(f"{type(self).__name__}.without: effect {effect!r} is not one of its effects")
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        """What even `physics` leaves out, in words. Default: what every variant of the ladder does."""
+        return ("what every variant of its ladder leaves out",)
+
+    @property
+    def newton(self) -> Self:
+        """A model of the same states and inputs whose Jacobians, cheaper, serve Newton's method. Default: itself."""
+        return self
+
+    def embedding(self, simpler: PhysicsContract) -> Array:
+        """E (nx, nx of `simpler`): the states E x of this model that move as x of a simpler one does. Default: states
+        of one name are the same, the others are zero.
+        """
+        have = {s.name: k for k, s in enumerate(simpler.states)}
+        E = np.zeros((len(self.states), len(have)))
+        for k, s in enumerate(self.states):
+            if s.name in have:
+                E[k, have[s.name]] = 1.0
+        return E
+
+    def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
+        """A (nt, nx, nx) at the nodes of any nominal, in the plant's own states; see `linearize_along`."""
+        own: Any = self  # of `Plant`
+        w = nominal.w if nominal.w is not None else np.zeros((len(nominal.t), self.nw))
+        return np.asarray(own._jacobians_along(nominal, w, p)[0])
+
+    def _state_jacobians(self, x: Array, u: Array, p: Any) -> list[Array]:
+        """[A, B] at one point."""
+        own: Any = self
+        found: list[Array] = own.jacobians(x, u, p=p)[:2]
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantContract(PhysicsContract):
     """The questions and their defaults; every `Plant` answers them."""
 
     @cached_property
@@ -169,42 +223,6 @@ class PlantContract(Declaration):
     def stiffening(self) -> tuple[Self, Self] | None:
         """This plant without and with geometric stiffening, same states. Default: None, there is no such choice."""
         return None
-
-    def physics(self, more: int = 0) -> Self:
-        """The richest model of this machine, by which its fidelities are judged, with `more` shapes than it has by
-        itself. Default: the finest of the ladder, whatever `more` is.
-        """
-        return self.ladder()[-1]
-
-    @property
-    def effects(self) -> dict[str, bool]:
-        """{effect of physics, in words: whether this variant has it}. Default: none are told apart."""
-        return {}
-
-    def without(self, effect: str) -> Self:
-        """This model, which has all effects, without one; where it can be, in the same states."""
-        raise ValueError(f"{type(self).__name__}.without: effect {effect!r} is not one of its effects")
-
-    @property
-    def unmodelled(self) -> tuple[str, ...]:
-        """What even `physics` leaves out, in words. Default: what every variant of the ladder does."""
-        return ("what every variant of its ladder leaves out",)
-
-    @property
-    def newton(self) -> Self:
-        """A model of the same states and inputs whose Jacobians, cheaper, serve Newton's method. Default: itself."""
-        return self
-
-    def embedding(self, simpler: PlantContract) -> Array:
-        """E (nx, nx of `simpler`): the states E x of this model that move as x of a simpler one does. Default: states
-        of one name are the same, the others are zero.
-        """
-        have = {s.name: k for k, s in enumerate(simpler.states)}
-        E = np.zeros((len(self.states), len(have)))
-        for k, s in enumerate(self.states):
-            if s.name in have:
-                E[k, have[s.name]] = 1.0
-        return E
 
     @property
     def unfelt(self) -> Unfelt:

@@ -28,7 +28,7 @@ from pliant.plants.core.argument_gates import real_array, require_finite, shown
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
-from pliant.plants.dynamics.plant_contract import PlantContract
+from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.quadrature import Array
 from pliant.plants.validity.ranges import Range, largest
 from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
@@ -90,7 +90,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         plane = ("bending out of the plane", "torsion") if self.planar else ()
         return (*plane, "shear", "extension", "plasticity")
 
-    def embedding(self, simpler: PlantContract) -> Array:
+    def embedding(self, simpler: PhysicsContract) -> Array:
         """Turns of the root and twists as they are, curvatures projected."""
         if not (isinstance(simpler, LargeBeamDeclaration) and simpler.kinematics == self.kinematics == "strain"):
             return super().embedding(simpler)

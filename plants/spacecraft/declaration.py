@@ -229,5 +229,6 @@ def _richer(appendage: Appendage, more: int) -> Appendage:
     if isinstance(appendage.body, ModalData):
         return dataclasses.replace(appendage, modes=None)
     own = 1 if appendage.modes is None else appendage.modes
-    modes = own + more if isinstance(own, int) else tuple(n + more for n in own)
-    return dataclasses.replace(appendage, modes=modes)
+    if isinstance(own, int):
+        return dataclasses.replace(appendage, modes=own + more)
+    return dataclasses.replace(appendage, modes=(own[0] + more, own[1] + more))
