@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 S = TypeVar("S", bound="SingleLinkDeclaration")
 T = TypeVar("T", bound="TwoLinkDeclaration")
-A = TypeVar("A", "SingleLinkDeclaration", "TwoLinkDeclaration")
 
 SINGLE, TWO = 4, 3  # shapes of a link that physics has by itself
 MOST = 12  # shapes of a link: beyond, polynomials of this degree are told apart by few digits alone
@@ -81,7 +80,7 @@ def effects_of_links(arm: TwoLinkDeclaration) -> dict[str, bool]:
     }
 
 
-def without(arm: A, effect: str) -> A:
+def without(arm: Any, effect: str) -> Any:
     """Physics with one effect left out."""
     changes: dict[str, dict[str, Any]] = {
         "bending": {"modes": 0 if isinstance(arm.modes, int) else (0, 0)},

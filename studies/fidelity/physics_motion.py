@@ -5,7 +5,8 @@ by `CorrectedMotion`, first with few nodes and shapes, then with more of each un
 the tolerance. Three errors are told, each by what one refinement still changed:
 
     passes   what Newton's method still moves
-    time     nodes: half the parts of a period change a method of order four by 15 times what the finer ones err by
+    time     nodes: twice the parts of a period change a method of order four by 15 times what they still err by; a
+             fifth of the change is told
     shapes   one shape more a body
 
 Where the correction does not settle, physics is simulated, and the result says so.
@@ -14,11 +15,10 @@ Where the correction does not settle, physics is simulated, and the result says 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants import Plant, PliantError
 from pliant.plants.core.signals import index
 from pliant.studies.common.reference_motions import Motions
 
@@ -26,8 +26,10 @@ from .motion_nodes import MotionNodes
 from .quasi_linear import CorrectedMotion, NotSettled
 
 Array = np.ndarray
-KNOWN = 0.02  # of the tolerance: to what each of the three errors is brought
-RICHARDSON = 15.0  # 2^4 - 1
+KNOWN = 0.03  # of the tolerance: to what each of the three errors is brought, and ..
+ROUNDING = 1e-7  # .. of the outputs themselves: no better is asked
+ROUGH = 5.0  # times that: physics is simulated where nodes leave more
+GAINS = 5.0  # what twice the parts change over what they err by; 15 of order four, less while modes are coarse
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
 RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated
@@ -67,81 +69,88 @@ def physics_motion(motions: Motions, tolerance: float) -> PhysicsMotion:
 
 
 class _Search:
-    """More nodes, then more shapes."""
+    """More nodes, then more shapes; each motion begins where the last one ended."""
 
     def __init__(self, motions: Motions, tolerance: float) -> None:
-        self.motions, self.scene, self.within = motions, motions.scene, KNOWN * tolerance
+        self.motions, self.scene = motions, motions.scene
         self.simple = motions.ladder[0]
-        self._nodes: dict[int, tuple[MotionNodes, Any]] = {}
+        self.within = KNOWN * tolerance
+        self.motion: CorrectedMotion | None = None
 
     def corrected(self) -> PhysicsMotion:
-        parts, more = 1, 0
-        coarse, _ = self._outputs(more, parts)
-        while True:
-            parts *= 2
-            fine, passes = self._outputs(more, parts)
-            time = _largest(fine - coarse) / RICHARDSON
-            if time <= self.within or parts >= MOST_PARTS:
-                break
-            coarse = fine
-        if time > 5 * self.within:
-            raise NotSettled(f"{parts} parts of a control period leave an error of {time:.3g}")
-        if RICHARDSON * time <= self.within:
-            parts, fine, time = parts // 2, coarse, RICHARDSON * time
-        found, last = fine, None
-        while more < MOST_SHAPES:
-            physics = self.scene.plant.physics(more + 1)
-            if physics == self.scene.plant.physics(more):
-                return self._found(found, passes, time, 0.0)
+        coarse, _ = self._outputs(0, 1)
+        self.within = max(self.within, ROUNDING * _largest(coarse))
+        found, passes, parts, time = self._in_time(0, coarse, 1)
+        physics, shapes, last = self.scene.plant.physics, 0.0, float("inf")
+        more = 0
+        while more < MOST_SHAPES and physics(more + 1) != physics(more):
             richer, passes = self._outputs(more + 1, parts)
             shapes, found, more = _largest(richer - found), richer, more + 1
-            if shapes <= self.within or (last is not None and shapes > last):
+            if shapes <= self.within or shapes > last:
                 break
             last = shapes
-        return self._found(found, passes, time, shapes)
-
-    def _found(self, outputs: Array, passes: float, time: float, shapes: float) -> PhysicsMotion:
+        if more:  # the shapes that were added are the fastest
+            found, passes, parts, time = self._in_time(more, found, parts)
+        if time > ROUGH * self.within:
+            raise NotSettled(f"{parts} parts of a control period leave an error of {time:.3g}")
         motion = self.motion
+        assert motion is not None
         how = f"{motion.fine.label}, from the motion of {self.simple.label}"
-        return PhysicsMotion(outputs, motion.fine, passes, time, shapes, how, motion.judged(), motion)
+        return PhysicsMotion(found, motion.fine, passes, time, shapes, how, motion.judged(), motion)
+
+    def _in_time(self, more: int, coarse: Array, parts: int) -> tuple[Array, float, int, float]:
+        """(outputs, what passes leave, parts, error) with so many parts of a period that the error is within."""
+        while True:
+            parts *= 2
+            found, passes = self._outputs(more, parts)
+            time = _largest(found - coarse) / GAINS
+            if time <= self.within or parts >= MOST_PARTS:
+                return found, passes, parts, time
+            coarse = found
 
     def _outputs(self, more: int, parts: int) -> tuple[Array, float]:
         """The outputs with `more` shapes, and what Newton's method leaves."""
-        if parts not in self._nodes:
-            nodes = MotionNodes(self.scene.times, self.motions.held, parts)
-            tight = {"rtol": RTOL, "atol": RTOL / 100}
-            self._nodes[parts] = nodes, self.motions.at_nodes(self.simple, nodes.inputs, nodes.all, **tight)
-        physics = self.scene.plant.physics(more)
-        self.motion = corrected(self.motions, physics, self.simple, *self._nodes[parts])
+        fine = self.scene.plant.physics(more)
+        nodes = MotionNodes(self.scene.times, self.motions.held, parts)
+        if self.motion is None:
+            self.motion = from_simple(self.motions, fine, nodes)
+        else:
+            self.motion = self.motion.refined(fine, nodes, self.motions.start(fine), compared(self.motions, fine))
         left = self.motion.settle(self.within)
         return self.motion.outputs, left
 
 
-def corrected(motions: Motions, fine: Plant, simple: Plant, nodes: MotionNodes, motion: Trajectory) -> CorrectedMotion:
-    """The motion of `fine` from that of `simple` at the nodes, before the first pass."""
-    columns = [index(fine.outputs, name, "output") for name in motions.scene.compare]
-    return CorrectedMotion(fine, simple, motion, nodes, motions.start(fine), columns)
+def compared(motions: Motions, plant: Plant) -> list[int]:
+    """Where the compared outputs stand."""
+    return [index(plant.outputs, name, "output") for name in motions.scene.compare]
 
 
-def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion) -> Array:
-    """The compared outputs (nt, n) of another fine plant, found as `like` was."""
-    if like.motion is None:
-        return motions.outputs(plant, RTOL)
-    nodes, simple = like.motion.nodes, motions.ladder[0]
-    tight = {"rtol": RTOL, "atol": RTOL / 100}
-    found = corrected(motions, plant, simple, nodes, motions.at_nodes(simple, nodes.inputs, nodes.all, **tight))
-    found.settle(max(0.01 * float(np.abs(found.outputs - like.outputs).max()), like.uncertainty))
-    return found.outputs
+def from_simple(motions: Motions, fine: Plant, nodes: MotionNodes) -> CorrectedMotion:
+    """The motion of `fine` from that of the cheapest variant, before the first pass."""
+    simple = motions.ladder[0]
+    motion = motions.at_nodes(simple, nodes.inputs, nodes.all, rtol=RTOL, atol=RTOL / 100)
+    return CorrectedMotion.from_simple(fine, simple, motion, nodes, motions.start(fine), compared(motions, fine))
 
 
 def _largest(difference: Array) -> float:
     return float(np.abs(difference).max())
 
 
+def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion) -> Array:
+    """The compared outputs (nt, n) of another fine plant near to physics, as well known as these."""
+    if like.motion is None:
+        return motions.outputs(plant, RTOL)
+    motion = like.motion
+    found = motion.refined(plant, motion.nodes, motions.start(plant), compared(motions, plant))
+    found.settle(max(like.uncertainty, ROUNDING * _largest(like.outputs)))
+    return found.outputs
+
+
 def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion:
     """By simulation, shape by shape."""
-    plant, within = motions.scene.plant, KNOWN * tolerance
+    plant = motions.scene.plant
     found, shapes = motions.outputs(plant.physics(), RTOL), 0.0
+    within = max(KNOWN * tolerance, ROUNDING * float(np.abs(found).max()))
     for more in range(1, MOST_SHAPES + 1):
         if plant.physics(more) == plant.physics(more - 1):
             break

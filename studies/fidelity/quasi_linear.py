@@ -16,11 +16,12 @@ Source   R. E. Bellman, R. E. Kalaba, "Quasilinearization and Nonlinear Boundary
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants.core.signals import GAUSS
 from pliant.plants.validity.ranges import in_words, left
 
 from .motion_nodes import MotionNodes
@@ -32,6 +33,7 @@ BUTCHER = np.array(
 MOST_PASSES = 8
 RELINEARISED = 3  # passes that make a new A; later ones keep it, and ..
 NEAR = 30.0  # .. those after a change of less than this many times what is wanted
+SLOWEST = 0.3  # of a pass's change is what the next one changes, with the linear model kept, at least so it is told
 BEYOND = 1e9  # of a state: nothing moves so
 FAR = 3.0  # times what the first pass changes: a pass that changes more runs away
 SHRINKS = 0.7  # a pass that changes more than this share of what the last one changed does not settle
@@ -42,25 +44,50 @@ class NotSettled(PliantError):
 
 
 class CorrectedMotion:
-    """The motion of `fine` from `motion`, that of a simpler plant at all nodes; `x0` (nx,) is where the fine one
-    starts.
+    """A motion of `fine` that comes nearer to one with every pass.
 
-    columns: which outputs are compared. outputs (nt, n) are those at the control times, after as many passes as made.
+    x, rate (2 m, nx): the motion and its derivative at the Gauss points of the nodes; at_ends (m + 1, nx): it at the
+    ends of parts; x0 (nx,): where the fine model starts. columns: which outputs are compared; outputs (nt, n) are those
+    at the control times, after as many passes as made.
     """
 
     def __init__(
-        self, fine: Plant, simple: Plant, motion: Trajectory, nodes: MotionNodes, x0: Array, columns: list[int]
+        self, fine: Plant, nodes: MotionNodes, x: Array, rate: Array, at_ends: Array, x0: Array, columns: list[int]
     ) -> None:
         self.fine, self.nodes, self.columns = fine, nodes, columns
         self._tangent: Plant = fine.newton
-        E, at = fine.embedding(simple), nodes.gauss
-        assert motion.dx is not None
-        self.u, self.t = nodes.inputs[at], nodes.all[at]
-        self.x, self.rate = motion.x[at] @ E.T, motion.dx[at] @ E.T
-        self.at_ends = motion.x[nodes.ends] @ E.T
-        self._start = x0 - self.at_ends[0]
+        self.u, self.t = nodes.inputs[nodes.gauss], nodes.all[nodes.gauss]
+        self.x, self.rate, self.at_ends = x, rate, at_ends
+        self._start = x0 - at_ends[0]
         self.passes, self.changes = 0, list[float]()
         self.outputs = self._measured()
+
+    @classmethod
+    def from_simple(
+        cls, fine: Plant, simple: Plant, motion: Trajectory, nodes: MotionNodes, x0: Array, columns: list[int]
+    ) -> Self:
+        """From the motion of a simpler plant at all nodes."""
+        E, at = fine.embedding(simple), nodes.gauss
+        assert motion.dx is not None
+        return cls(fine, nodes, motion.x[at] @ E.T, motion.dx[at] @ E.T, motion.x[nodes.ends] @ E.T, x0, columns)
+
+    def refined(self, fine: Plant, nodes: MotionNodes, x0: Array, columns: list[int]) -> CorrectedMotion:
+        """The same motion for another fine model, or at more nodes, whose parts lie within its own: between its nodes
+        what collocation has there, a slope straight through the two Gauss points of a part, and the integral of that.
+        """
+        E, n = fine.embedding(self.fine), self.x.shape[1]
+        if nodes.parts == self.nodes.parts:
+            return CorrectedMotion(fine, nodes, self.x @ E.T, self.rate @ E.T, self.at_ends @ E.T, x0, columns)
+        begins = self.nodes.all[self.nodes.ends]
+        part = np.clip(np.searchsorted(begins, nodes.all, side="right") - 1, 0, len(self.nodes.h) - 1)
+        share = ((nodes.all - begins[part]) / self.nodes.h[part])[:, None]
+        slopes = self.rate.reshape(-1, 2, n)[part]
+        tilt = (slopes[:, 1] - slopes[:, 0]) / (GAUSS[1] - GAUSS[0])
+        rate = slopes[:, 0] + tilt * (share - GAUSS[0])
+        moved = share * (slopes[:, 0] - tilt * GAUSS[0]) + tilt * share**2 / 2
+        x = self.at_ends[part] + self.nodes.h[part][:, None] * moved
+        at = nodes.gauss
+        return CorrectedMotion(fine, nodes, x[at] @ E.T, rate[at] @ E.T, x[nodes.ends] @ E.T, x0, columns)
 
     def settle(self, within: float) -> float:
         """Pass after pass until one changes the outputs by at most `within`; what they may still err by.
@@ -76,7 +103,7 @@ class CorrectedMotion:
                 raise NotSettled(f"pass {self.passes} still changes the outputs by {change:.3g}")
             self.changes.append(change)
             if self.passes > 1 and change <= within:
-                share = min(change / self.changes[-2], SHRINKS) if self.changes[-2] > 0 else 0.0
+                share = min(max(change / max(self.changes[-2], 1e-300), SLOWEST), SHRINKS)
                 return change * share / (1 - share)
         raise NotSettled(f"{MOST_PASSES} passes do not settle: the last changed the outputs by {self.changes[-1]:.3g}")
 

@@ -1,0 +1,35 @@
+"""What each effect of physics is worth."""
+
+import numpy as np
+import pytest
+
+from pliant.envs import scenes
+from pliant.studies.common.reference_motions import Motions
+from pliant.studies.fidelity import effects
+from pliant.studies.fidelity.physics_motion import physics_motion
+
+SLEW = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
+
+
+@pytest.fixture(scope="module")
+def found():
+    motions = Motions(SLEW)
+    physics = physics_motion(motions, 1e-4)
+    return motions, physics, effects.of(motions, physics, SLEW.plant.ladder()[1])
+
+
+@pytest.mark.parametrize("name", ["bending", "shortening of the bent links", "exact rotations", "shear"])
+def test_an_effect_is_worth_what_two_simulations_differ_by(found, name):
+    """To a tenth, and to what both are known to."""
+    motions, physics, told = found
+    worth = {e.name: e.change for e in told}[name]
+    lacking = physics.physics.without(name)
+    true = np.abs(motions.outputs(lacking, 1e-10) - motions.outputs(physics.physics, 1e-10)).max()
+    assert worth == pytest.approx(true, rel=0.1, abs=2 * physics.uncertainty)
+
+
+def test_the_largest_comes_first_and_what_the_chosen_one_has_is_kept(found):
+    _, _, told = found
+    assert [e.change for e in told] == sorted((e.change for e in told), reverse=True)
+    assert {e.name for e in told if e.kept} == {"bending"}
+    assert effects.of(Motions(SLEW), None, SLEW.plant) == ()

@@ -1,0 +1,30 @@
+"""Method and step of a chosen plant."""
+
+import numpy as np
+import pytest
+
+from pliant.envs import scenes
+from pliant.studies.common.reference_motions import Motions
+from pliant.studies.fidelity.integrators import integrators
+from pliant.studies.fidelity.physics_motion import physics_motion
+
+SLEW = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_both_keep_the_tolerance_as_simulated(tolerance):
+    motions = Motions(SLEW)
+    physics, plant = physics_motion(motions, tolerance), SLEW.plant.ladder()[-2]
+    rows = [row for row in integrators(motions, physics, plant, tolerance) if row is not None]
+    assert rows
+    for row in rows:
+        options = {"step": row.step} if row.step else {"rtol": row.rtol, "atol": row.rtol / 100}
+        found = motions.compared(motions.run(plant, method=row.method, **options))
+        error = np.abs(found - physics.outputs).max()
+        assert error == pytest.approx(row.error, rel=1e-6) and error + physics.uncertainty <= tolerance
+        assert row.seconds > 0 and row.variant == plant.label
+
+
+def test_none_where_none_keeps_it():
+    motions = Motions(SLEW)
+    assert integrators(motions, physics_motion(motions, 1e-4), SLEW.plant.ladder()[0], 1e-4) == (None, None)
