@@ -33,7 +33,7 @@ def test_pareto_keeps_what_nothing_beats():
 def fine():
     """One variant, charted down to small steps."""
     scene = dataclasses.replace(SLEW, tolerance=1e-7)
-    return chart(scene, budget=40.0, variants=(LADDER[5],), methods=tuple(ORDERS), prune=False)
+    return chart(scene, budget=40.0, variants=(SLEW.plant.physics(1),), methods=tuple(ORDERS), prune=False)
 
 
 @pytest.mark.parametrize("method", ORDERS)
