@@ -1,0 +1,21 @@
+"""The models that tell what is true are on no ladder, and richer than physics."""
+
+import pytest
+
+from pliant.studies.effectivity.finer_models import SIZES, finer_models
+from pliant.studies.effectivity.random_scenes import KINDS, random_scene
+
+
+@pytest.mark.parametrize("seed", range(len(KINDS)))
+def test_on_no_ladder_and_with_more_shapes_than_physics(seed):
+    drawn = random_scene(seed)
+    plant = drawn.scene.plant
+    models = finer_models(drawn)
+    for model in models:
+        assert all(model != rung for rung in (*plant.ladder(), *(plant.physics(k) for k in range(8))))
+    assert models[0].nx < models[1].nx and models[1].nx > plant.physics().nx
+    assert plant.physics().inputs == models[1].inputs
+
+
+def test_a_size_for_every_kind():
+    assert {type(random_scene(seed).scene.plant) for seed in range(len(KINDS))} == set(SIZES)
