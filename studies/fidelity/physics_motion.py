@@ -92,7 +92,7 @@ class _Search:
         while more < MOST_SHAPES:
             physics = self.scene.plant.physics(more + 1)
             if physics == self.scene.plant.physics(more):
-                return self._found(found, passes, time, 0.0)
+                return self._found(found, passes, time, last or 0.0)  # no more are known of: what the last ones did
             richer, passes = self._outputs(more + 1, parts)
             shapes, found, more = _largest(richer - found), richer, more + 1
             if shapes <= self.within or (last is not None and shapes > last):
