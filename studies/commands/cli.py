@@ -46,6 +46,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "linearize": models.linearize,
     "chart": fidelity.chart,
     "choose": fidelity.choose,
+    "study": fidelity.study,
     "train": train.command,
     "report": report,
     "figures": figures,

@@ -1,4 +1,4 @@
-"""`pliant chart` and `pliant choose`: speed against accuracy, and the smallest model."""
+"""`pliant chart`, `pliant choose`, `pliant study`: speed against accuracy, the smallest model, whether it is so."""
 
 from __future__ import annotations
 
@@ -7,10 +7,14 @@ from typing import Annotated
 
 import typer
 
+from pliant.plants.core.argument_gates import require_choice
 from pliant.plants.files.atomic_files import Together
+from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.formatting import measured
+from pliant.studies.effectivity.effectivity import effectivity
 from pliant.studies.fidelity.choice import choose as climb
 from pliant.studies.fidelity.speed_accuracy import chart as measure
+from pliant.studies.figures.effectivity import effectivity as histogram
 from pliant.studies.figures.speed_accuracy import ladder
 from pliant.studies.figures.speed_accuracy import save as save_chart
 from pliant.studies.figures.style import save
@@ -86,3 +90,47 @@ def choose(
     if not found.met:
         complain("no variant is shown to keep the tolerance")
         raise typer.Exit(1)
+
+
+def study(
+    name: Annotated[str, typer.Argument(help="effectivity: predicted over true errors on random scenes.")],
+    seeds: Annotated[str, typer.Option(metavar="FIRST:END", help="Which random scenes, END left out.")] = "0:60",
+    jobs: Annotated[int, typer.Option(help="Processes; -1 is as many as cores.")] = -1,
+    backend: Annotated[str, typer.Option(help="joblib's: loky, threading, dask, ray, ..")] = "loky",
+    kept: Annotated[Path | None, typer.Option(help="File of rows; it goes on where that one ends.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Save the table as json.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Try what `choose` claims on random scenes. Exit code 1 where it was wrong, or crashed."""
+    require_choice("study", "name", name, ("effectivity",))
+    wanted = _range(seeds)
+    for option, path in (("--kept", kept), ("--out", out)):
+        writable(option, path)
+    drawable(plot)
+    with bar(f"study {name}") as tell:
+        found = effectivity(wanted, jobs=jobs, backend=backend, kept=kept, progress=tell)
+    with Together() as files:
+        if out is not None:
+            files.text(out, dumps(found.to_json()) + "\n")
+        if plot is not None:
+            save(histogram(found), plot, files)
+    if as_json:
+        print_json(found.to_json())
+    else:
+        show(f"effectivity on the scenes {seeds}", ("", ""), found.tally.lines())
+    if found.tally.faulty:
+        complain(f"{len(found.tally.wrong)} wrongly met, {len(found.tally.crashed)} crashed")
+        raise typer.Exit(1)
+
+
+def _range(text: str) -> range:
+    """ "0:60", or one number."""
+    first, _, end = text.partition(":")
+    try:
+        found = range(int(first), int(end or int(first) + 1))
+    except ValueError:
+        found = range(0)
+    if not found or found[0] < 0:
+        raise ValueError(f"--seeds {text!r} must be FIRST:END, whole numbers, 0 <= FIRST < END")
+    return found

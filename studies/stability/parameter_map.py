@@ -31,6 +31,7 @@ from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.files.atomic_files import Together
 from pliant.plants.stability import assess
 from pliant.studies.common import machine
+from pliant.studies.common.parallel import BACKENDS, as_they_come
 from pliant.studies.common.reference_motions import Progress, silent
 from pliant.studies.fidelity.mode_count import ModeCount, ModesNeeded, modes_needed
 from pliant.studies.figures import style
@@ -39,7 +40,6 @@ from pliant.studies.figures.stability import chart
 __all__ = ["ModeCount", "ModesNeeded", "StabilityMap", "map_stability", "modes_needed"]
 
 KINDS = ("stable", "marginal", "undecided", "unstable", "failed")
-BACKENDS = ("loky", "threading", "multiprocessing", "sequential", "dask", "ray")
 TASKS = 64  # portions that the grid is cut into, where it has that many points
 
 Builder = Callable[..., Any]  # build(first, second) -> LinearModel, LTVModel or PiecewiseLTV
@@ -134,7 +134,8 @@ def map_stability(
     failures: dict[tuple[int, int], str] = {}
     began, done = clock.perf_counter(), 0
     tell(0.0, f"{len(points)} points")
-    for results in _run(build, axes, portions, options, jobs, backend):
+    tasks = [(build, axes, portion, options) for portion in portions]
+    for results in as_they_come("map_stability", _portion, tasks, jobs, backend):
         for point, verdict, margin, bound, method, why in results:
             verdicts[point], margins[point], bounds[point], methods[point] = verdict, margin, bound, method
             if why:
@@ -188,34 +189,3 @@ def _portion(
         except Exception as failure:  # whatever a point raises is that point's failure, and no other's
             found.append(((i, j), "failed", np.nan, np.nan, "", f"{type(failure).__name__}: {failure}"))
     return found
-
-
-def _run(
-    build: Builder,
-    axes: tuple[np.ndarray, np.ndarray],
-    portions: Sequence[Sequence[tuple[int, int]]],
-    options: dict[str, Any],
-    jobs: int,
-    backend: str,
-) -> Any:
-    """Results as they come, where the backend can hand them over one by one."""
-    import joblib
-
-    if backend == "ray":
-        try:
-            from ray.util.joblib import register_ray
-        except ImportError as error:
-            raise ImportError("map_stability.backend = 'ray' needs ray: pip install pliant[ray]") from error
-        register_ray()
-    if backend == "dask":
-        try:
-            import distributed  # noqa: F401  joblib registers its backend with it
-        except ImportError as error:
-            raise ImportError("map_stability.backend = 'dask' needs dask: pip install pliant[dask]") from error
-    settings: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
-    with joblib.parallel_config(backend=backend, n_jobs=jobs, **settings):
-        tasks = [joblib.delayed(_portion)(build, axes, points, options) for points in portions]
-        running, _ = joblib.parallel.get_active_backend()
-        by_one = getattr(running, "supports_return_generator", False)
-        pool = joblib.Parallel(return_as="generator_unordered" if by_one else "list")
-        yield from pool(tasks)
