@@ -8,8 +8,6 @@ products.
 
 from __future__ import annotations
 
-from functools import partial
-
 import casadi as ca
 
 from . import straight_line
@@ -96,7 +94,7 @@ def _statements(name: str, function: ca.Function) -> tuple[list[Statement], set[
         else:
             values = [register[a] for a in args]
             if op in ARITHMETIC:
-                value = operation(op, values if set(values) - set(constants) else list(map(vector, values)))
+                value = operation(op, list(map(vector, values)) if all(v in constants for v in values) else values)
             else:
                 others.add(op)
                 value = f"{name}_each{op}({', '.join(map(vector, values[: 1 + (op not in UNARY)]))})"

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 LENGTHENED = 700  # statements of a part: fits the first cache of instructions
 
@@ -37,7 +38,7 @@ def written(name: str, inputs: Sequence[str], outputs: Sequence[str], statements
     """The C function `name` of blocks of lanes, T (*)[W]; statements know them by these names, as V *."""
     count = -(-len(statements) // LENGTHENED)
     ends = [round(k * len(statements) / max(1, count)) for k in range(count + 1)]
-    parts = [statements[a:b] for a, b in zip(ends, ends[1:])]
+    parts = [statements[a:b] for a, b in pairwise(ends)]
     rows, total = _rows(parts)
     given = {s.name: s for s in statements if s.given}
     declared = [f"const V *restrict {i}" for i in inputs] + [f"V *restrict {o}" for o in outputs]

@@ -1,4 +1,4 @@
-"""Functions cut into parts: the same values as whole, whatever a part holds, and rows that later parts may use again."""
+"""Functions cut into parts: the same values as whole, whatever a part holds, rows are used again."""
 
 import casadi as ca
 import numpy as np
