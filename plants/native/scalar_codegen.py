@@ -40,10 +40,8 @@ def operations(function: ca.Function) -> int:
 def block_function(name: str, function: ca.Function) -> str:
     """A C function over W lanes: inputs and outputs as T (*)[W], in the order of the SX function's nonzeros."""
     statements, others = _statements(name, function)
-    inputs, outputs = (
-        [f"{kind}{k}" for k in range(n)] for kind, n in (("i", function.n_in()), ("o", function.n_out()))
-    )
-    return "".join(map(partial(_each, name), sorted(others))) + straight_line.written(name, inputs, outputs, statements)
+    inputs, outputs = [f"i{k}" for k in range(function.n_in())], [f"o{k}" for k in range(function.n_out())]
+    return "".join(_each(name, op) for op in sorted(others)) + straight_line.written(name, inputs, outputs, statements)
 
 
 def _each(name: str, op: int) -> str:
