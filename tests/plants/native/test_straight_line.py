@@ -1,6 +1,7 @@
 """Functions cut into parts: the same values as whole, whatever a part holds, rows are used again."""
 
 import casadi as ca
+import kernel_growth
 import numpy as np
 import pytest
 
@@ -57,3 +58,12 @@ def test_no_part_is_longer_than_it_may_be_and_no_function_too_long(monkeypatch: 
     # what it computes, one row in, one out, and the input read anew
     assert max(body.split("static void f(const T")[0].count(";") for body in bodies) <= 53
     assert "T between[2][W]" in source
+
+
+def test_operations_grow_at_most_as_the_cube_of_the_states() -> None:
+    """A sample of tests/campaigns/kernel_growth.py, which compiles every size of 60 plants; here the small ones."""
+    if not kernel_loader.wanted():
+        pytest.skip("PLIANT_NATIVE=0: nothing is compiled")
+    row = kernel_growth.run(0, longest=400)
+    assert not kernel_growth.faulty(row), row
+    assert row["operations"] == sorted(row["operations"])
