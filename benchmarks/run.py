@@ -18,7 +18,18 @@ from dataclasses import asdict
 from pathlib import Path
 from statistics import mean
 
-from cases import cold_start, controller_acts, environments, fma_peak, learning, motions, physics, spacecraft, stability
+from cases import (
+    cold_start,
+    controller_acts,
+    environments,
+    fma_peak,
+    kernel_growth,
+    learning,
+    motions,
+    physics,
+    spacecraft,
+    stability,
+)
 from cases import soak as soaking
 from harness import sampling, table, targets
 from peers import cantilever, peers
@@ -32,6 +43,7 @@ PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
     "machine": lambda: list(fma_peak.cases()),
     "physics": lambda: [*physics.cases(), *peers.physics_cases()],
     "jacobians": lambda: list(physics.jacobian_cases()),
+    "growth": lambda: list(kernel_growth.cases()),
     "environments": lambda: [*environments.cases(), *peers.environment_cases()],
     "motions": lambda: list(motions.cases()),
     "cantilever": lambda: list(cantilever.cases()),
@@ -164,8 +176,14 @@ def main() -> int:
         if not whole:
             checks = [c for c in checks if c.measured is not None]
         said, described = notes(given.only, rows, soak), about(rows)
-        table.write(folder, rows, checks, described, said, {"soak": asdict(soak) if soak else None})
-        return table.markdown(rows, checks, described, said)
+        own, pictures = {}, {}
+        if grown := [row for row in rows if row.group == kernel_growth.GROUP]:
+            peak = next((row for row in rows if row.name == fma_peak.PEAK), None)
+            own[kernel_growth.GROUP] = kernel_growth.lines(grown, peak)
+            pictures["growth"] = kernel_growth.chart(grown)
+        extra = {"soak": asdict(soak) if soak else None}
+        table.write(folder, rows, checks, described, said, extra, own, pictures)
+        return table.markdown(rows, checks, described, said, own)
 
     if wanted("learning"):
         report()  # the longest part comes last: what is measured is kept if it is broken off

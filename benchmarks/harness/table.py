@@ -43,7 +43,7 @@ def duration(seconds: float | None) -> str:
     return f"{seconds:.3g} s"
 
 
-def _grid(head: Sequence[str], rows: Sequence[Sequence[str]], right: int) -> list[str]:
+def grid(head: Sequence[str], rows: Sequence[Sequence[str]], right: int) -> list[str]:
     """A markdown table; the columns from `right` on are set right."""
     marks = ["---:" if i >= right else "---" for i in range(len(head))]
     return [f"| {' | '.join(line)} |" for line in (head, marks, *rows)]
@@ -58,7 +58,7 @@ def rates(rows: Sequence[Row]) -> list[str]:
         failures = sorted({r.failure for r in own.values() if r.failure})
         cells = [number(own[n].median) if n in own and not own[n].failure else "" for n in COLUMNS]
         lines.append([name + (f" ({'; '.join(failures)})" if failures else ""), str(threads), *cells])
-    return _grid(["", "threads", *(f"{n:,}" for n in COLUMNS)], lines, 1)
+    return grid(["", "threads", *(f"{n:,}" for n in COLUMNS)], lines, 1)
 
 
 SHOW: dict[str, Callable[[float], str]] = {
@@ -83,7 +83,7 @@ def times(rows: Sequence[Row]) -> list[str]:
     if any(row.tails for row in rows):
         head.append("99th percentile of single calls")
         lines = [line + [""] * (len(head) - len(line)) for line in lines]
-    return _grid(head, lines, 1)
+    return grid(head, lines, 1)
 
 
 def verdicts(checks: Sequence[Check]) -> list[str]:
@@ -94,11 +94,17 @@ def verdicts(checks: Sequence[Check]) -> list[str]:
         bound = f"{'at least' if c.least else 'at most'} {number(c.asked)} {c.unit}".strip()
         measured = f"{number(c.measured)} {c.unit}".strip() if c.measured is not None else "-"
         lines.append([str(c.number), c.what, measured, bound, words[c.holds]])
-    return _grid(["", "what", "measured", "asked", "holds"], lines, 5)
+    return grid(["", "what", "measured", "asked", "holds"], lines, 5)
 
 
-def markdown(rows: Sequence[Row], checks: Sequence[Check], about: Mapping[str, str], notes: Sequence[str]) -> str:
-    """The whole table."""
+def markdown(
+    rows: Sequence[Row],
+    checks: Sequence[Check],
+    about: Mapping[str, str],
+    notes: Sequence[str],
+    own_tables: Mapping[str, Sequence[str]] | None = None,
+) -> str:
+    """The whole table; a group may have a table of its own."""
     groups = dict.fromkeys(r.group for r in rows)
     text = ["# Benchmarks", "", "Medians; every row sampled in turn, round after round, in one run.", ""]
     text += ["## Asked and measured", "", *verdicts(checks), ""]
@@ -106,10 +112,11 @@ def markdown(rows: Sequence[Row], checks: Sequence[Check], about: Mapping[str, s
         own = [r for r in rows if r.group == group]
         wide = group in WIDE
         title = f"{group.capitalize()}{', steps/s by the number of environments' if wide else ''}"
-        text += [f"## {title}", "", *(rates(own) if wide else times(own)), ""]
+        given = (own_tables or {}).get(group)
+        text += [f"## {title}", "", *(given or (rates(own) if wide else times(own))), ""]
     if notes:
         text += ["## Notes", "", *(f"- {note}" for note in notes), ""]
-    text += ["## Machine", "", *_grid(["", ""], [[k, v] for k, v in about.items()], 2), ""]
+    text += ["## Machine", "", *grid(["", ""], [[k, v] for k, v in about.items()], 2), ""]
     return "\n".join(text)
 
 
@@ -161,8 +168,10 @@ def write(
     about: Mapping[str, str],
     notes: Sequence[str],
     extra: Mapping[str, Any],
+    own_tables: Mapping[str, Sequence[str]] | None = None,
+    figures: Mapping[str, Figure] | None = None,
 ) -> None:
-    """benchmark.json, benchmark.md and benchmark.png."""
+    """benchmark.json, benchmark.md, benchmark.png and further figures by name."""
     content = {
         "about": dict(about),
         "checks": [asdict(c) | {"holds": c.holds} for c in checks],
@@ -173,6 +182,8 @@ def write(
     found = {title: b for group, title in WIDE.items() if (b := bars(rows, group))}
     with renewed(folder) as made:
         write_text(made / "benchmark.json", json.dumps(content, indent=1, allow_nan=False) + "\n")
-        write_text(made / "benchmark.md", markdown(rows, checks, about, notes))
+        write_text(made / "benchmark.md", markdown(rows, checks, about, notes, own_tables))
         if found:
             style.save(chart(found), made / "benchmark.png")
+        for name, figure in (figures or {}).items():
+            style.save(figure, made / f"{name}.png")

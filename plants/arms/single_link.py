@@ -33,6 +33,7 @@ from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
+from . import small_slope_equations
 from .exact_rotation_equations import of_single_link, written_out
 from .link_frames import FRAMES, to_clamped
 from .single_link_declaration import SingleLinkDeclaration
@@ -138,6 +139,8 @@ class SingleLinkArm(SingleLinkDeclaration):
         return self.hub_friction * v[0] ** 2 / 2 + self.elastic.dissipation(v[1:])
 
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        if self.frame == "clamped" and small_slope_equations.of_small_slopes(self.elastic):
+            return small_slope_equations.of_single_link(self, x, u, w, self._offset_load)
         if written_out(self.elastic):
             return of_single_link(self, x, u, w, self._offset_load)
         return super().equations(t, x, u, w)

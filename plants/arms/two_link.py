@@ -30,6 +30,7 @@ from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
+from . import small_slope_equations
 from .exact_rotation_equations import of_two_links, written_out
 from .two_link_declaration import TwoLinkDeclaration
 
@@ -158,9 +159,25 @@ class TwoLinkArm(TwoLinkDeclaration):
         return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
 
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        if self._small_slopes:
+            return small_slope_equations.of_two_links(self, x, u, w, self._offset_load)
         if self.reduction in ("full", "rigid") and written_out(self.links[0]):
             return of_two_links(self, x, u, w, self._offset_load)
         return super().equations(t, x, u, w)
+
+    @property
+    def _small_slopes(self) -> bool:
+        return self.reduction in ("full", "rigid") and small_slope_equations.of_small_slopes(self.links[0])
+
+    def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
+        if not self._small_slopes:
+            return super().solved(t, x, u, w)
+        M, r = small_slope_equations.in_absolute_angles(self, x, u, w, self._offset_load)
+        y, pivots = self.acceleration(M, r, u)
+        n1, n2 = self.mode_counts
+        bent, turned, first = y[n2 + 1 : n2 + 1 + n1], y[n2], y[n2 + 1 + n1]
+        relative = turned - first - (self.links[0].slope(bent) if self.tip_slope else 0)
+        return ca.vertcat(first, relative, bent, y[:n2]), pivots
 
     def _tip(self, q: ca.SX) -> ca.SX:
         _, _, q1, q2 = self._split(q)
@@ -184,8 +201,7 @@ class TwoLinkArm(TwoLinkDeclaration):
             link2.deflection_rate(q2, v2),
         ]
         bent += [self._tip(q), link1.root_curvature(q1), link2.root_curvature(q2)]
-        M, r, _, _ = self.equations(t, x, u, w)
-        a = second_derivative(self._tip(q), q, v, self.acceleration(M, r, u)[0])
+        a = second_derivative(self._tip(q), q, v, self.solved(t, x, u, w)[0])
         _, _, c12, s12 = self._heights(q)
         c, s = ca.cos(link2.slope(q2)), ca.sin(link2.slope(q2))
         felt = (c * c12 - s * s12) * (a[1] + self.gravity) - (s * c12 + c * s12) * a[0]

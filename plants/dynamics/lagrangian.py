@@ -117,15 +117,18 @@ class LagrangianPlant(MechanicalPlant):
         return a, d
 
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        return ca.vertcat(x[len(self.coordinates) :], self.solved(t, x, u, w)[0])
+
+    def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
+        """Accelerations (n,) of `equations`, and pivots of the mass matrix in the coordinates that it is solved in."""
         M, r, _, _ = self.equations(t, x, u, w)
-        n = len(self.coordinates)
-        return ca.vertcat(x[n:], self.acceleration(M, r, u)[0])
+        return self.acceleration(M, r, u)
 
     @built_once
     def _motion(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
-        M, r, _, _ = self._terms
-        a, pivots = self.acceleration(M, r, self.symbols[2])
+        t, x, u, w, _ = self.symbols
+        a, pivots = self.symbolic.solved(t, x, u, w)
         rate = ca.vertcat(self.symbols[1][len(self.coordinates) :], a)
         return rate, ca.mmin(ca.vertcat(*pivots)) if pivots else ca.SX(1)
 

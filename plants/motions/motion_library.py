@@ -28,6 +28,7 @@ from pliant.plants.native import (
     scalar_codegen,
     slp_codegen,
     slp_packing,
+    straight_line,
 )
 from pliant.plants.rounding.agreement import KernelMismatch, Trial
 from pliant.plants.toolchain import compiler_process, shared_library
@@ -47,6 +48,7 @@ WRITERS: tuple[ModuleType, ...] = (
     scalar_codegen,
     slp_codegen,
     slp_packing,
+    straight_line,
     expression_graph,
     runge_kutta_tableaux,
 )
@@ -197,7 +199,6 @@ def build(
         kernel_loader.tell(str(missing), said, every=True)
     except (
         compiler.CompileError,
-        scalar_codegen.TooLong,
         NotImplementedError,
         kernel_cache.CacheError,
         KernelMismatch,

@@ -23,7 +23,6 @@ from pliant.plants.toolchain import compiler_process, shared_library
 from . import compiler, kernel_cache
 from .compiler import CompileError, NoCompiler
 from .kernel_templates import LANES
-from .scalar_codegen import TooLong
 from .thread_pool import pool, spreader
 
 Array = np.ndarray
@@ -156,7 +155,7 @@ def load(
             return _loaded[key]
     except NoCompiler as missing:
         tell(str(missing), name, every=True)
-    except (CompileError, TooLong, NotImplementedError, kernel_cache.CacheError, KernelMismatch, OSError) as failure:
+    except (CompileError, NotImplementedError, kernel_cache.CacheError, KernelMismatch, OSError) as failure:
         tell(str(failure), name)
     return None
 

@@ -27,6 +27,10 @@ typedef {real} T;
 typedef {word} BITS;
 #define EXPONENT {exponent}
 #define W {lanes}
+#define VL {vector}
+#define PER (W / VL)
+typedef T V {vectors};
+#define ALL(value) ((V){{0}} + (value))
 #define LANES _Pragma("omp simd")
 #define ALIGNED __attribute__((aligned(64)))
 #define KEEP(array) __asm__("" : "+m"(array))
@@ -50,12 +54,16 @@ typedef const T (*restrict in_t)[W];
 
 def head(dtype: np.dtype, lanes: int | None = None) -> str:
     """What every kernel starts with; `lanes` = 1 is for one state at a time."""
-    single = dtype == np.float32
+    single, width = dtype == np.float32, LANES[dtype] if lanes is None else lanes
+    vector = min(width, max(1, compiler.toolchain().width // (8 * dtype.itemsize)))
+    aligned = f"__attribute__((vector_size({vector * dtype.itemsize}), may_alias))" if vector > 1 else ""
     return _HEAD.format(
         real="float" if single else "double",
         word="uint32_t" if single else "uint64_t",
         exponent="0x7f800000u" if single else "0x7ff0000000000000ull",
-        lanes=LANES[dtype] if lanes is None else lanes,
+        lanes=width,
+        vector=vector,
+        vectors=aligned,
         f="f" if single else "",
     )
 

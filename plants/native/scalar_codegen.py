@@ -1,13 +1,17 @@
-"""C source from CasADi SX functions: straight-line code over a block of lanes, which the compiler vectorises.
+"""C source from CasADi SX functions: straight-line code over a block of lanes, vector by vector.
 
 Every array is structure-of-arrays: `x[k][l]` is element k of lane l in a block of W lanes. Each SX operation is one
-assignment to a local constant; the loop over l carries `#pragma omp simd`. Divisions by the same value share one
-reciprocal, for a division costs as much as twenty products.
+assignment to a local constant, a vector of the machine's width; what C has no vector form of is a loop over its lanes
+with `#pragma omp simd`. Divisions by the same value share one reciprocal, for a division costs as much as twenty
+products.
 """
 
 from __future__ import annotations
 
 import casadi as ca
+
+from . import straight_line
+from .straight_line import Statement
 
 BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*"}
 COMPARE = {ca.OP_LT: "<", ca.OP_LE: "<=", ca.OP_EQ: "==", ca.OP_NE: "!="}
@@ -25,11 +29,7 @@ UNARY = {
     ca.OP_SIGN: "({0} > 0) - ({0} < 0)",
     ca.OP_NOT: "!({0})",
 }
-LONGEST = 20_000  # operations in one function; the compiler's time grows faster than the length
-
-
-class TooLong(Exception):
-    """A function has more operations than a compiler takes in good time."""
+ARITHMETIC = (*BINARY, ca.OP_ASSIGN, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE)  # the same in C for vectors as for numbers
 
 
 def operations(function: ca.Function) -> int:
@@ -37,51 +37,67 @@ def operations(function: ca.Function) -> int:
     return int(function.n_instructions())
 
 
-def check_length(name: str, function: ca.Function) -> None:
-    """Raise TooLong for a function that compilers take too long for."""
-    if operations(function) > LONGEST:
-        raise TooLong(f"{name} has {operations(function)} operations, at most {LONGEST} are compiled")
-
-
 def block_function(name: str, function: ca.Function) -> str:
     """A C function over W lanes: inputs and outputs as T (*)[W], in the order of the SX function's nonzeros."""
-    check_length(name, function)
-    inputs = [f"const T (*restrict i{k})[W]" for k in range(function.n_in())]
-    outputs = [f"T (*restrict o{k})[W]" for k in range(function.n_out())]
-    lines = [f"static void {name}({', '.join(inputs + outputs)}) {{", "  LANES for (int l = 0; l < W; l++) {"]
-    lines += [f"    {line}" for line in _statements(function)]
-    return "\n".join([*lines, "  }", "}", ""])
+    statements, others = _statements(name, function)
+    inputs, outputs = [f"i{k}" for k in range(function.n_in())], [f"o{k}" for k in range(function.n_out())]
+    return "".join(_each(name, op) for op in sorted(others)) + straight_line.written(name, inputs, outputs, statements)
 
 
-def _statements(function: ca.Function) -> list[str]:
+def _each(name: str, op: int) -> str:
+    """A C function of vectors that does an operation lane by lane, which the compiler vectorises."""
+    inputs = "ab"[: 1 + (op not in UNARY and op != ca.OP_INV)]
+    values = operation(op, [f"((const T *)&{i})[l]" for i in inputs])
+    return (
+        f"static inline V {name}_each{op}({', '.join(f'V {i}' for i in inputs)}) {{\n"
+        f"  V r; LANES for (int l = 0; l < VL; l++) ((T *)&r)[l] = {values}; return r;\n}}\n"
+    )
+
+
+def _statements(name: str, function: ca.Function) -> tuple[list[Statement], set[int]]:
+    """What computes a function, and which operations it does lane by lane."""
     register: dict[int, str] = {}
     reciprocal: dict[str, str] = {}
     constants: dict[str, float] = {}
-    lines: list[str] = []
+    statements: list[Statement] = []
+    others: set[int] = set()
+
+    def add(new: str, value: str, *needs: str, given: bool = False) -> str:
+        statements.append(Statement(new, value, tuple(n for n in needs if n not in constants), given))
+        return new
+
+    def vector(value: str) -> str:
+        return f"ALL({value})" if value in constants else value
+
     for i in range(function.n_instructions()):
         op, args, out = function.instruction_id(i), function.instruction_input(i), function.instruction_output(i)
         if op == ca.OP_OUTPUT:
-            lines.append(f"o{out[0]}[{out[1]}][l] = {register[args[0]]};")
-            continue
-        new = f"v{i}"
-        if op == ca.OP_INPUT:
-            value = f"i{args[0]}[{args[1]}][l]"
+            value = register[args[0]]
+            add("", f"o{out[0]}[{out[1]} * PER] = {vector(value)};", value)
+        elif op == ca.OP_INPUT:
+            register[out[0]] = add(f"v{i}", f"i{args[0]}[{args[1]} * PER]", given=True)
         elif op == ca.OP_CONST:
             number = float(function.instruction_constant(i))
             register[out[0]] = literal(number)
             constants[register[out[0]]] = number
-            continue
         elif op == ca.OP_DIV:
             top, bottom = register[args[0]], register[args[1]]
             if bottom not in reciprocal:
-                reciprocal[bottom] = f"r{i}"
-                lines.append(f"const T r{i} = (T)1 / {bottom};")
-            value = reciprocal[bottom] if constants.get(top) == 1.0 else f"{top} * {reciprocal[bottom]}"
+                reciprocal[bottom] = add(f"r{i}", f"(T)1 / {vector(bottom)}", bottom)
+            share = reciprocal[bottom]
+            value, needs = (share, [share]) if constants.get(top) == 1.0 else (f"{top} * {share}", [top, share])
+            register[out[0]] = add(f"v{i}", value, *needs)
+        elif op == ca.OP_INV:
+            register[out[0]] = add(f"v{i}", f"(T)1 / {vector(register[args[0]])}", register[args[0]])
         else:
-            value = operation(op, [register[a] for a in args])
-        lines.append(f"const T {new} = {value};")
-        register[out[0]] = new
-    return lines
+            values = [register[a] for a in args]
+            if op in ARITHMETIC:
+                value = operation(op, list(map(vector, values)) if all(v in constants for v in values) else values)
+            else:
+                others.add(op)
+                value = f"{name}_each{op}({', '.join(map(vector, values[: 1 + (op not in UNARY)]))})"
+            register[out[0]] = add(f"v{i}", value, *values)
+    return statements, others
 
 
 def literal(number: float) -> str:

@@ -10,10 +10,11 @@ from collections.abc import Iterable
 import casadi as ca
 
 from .expression_graph import Graph
-from .scalar_codegen import block_function, check_length, literal, operation
+from .scalar_codegen import block_function, literal, operation, operations
 from .slp_packing import CONSTANT, Operand, Packing, Vector
 
 GAIN = 1.75  # scalar operations that one operation replaces on average; with fewer, scalar code is as fast or faster
+LONGEST = 20_000  # operations among which equal ones are looked for
 
 
 def lane_function(name: str, function: ca.Function, width: int, registers: int) -> str:
@@ -21,7 +22,8 @@ def lane_function(name: str, function: ca.Function, width: int, registers: int) 
 
     registers: of the machine, that one vector takes. Where vectors gain little, it is block_function's.
     """
-    check_length(name, function)
+    if operations(function) > LONGEST:
+        return block_function(name, function)
     graph = Graph(function)
     packing = Packing(graph, width)
     if packing.gain(registers) < GAIN:

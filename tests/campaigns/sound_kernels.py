@@ -25,7 +25,6 @@ from pliant.envs import scenes
 from pliant.plants.integration.batch_stepper import rate_function
 from pliant.plants.integration.step_maps import step_map
 from pliant.plants.native import compiler, kernel_loader, single_point
-from pliant.plants.native.scalar_codegen import TooLong
 from pliant.plants.rounding.agreement import KernelMismatch
 
 SETTINGS = (("gcc", ""), ("clang", ""), ("gcc", "-march=x86-64-v3"))
@@ -74,7 +73,7 @@ def run(seed: int) -> dict[str, Any]:
                 z = single_point.check(single_point._load(point.name(), path), point, name)
             else:
                 z = kernel_loader.check(path, kernel.trials(), kernel.dtype, kernel.lanes, name)
-    except (TooLong, NotImplementedError, compiler.CompileError) as why:
+    except (NotImplementedError, compiler.CompileError) as why:
         return row | {"state": "not compiled", "why": str(why)[:200]}
     except KernelMismatch as refused:
         return row | {"state": "refused", "why": str(refused)}

@@ -52,10 +52,3 @@ def test_unknown_operation_is_named() -> None:
     a = ca.SX.sym("a")
     with pytest.raises(NotImplementedError, match="no C form"):
         scalar_codegen.block_function("f", ca.Function("f", [a], [ca.erf(a)]))
-
-
-def test_too_long_a_function_is_refused_with_its_length(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scalar_codegen, "LONGEST", 3)
-    a = ca.SX.sym("a")
-    with pytest.raises(scalar_codegen.TooLong, match="has 6 operations, at most 3"):
-        scalar_codegen.block_function("f", ca.Function("f", [a], [ca.sin(a) * ca.cos(a) + a]))

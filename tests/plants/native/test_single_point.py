@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from pliant.plants import SliderCrank, TwoLinkArm
+from pliant.plants.core.casadi_functions import LONG
 from pliant.plants.integration.step_maps import step_map
 from pliant.plants.native import compiler, kernel_loader, single_point
-from pliant.plants.native.scalar_codegen import LONGEST
 
 needs_compiler = pytest.mark.skipif(
     not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: the virtual machine is under test"
@@ -55,7 +55,7 @@ def test_a_function_that_disagrees_is_not_used(monkeypatch, tmp_path, shape) -> 
     assert single_point.compiled(machine) is not machine  # nothing wrong was left in the cache
 
 
-@pytest.mark.parametrize("operations", [1, 10, 324, 3659, LONGEST])
+@pytest.mark.parametrize("operations", [1, 10, 324, 3659, LONG])
 def test_waiting_costs_at_most_as_much_again(operations: int) -> None:
     """After as many calls the virtual machine has lost what compiling costs, to one call."""
 

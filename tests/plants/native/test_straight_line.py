@@ -1,0 +1,69 @@
+"""Functions cut into parts: the same values as whole, whatever a part holds, rows are used again."""
+
+import casadi as ca
+import kernel_growth
+import numpy as np
+import pytest
+
+from pliant.plants.native import kernel_loader, straight_line
+from pliant.plants.native.batch_kernels import map_kernel
+
+RNG = np.random.default_rng(11)
+X = RNG.uniform(-1.0, 1.0, (6, 64))
+
+
+def _tangled(count: int) -> ca.Function:
+    """`count` values, each of two earlier ones by chance, near or far; every tenth is put out."""
+    x, rng = ca.SX.sym("x", 6), np.random.default_rng(5)
+    values = [x[i] for i in range(6)]
+    for k in range(count):
+        a, b = values[rng.integers(len(values))], values[-1 - rng.integers(6)]
+        values.append([a * b + 0.3, ca.sin(a) - b, a / (2 + b * b), ca.fmin(a, 0.5) + ca.if_else(b > a, 1.0, b)][k % 4])
+    return ca.Function("tangled", [x], [ca.vertcat(*values[::10], 2.5), x[1] + values[-1]])
+
+
+@pytest.mark.parametrize("lanes", [None, 1])
+@pytest.mark.parametrize("most", [1, 13, 10_000])
+def test_parts_compute_what_the_whole_does(most: int, lanes: int | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(straight_line, "LENGTHENED", most)
+    function = _tangled(80)
+    kernel = map_kernel(function, [X], lanes=lanes)
+    if kernel_loader.wanted():
+        assert kernel.native
+    work = kernel.workspace(64)
+    work.set(0, X.T)
+    work.run()
+    for k, want in enumerate(function.map(64)(X) if function.n_out() > 1 else [function.map(64)(X)]):
+        np.testing.assert_allclose(work.get(k).T, np.asarray(want), rtol=1e-12, atol=1e-13)
+
+
+def test_a_row_is_free_again_after_the_last_part_that_reads_it() -> None:
+    def of(name: str, *needs: str) -> straight_line.Statement:
+        return straight_line.Statement(name, "+".join(needs), needs)
+
+    parts = [[of("a"), of("b")], [of("c", "a", "b"), of("d", "b")], [of("e", "c"), of("f", "d")], [of("g", "e", "d")]]
+    rows, total = straight_line._rows(parts)
+    assert set(rows) == {"a", "b", "c", "d", "e"}  # f and g are put out, or nothing
+    assert len({rows[n] for n in "abcd"}) == 4  # while c and d are made, a and b are still read
+    assert total == 4 and rows["e"] in (rows["a"], rows["b"])
+
+
+def test_no_part_is_longer_than_it_may_be_and_no_function_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(straight_line, "LENGTHENED", 50)
+    statements = [straight_line.Statement("v0", "i0[0]", given=True)]
+    statements += [straight_line.Statement(f"v{k}", f"v{k - 1} + v0", (f"v{k - 1}", "v0")) for k in range(1, 30_000)]
+    source = straight_line.written("f", ["i0"], ["o0"], statements)
+    bodies = source.split("__attribute__((noinline))")[1:]
+    assert len(bodies) == 600
+    # what it computes, one row in, one out, and the input read anew
+    assert max(body.split("static void f(const T")[0].count(";") for body in bodies) <= 53
+    assert "T between[2][W]" in source
+
+
+def test_operations_grow_at_most_as_the_cube_of_the_states() -> None:
+    """A sample of tests/campaigns/kernel_growth.py, which compiles every size of 60 plants; here the small ones."""
+    if not kernel_loader.wanted():
+        pytest.skip("PLIANT_NATIVE=0: nothing is compiled")
+    row = kernel_growth.run(0, longest=400)
+    assert not kernel_growth.faulty(row), row
+    assert row["operations"] == sorted(row["operations"])
