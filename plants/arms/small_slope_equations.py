@@ -60,6 +60,14 @@ def absolute(arm: TwoLinkDeclaration) -> ca.SX:
     return B
 
 
+def relative(arm: TwoLinkDeclaration, y: ca.SX) -> ca.SX:
+    """q (n,) of y = B q."""
+    n1, n2 = arm.mode_counts
+    bent, turned, first = y[n2 + 1 : n2 + 1 + n1], y[n2], y[n2 + 1 + n1]
+    turn = arm.links[0].slope(bent) if arm.tip_slope else 0
+    return ca.vertcat(first, turned - first - turn, bent, y[:n2])
+
+
 def _slope(arm: TwoLinkDeclaration) -> ca.SX:
     """Turn of link 1's tip, times q1 (n1,)."""
     link = arm.links[0]

@@ -30,8 +30,9 @@ from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.rotating_sections import strains_of
 from pliant.plants.validity.slender import Pull, pulled, small_slopes
 
-from . import small_slope_equations
-from .exact_rotation_equations import of_two_links, written_out
+from . import exact_rotation_equations, small_slope_equations
+from .exact_rotation_equations import written_out
+from .small_slope_equations import in_absolute_angles, of_small_slopes
 from .two_link_declaration import TwoLinkDeclaration
 
 TURNED = 0.01  # [rad], of link 2 by link 1's tip: a hundredth of its length at its own tip
@@ -159,25 +160,18 @@ class TwoLinkArm(TwoLinkDeclaration):
         return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
 
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        if self._small_slopes:
-            return small_slope_equations.of_two_links(self, x, u, w, self._offset_load)
-        if self.reduction in ("full", "rigid") and written_out(self.links[0]):
-            return of_two_links(self, x, u, w, self._offset_load)
-        return super().equations(t, x, u, w)
-
-    @property
-    def _small_slopes(self) -> bool:
-        return self.reduction in ("full", "rigid") and small_slope_equations.of_small_slopes(self.links[0])
+        small, whole = of_small_slopes(self.links[0]), self.reduction in ("full", "rigid")
+        if not whole or not (small or written_out(self.links[0])):
+            return super().equations(t, x, u, w)
+        return (small_slope_equations if small else exact_rotation_equations).of_two_links(
+            self, x, u, w, self._offset_load
+        )
 
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
-        if not self._small_slopes:
+        if self.reduction not in ("full", "rigid") or not of_small_slopes(self.links[0]):
             return super().solved(t, x, u, w)
-        M, r = small_slope_equations.in_absolute_angles(self, x, u, w, self._offset_load)
-        y, pivots = self.acceleration(M, r, u)
-        n1, n2 = self.mode_counts
-        bent, turned, first = y[n2 + 1 : n2 + 1 + n1], y[n2], y[n2 + 1 + n1]
-        relative = turned - first - (self.links[0].slope(bent) if self.tip_slope else 0)
-        return ca.vertcat(first, relative, bent, y[:n2]), pivots
+        y, pivots = self.acceleration(*in_absolute_angles(self, x, u, w, self._offset_load), u)
+        return small_slope_equations.relative(self, y), pivots
 
     def _tip(self, q: ca.SX) -> ca.SX:
         _, _, q1, q2 = self._split(q)

@@ -96,8 +96,12 @@ class LagrangianPlant(MechanicalPlant):
         T, V, D = self.kinetic_energy(q, v), self.potential_energy(q), self.dissipation(q, v)
         momentum = ca.gradient(T, v)
         M = ca.jacobian(momentum, v)
-        Q = self.generalized_force(t, q, v, u, w)
-        r = Q + ca.gradient(T - V, q) - ca.jtimes(momentum, q, v) - ca.gradient(D, v)
+        r = (
+            self.generalized_force(t, q, v, u, w)
+            + ca.gradient(T - V, q)
+            - ca.jtimes(momentum, q, v)
+            - ca.gradient(D, v)
+        )
         return M, r, T, V
 
     def acceleration(self, M: ca.SX, r: ca.SX, u: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
@@ -120,17 +124,15 @@ class LagrangianPlant(MechanicalPlant):
         return ca.vertcat(x[len(self.coordinates) :], self.solved(t, x, u, w)[0])
 
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
-        """Accelerations (n,) of `equations`, and pivots of the mass matrix in the coordinates that it is solved in."""
-        M, r, _, _ = self.equations(t, x, u, w)
-        return self.acceleration(M, r, u)
+        """Accelerations (n,), and pivots of the mass matrix in the coordinates that it is solved in."""
+        return self.acceleration(*self.equations(t, x, u, w)[:2], u)
 
     @built_once
     def _motion(self) -> tuple[ca.SX, ca.SX]:
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
         t, x, u, w, _ = self.symbols
         a, pivots = self.symbolic.solved(t, x, u, w)
-        rate = ca.vertcat(self.symbols[1][len(self.coordinates) :], a)
-        return rate, ca.mmin(ca.vertcat(*pivots)) if pivots else ca.SX(1)
+        return ca.vertcat(x[len(self.coordinates) :], a), ca.mmin(ca.vertcat(*pivots)) if pivots else ca.SX(1)
 
     def _differentiated(self) -> Differentiated:
         """Driven accelerations are the inputs."""

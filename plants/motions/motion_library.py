@@ -28,10 +28,9 @@ from pliant.plants.native import (
     scalar_codegen,
     slp_codegen,
     slp_packing,
-    straight_line,
 )
 from pliant.plants.rounding.agreement import KernelMismatch, Trial
-from pliant.plants.toolchain import compiler_process, shared_library
+from pliant.plants.toolchain import compiler_process, shared_library, straight_line
 
 from . import motion_source
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from . import straight_line
-from .straight_line import Statement
+from pliant.plants.toolchain import straight_line
+from pliant.plants.toolchain.straight_line import Statement
 
 BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*"}
 COMPARE = {ca.OP_LT: "<", ca.OP_LE: "<=", ca.OP_EQ: "==", ca.OP_NE: "!="}

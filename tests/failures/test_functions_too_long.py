@@ -11,8 +11,9 @@ import pytest
 
 from pliant.plants import LargeDeflectionBeam
 from pliant.plants.integration.batch_stepper import rate_function
-from pliant.plants.native import kernel_loader, scalar_codegen, straight_line
+from pliant.plants.native import kernel_loader, scalar_codegen
 from pliant.plants.native.batch_kernels import map_kernel
+from pliant.plants.toolchain import straight_line
 
 LINE = 64  # bytes of a row of 8 lanes
 

@@ -5,8 +5,9 @@ import kernel_growth
 import numpy as np
 import pytest
 
-from pliant.plants.native import kernel_loader, straight_line
+from pliant.plants.native import kernel_loader
 from pliant.plants.native.batch_kernels import map_kernel
+from pliant.plants.toolchain import straight_line
 
 RNG = np.random.default_rng(11)
 X = RNG.uniform(-1.0, 1.0, (6, 64))
