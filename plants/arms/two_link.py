@@ -60,9 +60,7 @@ class TwoLinkArm(TwoLinkDeclaration):
         return self if self.kinematics == kinematics else dataclasses.replace(self, kinematics=kinematics)
 
     def ladder(self) -> tuple[Self, ...]:
-        """From the rigid arm through one and two modes to four polynomials a link, with and without shortening, and
-        with exact rotations.
-        """
+        """From the rigid arm through modes to four polynomials a link, with shortening and with exact rotations."""
         steps: list[Self] = [dataclasses.replace(self, reduction="rigid")]
         for kinematics, basis, n in (
             ("linear", "clamped-free", 1),

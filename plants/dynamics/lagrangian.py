@@ -96,13 +96,8 @@ class LagrangianPlant(MechanicalPlant):
         T, V, D = self.kinetic_energy(q, v), self.potential_energy(q), self.dissipation(q, v)
         momentum = ca.gradient(T, v)
         M = ca.jacobian(momentum, v)
-        r = (
-            self.generalized_force(t, q, v, u, w)
-            + ca.gradient(T - V, q)
-            - ca.jtimes(momentum, q, v)
-            - ca.gradient(D, v)
-        )
-        return M, r, T, V
+        r = self.generalized_force(t, q, v, u, w) + ca.gradient(T - V, q) - ca.gradient(D, v)
+        return M, r - ca.jtimes(momentum, q, v), T, V
 
     def acceleration(self, M: ca.SX, r: ca.SX, u: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         """Accelerations (n,), driven ones taken from u, and the pivots of the part of M that is solved."""
@@ -221,8 +216,8 @@ class LagrangianPlant(MechanicalPlant):
         rigid, locked = require_flag("rigid", rigid), require_names("natural_frequencies.locked", locked)
         held = [index(self.coordinates, name, "coordinate") for name in locked] + list(self.driven)
         free = [i for i in range(len(self.coordinates)) if i not in held]
-        values, M = self._arguments(x, p=p)[0], self.mass_matrix(x, p=p)[np.ix_(free, free)]
-        K = self._stiffness(*values)[0][np.ix_(free, free)]
+        M, K = self.mass_matrix(x, p=p), self._stiffness(*self._arguments(x, p=p)[0])[0]
+        M, K = M[np.ix_(free, free)], K[np.ix_(free, free)]
         if not (np.isfinite(K).all() and np.isfinite(M).all()):
             raise ValueError(f"natural_frequencies.x0 = {shown(x0)}: the equations linearised there are not finite")
         squares = natural_squares(K, M)

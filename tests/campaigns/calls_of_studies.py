@@ -130,7 +130,7 @@ def long_calls() -> list[Call]:
 def _chart():
     from pliant.studies.fidelity.speed_accuracy import Chart, Reference
 
-    return Chart("short", ("tip_x",), 0.5, 1.0, (), Reference("rigid", 1e-10, "rigid", 0.0), {}, 1.0)
+    return Chart("short", ("tip_x",), 0.5, 1.0, (), Reference("rigid", "rigid, simulated", 0.0), {}, 1.0)
 
 
 def map_calls() -> list[Call]:
