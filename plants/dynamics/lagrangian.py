@@ -96,12 +96,8 @@ class LagrangianPlant(MechanicalPlant):
         T, V, D = self.kinetic_energy(q, v), self.potential_energy(q), self.dissipation(q, v)
         momentum = ca.gradient(T, v)
         M = ca.jacobian(momentum, v)
-        r = (
-            self.generalized_force(t, q, v, u, w)
-            + ca.gradient(T - V, q)
-            - ca.jtimes(momentum, q, v)
-            - ca.gradient(D, v)
-        )
+        Q = self.generalized_force(t, q, v, u, w)
+        r = Q + ca.gradient(T - V, q) - ca.jtimes(momentum, q, v) - ca.gradient(D, v)
         return M, r, T, V
 
     def acceleration(self, M: ca.SX, r: ca.SX, u: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
@@ -174,13 +170,12 @@ class LagrangianPlant(MechanicalPlant):
         t, x, u, w, _ = self.symbols
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
-        lost = ca.jtimes(self.symbolic.dissipation(q, v), v, v)
         put_in = ca.dot(self.symbolic.generalized_force(t, q, v, u, w), v)
         if self.driven:
             M, r, _, _ = self._terms
             reaction = M @ self._motion[0][n:] - r
             put_in += sum(reaction[i] * v[i] for i in self.driven)
-        return put_in, lost
+        return put_in, ca.jtimes(self.symbolic.dissipation(q, v), v, v)
 
     @built_once
     def _energies(self) -> NumericFunction:
