@@ -41,10 +41,14 @@ class Place:
         fx, fy = force
         return ca.vertcat(self.x * fy - self.y * fx, self.along * fx + self.across * fy)
 
-    @property
-    def parts(self) -> tuple[ca.SX, ...]:
-        """All of it, to be added up."""
-        return self.x, self.y, self.along, self.across, *self.bias
+    def __add__(self, other: Place) -> Place:
+        bias = self.bias[0] + other.bias[0], self.bias[1] + other.bias[1]
+        return Place(self.x + other.x, self.y + other.y, self.along + other.along, self.across + other.across, bias)
+
+    def __rmul__(self, by: Value) -> Place:
+        return Place(
+            by * self.x, by * self.y, by * self.along, by * self.across, (by * self.bias[0], by * self.bias[1])
+        )
 
     @property
     def jacobian(self) -> ca.SX:
@@ -96,7 +100,7 @@ class SmallSlopeLink:
             force=self.force + pulled,
         )
 
-    def _place(self, start: Value, across: ca.SX, shortened: ca.SX, by: Value) -> Place:
+    def _place(self, start: Value, across: ca.SX, shortened: ca.SX | ca.DM, by: Value) -> Place:
         """At x = start - by q . S q/2, y = across . q."""
         along = -by * (shortened @ self.q)
         x, y = start + ca.dot(along, self.q) / 2, ca.dot(across, self.q)
@@ -145,8 +149,7 @@ class SmallSlopeLink:
             bias = at.bias[0] - rate**2 * x, at.bias[1] - rate**2 * y
             at = Place(at.x + x, at.y + y, at.along - y * row, at.across + x * row, bias)
             own, m = self.mass_moment(), payload.mass
-            both = [one + m * other for one, other in zip(own.parts, at.parts)]
-            moment = Place(*both[:4], (both[4], both[5]))
+            moment = own + m * at
         else:
             moment = self.mass_moment(payload.mass)
         J, loaded = payload.inertia_z, self.carrying(payload.mass, at)

@@ -161,9 +161,8 @@ class TwoLinkArm(TwoLinkDeclaration):
         small, whole = of_small_slopes(self.links[0]), self.reduction in ("full", "rigid")
         if not whole or not (small or written_out(self.links[0])):
             return super().equations(t, x, u, w)
-        return (small_slope_equations if small else exact_rotation_equations).of_two_links(
-            self, x, u, w, self._offset_load
-        )
+        by = small_slope_equations if small else exact_rotation_equations
+        return by.of_two_links(self, x, u, w, self._offset_load)
 
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         if self.reduction not in ("full", "rigid") or not of_small_slopes(self.links[0]):

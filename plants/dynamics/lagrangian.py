@@ -169,13 +169,12 @@ class LagrangianPlant(MechanicalPlant):
         t, x, u, w, _ = self.symbols
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
-        lost = ca.jtimes(self.symbolic.dissipation(q, v), v, v)
         put_in = ca.dot(self.symbolic.generalized_force(t, q, v, u, w), v)
         if self.driven:
             M, r, _, _ = self._terms
             reaction = M @ self._motion[0][n:] - r
             put_in += sum(reaction[i] * v[i] for i in self.driven)
-        return put_in, lost
+        return put_in, ca.jtimes(self.symbolic.dissipation(q, v), v, v)
 
     @built_once
     def _energies(self) -> NumericFunction:

@@ -258,7 +258,8 @@ class Runner:
                     return f"not run: dominated by {row.variant}, {row.setting}"
         if expected > SLOW:
             return f"too slow: about {expected:.2g} s a run, limit {SLOW:g} s"
-        if clock.perf_counter() + expected > self.deadline:
+        begun = any(row.variant == plant.label for row in self.done)  # a variant has one row at least
+        if begun and clock.perf_counter() + expected > self.deadline:
             return SPENT
         return ""
 

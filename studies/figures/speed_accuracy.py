@@ -47,15 +47,20 @@ def speed_accuracy(chart: Chart) -> Figure:
     ax.set_xscale("log")
     ax.set_yscale("log")
     beyond = f", from {highest:g} {chart.unit} at the edge" if any(error == highest for error, _, _ in rows) else ""
-    ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]{beyond}")
+    against = f"from physics, {chart.reference.variant}"
+    ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]{beyond}\n{against}")
     ax.set_ylabel("wall time per simulated second [ms]")
-    ax.set_title(f"{chart.scene}: speed against accuracy, from {chart.reference.variant}")
+    ax.set_title(f"Speed against accuracy: {chart.scene}")
+    drawn = {row.variant for row in chart.measured} | {row.method for row in chart.measured}
     by_variant = [
-        Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", ls="none", label=v) for i, v in enumerate(variants)
+        Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", ls="none", label=v)
+        for i, v in enumerate(variants)
+        if v in drawn
     ]
     by_method = [
         Line2D([], [], color=QUIET, mfc="none", marker=MARKERS[i % len(MARKERS)], ls="none", label=m)
         for i, m in enumerate(methods)
+        if m in drawn
     ]
     by_method.append(Line2D([], [], color=INK, lw=1.2, label="Pareto front (filled)"))
     if lowest < chart.reference.uncertainty < highest:
@@ -90,7 +95,7 @@ def ladder(choice: Choice) -> Figure:
     ax.set_xscale("log")
     ax.set_xlim(left=lowest)
     ax.set_yticks(at, [r.variant for r in rungs])
-    ax.invert_yaxis()
+    ax.set_ylim(len(rungs) - 0.4, -0.6)
     ax.grid(axis="y", visible=False)
     beyond = f", from {highest:g} {choice.unit} at the edge" if any((r.error or 0.0) > highest for r in rungs) else ""
     ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [{choice.unit}]{beyond}")
