@@ -18,7 +18,7 @@ from .random_scenes import Drawn, random_scene
 
 PLAYED = 1e-9  # rtol of a rung's motion, where its true error is told
 TIMED = 1e-6  # rtol at which runs are timed
-LONG, MOST = 0.1, 20  # [s] and runs
+LONG, MOST = 0.1, 3  # [s] and runs
 SHAPES = 8  # more than physics has by itself: where the physics that `choose` ended with is looked for
 Row = dict[str, Any]
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-EDGES = np.geomspace(1 / 4, 4.0, 41)
+EDGES = np.geomspace(1 / 4, 4.0, 40)  # 1 is in the middle of a bin
 LOW, HIGH = 1e-4, 10.0  # of the tolerance
 
 
@@ -62,12 +62,15 @@ def _bounds(ax: Axes, found: Effectivity, kinds: list[str]) -> None:
         at = np.clip([row["true"] / row["tolerance"], row["bound"] / row["tolerance"]], LOW, HIGH)
         own: Any = {"color": _colour(k), "ls": "none", "ms": 5, **style}
         ax.plot(*at, MARKERS[k % len(MARKERS)], **own)
+    ax.plot([], [], "o", color=INK, ls="none", ms=5, label="met")
+    ax.plot([], [], "o", color=INK, mfc="none", ls="none", ms=5, label="refused")
     ax.axline((1.0, 1.0), slope=1.0, color=QUIET, lw=1.0, ls="--", zorder=1)
     ax.axvline(1.0, color=COLOURS[7], lw=1.2, ls="--", zorder=1)
     ax.axhline(1.0, color=COLOURS[7], lw=1.2, ls="--", zorder=1)
     ax.set(xscale="log", yscale="log", xlim=(LOW / 1.5, HIGH * 1.5), ylim=(LOW / 1.5, HIGH * 1.5))
     ax.set_xlabel("true error of the chosen over the tolerance")
     ax.set_ylabel("its bound over the tolerance")
+    ax.legend(loc="upper left")
     wrong = len(found.tally.wrong)
     ax.set_title(f'The chosen: {sum(r["met"] for r in found.tally.known)} "met", {wrong} of them wrong')
 
