@@ -274,3 +274,21 @@ def test_simulate_is_judged_by_its_worst_scene(bench):
     found = [c for c in asked.checks(given, None) if c.number == 13]
     assert [c.measured for c in found] == [pytest.approx(1.4), pytest.approx(1.5)]
     assert [c.holds for c in found] == [False, True]
+
+
+def test_growth_is_told_by_states_and_share_of_the_peak(bench):
+    """Made-up samples: a step of 74 operations four times, at 1e6 steps/s, is 2.96 % of 1e10 multiply-adds a second."""
+    growth, sampling, table = bench("cases.kernel_growth"), bench("harness.sampling"), bench("harness.table")
+
+    def row(name, sample):
+        return sampling.Row(growth.GROUP, name, sampling.RATE, 1, growth.LANES, False, samples=[sample])
+
+    found = [row("one link, stiffened, 1", 1e6), row("one link, stiffened, 2", 1e6 / 1.5**3)]
+    peak = sampling.Row("machine", "peak", "FMA/s", 1, 1, True, samples=[1e10])
+    operations = growth.operations("one link, stiffened, 1")
+    assert growth.share(found[0], peak) == pytest.approx(4 * operations * 1e6 / 1e10)
+    assert growth.growth(found) == {"one link, stiffened": pytest.approx(3.0)}  # 4 and 6 states
+    lines = growth.lines(found, peak)
+    assert lines[2].startswith(f"| one link, stiffened, 1 | 4 | {operations} | 1,000,000 |")
+    assert "".join(lines) in "".join(table.markdown(found, [], {}, [], {growth.GROUP: lines}).splitlines())
+    assert len(growth.chart(found).axes) == 2

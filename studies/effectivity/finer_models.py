@@ -56,7 +56,8 @@ def finer_models(drawn: Drawn) -> tuple[Plant, ...]:
     >>> [plant.label for plant in finer_models(random_scene(0))]
     """
     plant: Any = drawn.scene.plant
-    sizes = SIZES[type(plant)]
+    kind: Any = type(plant)
+    sizes = SIZES[kind]
     if isinstance(plant, FlexibleSpacecraft):
         assert drawn.line is not None
         return tuple(_craft(plant, ModalData.panel(drawn.line, WIDTH, (n, 0))) for n in sizes)

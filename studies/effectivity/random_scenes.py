@@ -65,8 +65,9 @@ def _single_link_slew(rng: Draw) -> Scene:
         push = 5.77 * angle / time**2 * L + gravity
         if push * (load.mass / 3 + link.mass / 8) * L**3 / EI <= MOST_BENT * L:
             break
+    plant: Any = own.plant
     plant = dataclasses.replace(
-        own.plant,
+        plant,
         link=link,
         payload=load,
         gravity=gravity,
@@ -92,7 +93,8 @@ def _spin_up(rng: Draw) -> Scene:
             break
     own = registry.get("spin-up", speed=speed, time=time)
     basis = "payload" if load.mass else "clamped-free"
-    plant = dataclasses.replace(own.plant, link=beam, payload=load, modes=int(rng.integers(1, 4)), basis=basis)
+    plant: Any = own.plant
+    plant = dataclasses.replace(plant, link=beam, payload=load, modes=int(rng.integers(1, 4)), basis=basis)
     return _of(rng, own, plant, L, time, time + 2 * np.pi / slowest)
 
 
@@ -110,8 +112,9 @@ def _two_link_reach(rng: Draw) -> Scene:
         bent = [push * (m / 3 + b.mass / 8) * b.length**2 / (b.E * b.I_z) for m, b in zip(masses, links)]
         if max(bent) <= MOST_BENT:
             break
+    plant: Any = own.plant
     plant = dataclasses.replace(
-        own.plant,
+        plant,
         link1=links[0],
         link2=links[1],
         payload=load,
@@ -136,8 +139,9 @@ def _cantilever_drop(rng: Draw) -> Scene:
     beam = Beam(length=L, area=area, I_y=I, I_z=I, J=2 * I, density=line / area, E=EI / I, G=EI / I / 2.6)
     slowest = 3.516 * np.sqrt(EI / (line * L**4))
     beam = dataclasses.replace(beam, damping=_powers(rng, -3.0, -1.3) * 2 / slowest)  # ratio: its half times slowest
+    plant: Any = own.plant
     plant = dataclasses.replace(
-        own.plant,
+        plant,
         beam=beam,
         gravity=(0.0, -g, 0.0),
         payload=Payload(mass=line * L * rng.uniform(0.05, 0.5)) if rng.uniform() < 0.4 else Payload(),
@@ -165,7 +169,8 @@ def _spacecraft_slew(rng: Draw) -> tuple[Scene, Beam]:
         for mount in UPRIGHT
     )
     kinematics = rng.choice(["linear", "stiffened"]).item()
-    plant = dataclasses.replace(own.plant, appendages=bodies, kinematics=kinematics)
+    plant: Any = own.plant
+    plant = dataclasses.replace(plant, appendages=bodies, kinematics=kinematics)
     return _of(rng, own, plant, 1.0, time, 1.3 * time, start=turned(-angle, "z")), line
 
 

@@ -13,7 +13,7 @@ VALUE = re.compile(r"\bv\d+\b")
 TERM = re.compile(r" [-+] (\(?\(?T?\)?[\w.\[\]()]+(?: \* [\w.\[\]()]+)*)(?=[; ])")
 SIGN = re.compile(r"(?<= )[-+](?= )|\+=(?= )")
 DIFFERENCE = re.compile(r"= ([\w.\[\]()]+) - ([\w.\[\]()]+);")
-INDEX = re.compile(r"\b([iogkj]\w*)\[(\d+)\](?=\[)")
+INDEX = re.compile(r"\b([iogkj]\w*|before|after)\[(\d+)(?=\]\[| \* PER\])")
 LANE = re.compile(r"\[l\]")
 LOOP = re.compile(r"(?<= < )\d+(?=;)|(?<=, )\d+(?=\);)")
 ADDRESS = re.compile(
@@ -44,20 +44,21 @@ def _swap(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
 
 def _index(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
     """The element beside it, of those that the source names."""
-    known = {int(k) for k in re.findall(rf"\b{m[1]}\[(\d+)\]\[", source)}
+    known = {int(k) for k in re.findall(rf"\b{m[1]}\[(\d+)(?:\]\[| \* PER\])", source)}
     beside = [k for k in (int(m[2]) - 1, int(m[2]) + 1) if k in known]
-    return _put(line, m, f"{m[1]}[{beside[rng.integers(len(beside))]}]") if beside else line
+    return _put(line, m, f"{m[1]}[{beside[rng.integers(len(beside))]}") if beside else line
 
 
 def _lane(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
-    return _put(
-        line, m, str(rng.choice(["[0]", "[(l + 1) % W]", "[l ^ 1]"])) if "#define W 1\n" not in source else "[0]"
-    )
+    count = "VL" if "VL" in line else "W"  # of a vector alone, or of a block
+    new = str(rng.choice(["[0]", f"[(l + 1) % {count}]", "[l ^ 1]"]))
+    return _put(line, m, new if "#define W 1\n" not in source else "[0]")
 
 
 def _stale(line: str, m: re.Match[str], rng: Rng, source: str) -> str:
-    """An operand that an earlier line computed, in place of the right one."""
-    before = [v for v in re.findall(r"const T (v\d+) =", source[: source.index(line)]) if v != m[0]]
+    """An operand that an earlier line of the same function computed, in place of the right one."""
+    own = source[: source.index(line)].rsplit("\n}", 1)[-1]
+    before = [v for v in re.findall(r"const [TV] (v\d+) =", own) if v != m[0]]
     if not before or "=" not in line[: m.start()]:
         return line
     return _put(line, m, before[-1 - int(rng.integers(min(5, len(before))))])

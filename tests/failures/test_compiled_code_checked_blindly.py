@@ -28,7 +28,7 @@ def code():
     """Libraries of the rigid arm's RK4 step: sound, and with its inertia, which it divides by, off by a percent."""
     kernel = step_kernel(ARM, "rk4", SINGLE)
     source = kernel.source()
-    (inertia,) = re.findall(r"\(T\)1 / \(T\)([\d.]+);", source)
+    (inertia,) = re.findall(r"\(T\)1 / ALL\(\(T\)([\d.]+)\);", source)
     wrong = source.replace(inertia, repr(float(inertia) * 1.01))
     with tempfile.TemporaryDirectory() as folder:
         paths = []

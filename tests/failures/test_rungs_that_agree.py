@@ -1,7 +1,7 @@
 """Models that agree with each other because all of them lack the same physics.
 
-A beam of 8 m is spun up to 2 rad/s within 1.5 s and lags by 3.4 m. Stiffened models, which keep the bend's shortening to
-second order, with three to five modes agree to millimetres. Source of the true motion: `LargeDeflectionBeam`, other code,
+A beam of 8 m is spun up to 2 rad/s within 1.5 s and lags by 3.4 m. Stiffened models, which keep the bend's shortening
+to second order, with three to five modes agree to millimetres. Source of the true motion: `LargeDeflectionBeam`, other code,
 whose rotations are exact, with shown convergence.
 """
 
@@ -36,9 +36,7 @@ def true(motions):
 
 
 def test_the_naive_comparison_of_neighbours_is_wrong_by_hundreds_of_its_bounds(motions, true):
-    stiffened = [
-        motions.outputs(dataclasses.replace(SPIN.plant, basis="payload", modes=n), 1e-8)[:, 0] for n in (4, 5)
-    ]
+    stiffened = [motions.outputs(dataclasses.replace(SPIN.plant, basis="payload", modes=n), 1e-8)[:, 0] for n in (4, 5)]
     exact, error = true
     assert error < 1e-3 and np.abs(exact).max() > 3.0
     assert np.abs(stiffened[1] - stiffened[0]).max() < 0.1 * TOLERANCE
