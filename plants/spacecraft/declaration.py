@@ -236,7 +236,7 @@ def _richer(appendage: Appendage, more: int) -> Appendage:
         data = appendage.body if more > 1 else appendage.body.slowest(_before_the_last(appendage.body))
         return dataclasses.replace(appendage, modes=None, body=data)
     own = 1 if appendage.modes is None else appendage.modes
-    modes = own + more if isinstance(own, int) else tuple(n + more for n in own)
+    modes: Any = own + more if isinstance(own, int) else tuple(n + more for n in own)
     return dataclasses.replace(appendage, modes=modes)
 
 

@@ -37,7 +37,7 @@ def _histogram(ax: Axes, found: Effectivity, kinds: list[str]) -> None:
     inside = np.sqrt(EDGES[:2].prod()), np.sqrt(EDGES[-2:].prod())
     values = [np.clip([one for kind, one in tally.ratios if kind == own], *inside) for own in kinds]
     if kinds:
-        ax.hist(values, bins=EDGES, stacked=True, color=[_colour(k) for k in range(len(kinds))], label=kinds)
+        ax.hist(values, bins=EDGES.tolist(), stacked=True, color=[_colour(k) for k in range(len(kinds))], label=kinds)
     ax.set_xscale("log")
     ticks = (0.25, 0.5, 0.8, 1.0, 1.25, 2.0, 4.0)
     ax.set_xticks(ticks, [f"{t:g}" for t in ticks])
