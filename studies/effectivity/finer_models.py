@@ -25,7 +25,12 @@ from .random_scenes import Drawn
 Array = np.ndarray
 
 
-SIZES = {SingleLinkArm: (5, 6), TwoLinkArm: (4, 5), LargeDeflectionBeam: (9, 10), FlexibleSpacecraft: (5, 6)}
+SIZES: dict[Any, tuple[int, int]] = {
+    SingleLinkArm: (5, 6),
+    TwoLinkArm: (4, 5),
+    LargeDeflectionBeam: (9, 10),
+    FlexibleSpacecraft: (5, 6),
+}
 
 
 @dataclass(frozen=True, eq=False)

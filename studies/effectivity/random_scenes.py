@@ -20,7 +20,7 @@ import numpy as np
 from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.scenes.spacecraft_parts import DAMPING, LINE, ROOT, UPRIGHT, WIDTH, turned
-from pliant.plants import Beam, Material, Payload
+from pliant.plants import Beam, Material, Payload, Plant
 from pliant.plants.core.argument_gates import require_count
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.spacecraft_parts.appendage import Appendage
@@ -65,9 +65,8 @@ def _single_link_slew(rng: Draw) -> Scene:
         push = 5.77 * angle / time**2 * L + gravity
         if push * (load.mass / 3 + link.mass / 8) * L**3 / EI <= MOST_BENT * L:
             break
-    plant: Any = own.plant
-    plant = dataclasses.replace(
-        plant,
+    plant = _with(
+        own,
         link=link,
         payload=load,
         gravity=gravity,
@@ -93,8 +92,7 @@ def _spin_up(rng: Draw) -> Scene:
             break
     own = registry.get("spin-up", speed=speed, time=time)
     basis = "payload" if load.mass else "clamped-free"
-    plant: Any = own.plant
-    plant = dataclasses.replace(plant, link=beam, payload=load, modes=int(rng.integers(1, 4)), basis=basis)
+    plant = _with(own, link=beam, payload=load, modes=int(rng.integers(1, 4)), basis=basis)
     return _of(rng, own, plant, L, time, time + 2 * np.pi / slowest)
 
 
@@ -112,9 +110,8 @@ def _two_link_reach(rng: Draw) -> Scene:
         bent = [push * (m / 3 + b.mass / 8) * b.length**2 / (b.E * b.I_z) for m, b in zip(masses, links)]
         if max(bent) <= MOST_BENT:
             break
-    plant: Any = own.plant
-    plant = dataclasses.replace(
-        plant,
+    plant = _with(
+        own,
         link1=links[0],
         link2=links[1],
         payload=load,
@@ -139,9 +136,8 @@ def _cantilever_drop(rng: Draw) -> Scene:
     beam = Beam(length=L, area=area, I_y=I, I_z=I, J=2 * I, density=line / area, E=EI / I, G=EI / I / 2.6)
     slowest = 3.516 * np.sqrt(EI / (line * L**4))
     beam = dataclasses.replace(beam, damping=_powers(rng, -3.0, -1.3) * 2 / slowest)  # ratio: its half times slowest
-    plant: Any = own.plant
-    plant = dataclasses.replace(
-        plant,
+    plant = _with(
+        own,
         beam=beam,
         gravity=(0.0, -g, 0.0),
         payload=Payload(mass=line * L * rng.uniform(0.05, 0.5)) if rng.uniform() < 0.4 else Payload(),
@@ -169,8 +165,7 @@ def _spacecraft_slew(rng: Draw) -> tuple[Scene, Beam]:
         for mount in UPRIGHT
     )
     kinematics = rng.choice(["linear", "stiffened"]).item()
-    plant: Any = own.plant
-    plant = dataclasses.replace(plant, appendages=bodies, kinematics=kinematics)
+    plant = _with(own, appendages=bodies, kinematics=kinematics)
     return _of(rng, own, plant, 1.0, time, 1.3 * time, start=turned(-angle, "z")), line
 
 
@@ -181,6 +176,13 @@ KINDS: tuple[tuple[str, Callable[[Draw], Any]], ...] = (
     ("cantilever drop", _cantilever_drop),
     ("spacecraft slew", _spacecraft_slew),
 )
+
+
+def _with(own: Scene, **changes: Any) -> Plant:
+    """The scene's plant with other parts."""
+    plant: Any = own.plant
+    found: Plant = dataclasses.replace(plant, **changes)
+    return found
 
 
 def _easier() -> Iterator[float]:
@@ -208,7 +210,7 @@ def _payload(rng: Draw, L: float, mass: float) -> Payload:
     return Payload(mass=mass, inertia=mass * (L * rng.uniform(0.01, 0.06)) ** 2, offset=offset)
 
 
-def _of(rng: Draw, own: Scene, plant: Any, size: float, move: float, duration: float, **goal: Any) -> Scene:
+def _of(rng: Draw, own: Scene, plant: Plant, size: float, move: float, duration: float, **goal: Any) -> Scene:
     """The scene with this plant, cut into control periods, its tolerance drawn."""
     dt = duration / PERIODS
     tolerance = float(10 ** rng.uniform(*TOLERANCES) * size)

@@ -1,8 +1,8 @@
 """Models that agree with each other because all of them lack the same physics.
 
 A beam of 8 m is spun up to 2 rad/s within 1.5 s and lags by 3.4 m. Stiffened models, which keep the bend's shortening
-to second order, with three to five modes agree to millimetres. Source of the true motion: `LargeDeflectionBeam`, other code,
-whose rotations are exact, with shown convergence.
+to second order, with three to five modes agree to millimetres. Source of the true motion: `LargeDeflectionBeam`, other
+code, whose rotations are exact, with shown convergence.
 """
 
 import dataclasses
