@@ -16,21 +16,21 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.spacecraft_parts import WIDTH
-from pliant.plants import FlexibleSpacecraft, LargeDeflectionBeam, Plant, SingleLinkArm, TwoLinkArm
+from pliant.plants import Plant
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.studies.common.reference_motions import TIGHT, Motions
 
 from .random_scenes import Drawn
 
 Array = np.ndarray
-
-
-SIZES: dict[Any, tuple[int, int]] = {
-    SingleLinkArm: (5, 6),
-    TwoLinkArm: (4, 5),
-    LargeDeflectionBeam: (9, 10),
-    FlexibleSpacecraft: (5, 6),
+SIZES = {  # of the two, by the kind of the scene
+    "single-link slew": (5, 6),
+    "spin-up": (5, 6),
+    "two-link reach": (4, 5),
+    "cantilever drop": (9, 10),
+    "spacecraft slew": (5, 6),
 }
+EXACT = {"kinematics": "strain", "basis": "polynomial"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,23 +60,21 @@ def finer_models(drawn: Drawn) -> tuple[Plant, ...]:
     -------
     >>> [plant.label for plant in finer_models(random_scene(0))]
     """
+    return tuple(_finer(drawn, n) for n in SIZES[drawn.kind])
+
+
+def _finer(drawn: Drawn, n: int) -> Plant:
     plant: Any = drawn.scene.plant
-    kind: Any = type(plant)
-    sizes = SIZES[kind]
-    if isinstance(plant, FlexibleSpacecraft):
+    if drawn.kind == "spacecraft slew":
         assert drawn.line is not None
-        return tuple(_craft(plant, ModalData.panel(drawn.line, WIDTH, (n, 0))) for n in sizes)
-    exact: dict[str, Any] = {"kinematics": "strain"}
-    if isinstance(plant, LargeDeflectionBeam):
-        exact |= {"segments": 1, "points": None, "basis": "polynomial"}
-        return tuple(dataclasses.replace(plant, modes=n, **exact) for n in sizes)
-    exact |= {"theory": "timoshenko", "basis": "polynomial"}
-    if isinstance(plant, TwoLinkArm):
-        exact |= {"reduction": "full", "tip_slope": True}
-        return tuple(dataclasses.replace(plant, modes=(n, n), **exact) for n in sizes)
-    return tuple(dataclasses.replace(plant, modes=n, frame="clamped", **exact) for n in sizes)
-
-
-def _craft(plant: FlexibleSpacecraft, panel: ModalData) -> FlexibleSpacecraft:
-    bodies = tuple(dataclasses.replace(a, body=panel, modes=None) for a in plant.appendages)
-    return dataclasses.replace(plant, kinematics="stiffened", appendages=bodies)
+        panel = ModalData.panel(drawn.line, WIDTH, (n, 0))
+        bodies = tuple(dataclasses.replace(a, body=panel, modes=None) for a in plant.appendages)
+        changes: dict[str, Any] = {"kinematics": "stiffened", "appendages": bodies}
+    elif drawn.kind == "cantilever drop":
+        changes = {**EXACT, "modes": n, "segments": 1, "points": None}
+    elif drawn.kind == "two-link reach":
+        changes = {**EXACT, "modes": (n, n), "theory": "timoshenko", "reduction": "full", "tip_slope": True}
+    else:
+        changes = {**EXACT, "modes": n, "theory": "timoshenko", "frame": "clamped"}
+    found: Plant = dataclasses.replace(plant, **changes)
+    return found

@@ -14,7 +14,7 @@ from pliant.studies.fidelity.quasi_linear import CorrectedMotion, NotSettled
 SLEW = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+@pytest.mark.parametrize("tolerance", [1e-3, pytest.param(1e-5, marks=pytest.mark.campaign)])
 def test_it_is_as_near_to_the_simulated_motion_as_it_says(tolerance):
     """With natural modes in place of polynomials, one more of them, by another integrator."""
     found = physics_motion(Motions(SLEW), tolerance)
@@ -49,6 +49,7 @@ def test_where_the_correction_does_not_settle_physics_is_simulated_and_it_says_s
     assert physics_motion(motions, 5e-3) is found  # kept
 
 
+@pytest.mark.campaign
 def test_a_finer_tolerance_is_asked_for_anew():
     motions = Motions(SLEW)
     assert physics_motion(motions, 1e-6).uncertainty < physics_motion(motions, 1e-2).uncertainty
