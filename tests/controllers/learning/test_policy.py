@@ -137,6 +137,7 @@ def test_shipped_policies_are_small_and_for_both_scenes():
         assert path.stat().st_size < 200_000, path.name
 
 
+@pytest.mark.campaign
 def test_runs_without_torch(tmp_path):
     code = (
         "import sys; sys.modules['torch'] = sys.modules['stable_baselines3'] = None\n"

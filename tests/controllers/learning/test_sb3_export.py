@@ -9,6 +9,7 @@ from pliant.envs import scenes
 SCENE = scenes.get("single-link-slew")
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("algorithm", ["ppo", "sac"])
 def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
     """A zip with normalised observations and as a Policy: 1e-6 of the limits."""

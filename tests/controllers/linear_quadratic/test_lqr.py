@@ -55,6 +55,7 @@ def test_gain_of_the_double_integrator():
     np.testing.assert_allclose(controller.K, [[1, np.sqrt(3)]], rtol=1e-12)
 
 
+@pytest.mark.campaign
 def test_continuous_cost_to_go_is_the_integrated_cost():
     model = arm()
     Q, R = {"theta": 50.0, "tip": 10.0, "acc": 0.3}, {"torque": 0.4}

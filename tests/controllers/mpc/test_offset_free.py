@@ -127,6 +127,7 @@ def test_output_disturbances_on_a_plant_whose_modes_decay():
         MPC.design(LINK, Q, R, dt=DT, track=("tip",), disturbance="outputs", reads=("tip", "bend"))
 
 
+@pytest.mark.campaign
 def test_payload_error_on_the_nonlinear_arm_leaves_no_steady_error():
     """The design model carries 0.5 kg, the plant 0.6 kg: gravity has changed, and the links bend differently.
 

@@ -197,6 +197,7 @@ def test_period_derivatives_against_central_differences():
         np.testing.assert_allclose(row, H[:, k], atol=1e-6 * np.abs(H).max())
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("solver", ["ipopt", "fatrop"])
 def test_what_cannot_be_done_says_what_is_violated(solver):
     objective = dataclasses.replace(Objective.of(SLEW), bounds={"hub_angle": (-1.0, 0.5)})

@@ -38,6 +38,7 @@ def test_outline_ends_at_the_tip(env_id: str) -> None:
         np.testing.assert_allclose(links[-1, -1], end, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("name", ["single-link-slew", "spacecraft-slew"])
 def test_a_picture_goes_on_where_its_copy_arrives(name: str) -> None:
     """Also the tip's path; a figure that was pickled has no canvas to be drawn on."""

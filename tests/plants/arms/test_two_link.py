@@ -171,6 +171,7 @@ def test_stiffened_arm_hangs_taut_and_linear_one_does_not():
     assert taut.natural_frequencies(x0, locked=LOCKED)[0] > 1.02 * loose
 
 
+@pytest.mark.campaign
 def test_ladder_starts_rigid_and_every_step_has_its_own_label():
     ladder = ARM.ladder()
     labels = [step.label for step in ladder]

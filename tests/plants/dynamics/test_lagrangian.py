@@ -163,6 +163,7 @@ def complex_step(function, point, h=1e-30):
     return np.split(result.imag / h, np.cumsum([len(p) for p in point])[:-1], axis=1)
 
 
+@pytest.mark.every(2)
 def test_jacobians_agree_with_the_complex_step(plant, random_state):
     t, x, u, w, p = plant.symbols
     functions = [ca.Function("f", [t, x, u, w, p], [ca.densify(e)]) for e in plant.expressions]

@@ -134,6 +134,7 @@ def test_static_tip_load_against_elliptic_integrals(load):
     )  # by moments; curvatures converge last
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("modes", [2, 3])
 def test_spin_up_is_that_of_the_large_deflection_beam(modes):
     """The beam of scene spin-up, turned so fast that its tip lags by a fifth of its length."""

@@ -85,6 +85,7 @@ def test_stages_and_steps_are_at_their_own_times():
             np.testing.assert_allclose(have[k], np.array(want).reshape(have[k].shape), rtol=1e-10, atol=1e-12)
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("name", ["two", "one driven"])
 def test_equal_differences_of_the_stepper(name, random_state):
     plant = PLANTS[name]

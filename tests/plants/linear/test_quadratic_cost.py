@@ -99,6 +99,7 @@ def weighed(scene):
             yield dataclasses.replace(scene, weights=(*scene.weights, (signal.name, 1e-2)))
 
 
+@pytest.mark.every(3)
 @pytest.mark.parametrize("name", scenes.names())
 def test_scene_is_charged_so_to_second_order(name):
     for scene in weighed(scenes.get(name)):

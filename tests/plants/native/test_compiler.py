@@ -204,6 +204,7 @@ def test_a_toolchain_file_that_is_not_ours_is_written_anew(toolchain, monkeypatc
         assert json.loads(kernel_cache.read_text(path.name)) == json.loads(text)
 
 
+@pytest.mark.campaign
 def test_flags_that_no_longer_serve_are_found_anew(toolchain, monkeypatch):
     """A compiler that lost a feature under the same file: its stored flags fail, and it is asked for others."""
     plain = toolchain("")
@@ -223,6 +224,7 @@ def test_nonsense_in_the_environment_is_an_error_that_names_it(toolchain, monkey
         toolchain(value if name == "PLIANT_CFLAGS" else "")
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("left", [None, b"", b"Segmentation fault", "half"])
 def test_what_a_compiler_leaves_is_looked_at(toolchain, monkeypatch, left):
     """It ends with status 0 and wrote nothing, something else or half a library, which would end the process."""

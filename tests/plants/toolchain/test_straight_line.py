@@ -23,6 +23,7 @@ def _tangled(count: int) -> ca.Function:
     return ca.Function("tangled", [x], [ca.vertcat(*values[::10], 2.5), x[1] + values[-1]])
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("lanes", [None, 1])
 @pytest.mark.parametrize("most", [1, 13, 10_000])
 def test_parts_compute_what_the_whole_does(most: int, lanes: int | None, monkeypatch: pytest.MonkeyPatch) -> None:

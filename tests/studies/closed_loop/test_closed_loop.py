@@ -31,6 +31,7 @@ def test_radius_is_that_of_the_design(case):
     assert loops[0].radius == pytest.approx(np.abs(law.poles).max(), rel=1e-9)
 
 
+@pytest.mark.every(2)
 def test_inputs_stay_within_the_limits(case):
     scene, _, loops = case
     for loop in loops:

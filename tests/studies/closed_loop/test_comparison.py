@@ -41,6 +41,7 @@ def test_costs_are_those_of_the_environments_kernel(slew):
     assert own.peak == pytest.approx(np.abs(played["tip_deflection"]).max(), rel=1e-3)
 
 
+@pytest.mark.campaign
 def test_the_lqr_that_was_run_already_is_taken(slew):
     """On the design plant and on the finest, not on a plant of the same label with another payload."""
     law, loops = closed_loop(SLEW)
@@ -50,6 +51,7 @@ def test_the_lqr_that_was_run_already_is_taken(slew):
     assert [c.cost for c in found] == pytest.approx([c.cost for c in slew if c.controller == "LQR"], rel=1e-6)
 
 
+@pytest.mark.campaign
 def test_bounds_end_a_run_as_in_the_environment():
     """The slew bends its tip by 16 mm: a bound of 10 mm ends it, at the charge of rollout.py."""
     tight = dataclasses.replace(SLEW, bounds=(("tip_deflection", 0.01),))

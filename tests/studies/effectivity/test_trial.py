@@ -30,6 +30,7 @@ def row():
         return trial(QUICK)
 
 
+@pytest.mark.campaign
 def test_true_errors_are_those_from_the_finer_model(row):
     """CVODES alone, no code of the study but the scene."""
     drawn = random_scene(QUICK)
@@ -41,6 +42,7 @@ def test_true_errors_are_those_from_the_finer_model(row):
         assert rung["true"] == pytest.approx(true, rel=1e-3)
 
 
+@pytest.mark.campaign
 def test_what_choose_claims_holds_on_it(row):
     tally = Tally([row])
     assert row["failure"] == "" and row["uncertainty"] < 0.05 * row["tolerance"]

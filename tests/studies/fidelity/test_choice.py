@@ -135,6 +135,7 @@ def test_no_rung_is_claimed_beyond_what_physics_is_known_to():
     assert choice.text.startswith("No variant is shown to keep ") and choice.missing
 
 
+@pytest.mark.campaign
 def test_the_scenes_own_plant_is_a_rung_where_its_fields_are_on_none():
     own = dataclasses.replace(SHORT.plant, theory="timoshenko", modes=3)
     rungs = choose(SHORT.with_plant(own), 1e-3).rungs

@@ -39,6 +39,7 @@ def test_inlined_in_the_pages_own_colour():
     assert "xmlns" not in text and "<metadata>" not in text and " width=" not in text[: text.index(">")]
 
 
+@pytest.mark.campaign
 def test_importing_every_figure_loads_no_matplotlib():
     code = (
         "import sys, pkgutil, importlib, pliant.studies.figures as f, pliant.studies.papers as p\n"

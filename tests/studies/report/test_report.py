@@ -14,7 +14,8 @@ from pliant.studies.commands.cli import app
 from pliant.studies.common.formatting import measured, paragraph
 from pliant.studies.stability.verdicts import verdict_of
 
-SLEW = scenes.get("single-link-slew")
+SLEW = scenes.get("single-link-slew", duration=1.2, move_time=0.6)
+SHORT = ("--set", "duration=1.2", "--set", "move_time=0.6")
 TABLES = {
     "modes",
     "linearization",
@@ -45,7 +46,7 @@ FIGURES = {
 def folder(tmp_path_factory):
     """A report that the command has written."""
     folder = tmp_path_factory.mktemp("reports") / "slew"
-    arguments = ["report", SLEW.name, "--out", str(folder), "--budget", "0.3"]
+    arguments = ["report", SLEW.name, *SHORT, "--out", str(folder), "--budget", "0.3"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
     assert result.stdout == f"{folder / 'report.html'}\n"
@@ -85,7 +86,7 @@ def test_tables_say_what_was_computed(folder):
 
 def test_stability_is_what_the_command_prints(folder):
     found = json.loads((folder / "stability.json").read_text())
-    told = json.loads(CliRunner().invoke(app, ["stability", SLEW.name, "--json"]).stdout)
+    told = json.loads(CliRunner().invoke(app, ["stability", SLEW.name, *SHORT, "--json"]).stdout)
     assert found == {"reason": None, **{key: told[key] for key in told if key not in ("scene", "plant")}}
     verdict, _ = verdict_of(SLEW)
     assert found["at_the_goal"]["verdict"] == "marginal"  # a hub that is free to turn
