@@ -152,6 +152,12 @@ def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | No
     )
 
 
+def compile_motions(plant: PlantLike, coming: float) -> bool:
+    """Compile what `simulate` plays explicit methods by, where `coming` seconds of motions pay for it; whether it is."""
+    kernel = motion_kernel(plant, motion_source.EXPLICIT[0])
+    return kernel is not None and kernel.library(coming) is not None
+
+
 def motion_trials(plant: PlantLike, methods: Sequence[str]) -> list[Trial]:
     """How a library of motions is checked: the rates once, and steps by every method."""
     found: dict[str, Trial] = {}

@@ -67,12 +67,12 @@ def measured(value: float, unit: str) -> str:
 
 
 def millimetres(value: float) -> str:
-    """A length in m as millimetres or micrometres (metres from ten on) with two or three digits."""
+    """A length in m as millimetres or micrometres (metres from one on) with two or three digits."""
     if not math.isfinite(value):
         return "no result"
     if value > 1e6:
         return "> 1000 km"
-    if value >= 10.0:
+    if value >= 1.0:
         return f"{value:.3g} m"
     if value >= 1e-4:
         return f"{value * 1e3:.3g} mm"

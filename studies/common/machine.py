@@ -11,7 +11,9 @@ from typing import Any
 from pliant.plants.core.argument_gates import require_count
 
 PACKAGES = ("pliant", "numpy", "scipy", "casadi", "control", "matplotlib")
-PATH = "CasADi virtual machine, one call a step from Python"
+PATH = (
+    "simulate: compiled code of rk4, rk8, rosenbrock and dop853 where it is at hand or pays, else the virtual machine"
+)
 
 
 def processor() -> str:

@@ -128,8 +128,9 @@ def choose(
     if met and climb.physics[0] is not None:
         told(0.7, "integrator")
         fastest, largest = integrators(played[0], climb.physics[0], plant, tolerance)
-        if measured is not None and measured.tolerance <= tolerance:
-            fastest = measured.fastest(tolerance, plant.label) or fastest
+        charted = measured.fastest(tolerance - climb.uncertainty, plant.label) if measured is not None else None
+        rows = [row for row in (fastest, charted) if row is not None]
+        fastest = min(rows, key=lambda row: row.seconds or 0.0, default=None)
     found = Choice(
         scene=scene.name,
         compare=scene.compare,

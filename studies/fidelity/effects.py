@@ -1,8 +1,7 @@
 """What each effect of physics is worth on a scene's motion: how far the outputs move when it alone is left out.
 
-To first order, without another motion: leaving an effect out changes the rates along physics' motion by
-f_without(x) - f(x), physics' linear model carries that change, and what the outputs change by themselves is added. An
-effect without which the model has other states, as bending or shear, has its motion found as physics' own was.
+The motion without it is found as physics' own was, from that one, by Newton's method; where that does not settle, as with
+an effect that changes everything, it is simulated.
 """
 
 from __future__ import annotations
@@ -12,10 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pliant.plants import Plant, PliantError
-from pliant.plants.core.signals import names
 from pliant.studies.common.reference_motions import Motions
 
 from .physics_motion import PhysicsMotion, outputs_of
+from .quasi_linear import NotSettled
+
+SIMULATED = 1e-7  # rtol of a motion without an effect, where it is simulated
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Effect:
 
 def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[Effect, ...]:
     """The effects that physics has, the largest first; none where physics had to be simulated."""
-    if physics is None or physics.motion is None:  # its linear model is not known, and another motion costs too much
+    if physics is None or physics.motion is None:  # each would be another long simulation
         return ()
     has = chosen.effects
     found = [Effect(name, _worth(motions, physics, name), has.get(name, False)) for name in physics.physics.effects]
@@ -37,12 +38,12 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
 
 
 def _worth(motions: Motions, physics: PhysicsMotion, name: str) -> float:
+    lacking = physics.physics.without(name)
     try:
-        lacking = physics.physics.without(name)
-        assert physics.motion is not None
-        same = names(lacking.states) == names(physics.physics.states)
-        if same and np.allclose(lacking.embedding(physics.physics), np.eye(lacking.nx), atol=1e-9):
-            return float(np.abs(physics.motion.without(lacking)).max())
-        return float(np.abs(outputs_of(motions, lacking, physics) - physics.outputs).max())
-    except PliantError:
+        try:
+            found = outputs_of(motions, lacking, physics)
+        except NotSettled:
+            found = motions.outputs(lacking, SIMULATED)
+    except PliantError:  # it has no motion at all
         return float("inf")
+    return float(np.abs(found - physics.outputs).max())

@@ -145,20 +145,6 @@ class CorrectedMotion:
         found: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
         return np.asarray(found[:, self.columns])
 
-    def without(self, lacking: Plant) -> Array:
-        """What the compared outputs (nt, n) change by, to first order, in a model of the same states without an effect.
-
-        Its rates at this motion differ by a push, which the linear model carries, and its outputs by themselves.
-        """
-        n = self.x.shape[1]
-        push = np.asarray(lacking.dynamics(self.x, self.u, t=self.t)) - self._rates(self.x)
-        delta, _ = self._steps.response(push.reshape(-1, 2, n), np.zeros(n))
-        at = (self.at_ends + delta)[self.nodes.control]
-        if not (np.abs(at) < BEYOND).all():
-            raise NotSettled("the motion without it runs away")
-        found: Any = lacking.measure(at, self.nodes.held, t=self.nodes.times)
-        return np.asarray(found[:, self.columns]) - self.outputs
-
     def judged(self) -> str:
         """Which ranges of the fine model its own motion leaves, in words."""
         at, u, t = self.at_ends[self.nodes.control], self.nodes.held, self.nodes.times

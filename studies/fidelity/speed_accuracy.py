@@ -33,6 +33,7 @@ from pliant.plants.core.argument_gates import (
     require_text,
 )
 from pliant.plants.files.atomic_files import Together, write_text
+from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common import machine
 from pliant.studies.common.formatting import duration
 from pliant.studies.common.reference_motions import Motions, Progress, silent
@@ -152,7 +153,8 @@ def chart(
     """Measure the rows of a scene within `budget` [s]; coarse settings of all variants come before fine ones, one
     method before the next, and variants that can keep the scene's tolerance before those that cannot.
 
-    The reference and its confirmation take part of it.
+    Physics is found, and motions are compiled where that takes less than the budget, before it begins; each variant has
+    one row at least.
 
     `variants` (None: the plant's ladder) are charted; errors are against the finest of the ladder.
     A setting is not run when the time is spent, when it would take too long, or when a measured row is faster
@@ -171,20 +173,23 @@ def chart(
         require_instance("chart.motions", motions, Motions)
     if progress is not None:
         require_function("chart.progress", progress)
-    began = clock.perf_counter()
     told, motions = progress or silent, motions or Motions(scene)
-    told(0.0, "reference")
+    told(0.0, "physics")
     truth = physics_motion(motions, scene.tolerance)
     reference = Reference(truth.physics.label, truth.how, truth.uncertainty)
-    runner = Runner(motions, truth.outputs, began + budget, prune)
     plants = tuple(variants) if variants is not None else motions.ladder
+    for i, plant in enumerate(plants):
+        told(0.2 * i / len(plants), f"{plant.label}, compiled")
+        compile_motions(plant, budget)
+    began = clock.perf_counter()
+    runner = Runner(motions, truth.outputs, began + budget, prune)
     rows: list[Row] = []
     useful_first = sorted(plants, key=lambda plant: motions.difference(plant, truth.outputs) > scene.tolerance)
     for level in range(len(SUBSTEPS)):
         for method in methods:
             for plant in useful_first:
                 done = (clock.perf_counter() - began) / budget
-                told(min(done, (level + 1) / len(SUBSTEPS)), f"{plant.label}, {method}")
+                told(0.2 + 0.8 * min(done, (level + 1) / len(SUBSTEPS)), f"{plant.label}, {method}")
                 row = runner.measure(plant, method, level)
                 if row is not None:
                     rows.append(row)

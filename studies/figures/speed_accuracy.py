@@ -29,11 +29,12 @@ def speed_accuracy(chart: Chart) -> Figure:
     figure, (ax,) = panels(1, height=4.6)
     variants = list(dict.fromkeys(row.variant for row in chart.rows))
     methods = list(dict.fromkeys(row.method for row in chart.rows))
+    colours = _colours(len(variants))
     lowest = 1e-7 * chart.tolerance
     highest = RUNS_AWAY * chart.tolerance
     rows = [(min(max(r.error or 0.0, lowest), highest), (r.seconds or 0.0) * 1e3, r) for r in chart.measured]
     for error, ms, row in rows:
-        colour = COLOURS[variants.index(row.variant) % len(COLOURS)]
+        colour = colours[variants.index(row.variant)]
         marker = MARKERS[methods.index(row.method) % len(MARKERS)]
         ax.plot(error, ms, marker, color=colour, mfc=colour if row.pareto else "none", ms=6, mew=1.1, ls="none")
     front = sorted((error, ms) for error, ms, row in rows if row.pareto)
@@ -53,9 +54,7 @@ def speed_accuracy(chart: Chart) -> Figure:
     ax.set_title(f"Speed against accuracy: {chart.scene}")
     drawn = {row.variant for row in chart.measured} | {row.method for row in chart.measured}
     by_variant = [
-        Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", ls="none", label=v)
-        for i, v in enumerate(variants)
-        if v in drawn
+        Line2D([], [], color=colours[i], marker="o", ls="none", label=v) for i, v in enumerate(variants) if v in drawn
     ]
     by_method = [
         Line2D([], [], color=QUIET, mfc="none", marker=MARKERS[i % len(MARKERS)], ls="none", label=m)
@@ -67,6 +66,15 @@ def speed_accuracy(chart: Chart) -> Figure:
         by_method.append(Line2D([], [], color=QUIET, alpha=0.3, lw=8, label="physics is not known better"))
     figure.legend(handles=[*by_variant, *by_method], loc="outside right upper")
     return figure
+
+
+def _colours(n: int) -> list[Any]:
+    """One for each variant: those of all pictures, or, of more variants, from dark to light as they grow dearer."""
+    if n <= len(COLOURS):
+        return list(COLOURS[:n])
+    from matplotlib import colormaps
+
+    return [colormaps["viridis"](0.95 * i / (n - 1)) for i in range(n)]
 
 
 def save(chart: Chart, path: str | Path, together: Together | None = None) -> None:
