@@ -153,7 +153,7 @@ def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | No
 
 
 def compile_motions(plant: PlantLike, coming: float) -> bool:
-    """Compile what `simulate` plays explicit methods by, where `coming` seconds of motions pay for it; whether it is."""
+    """Compile what `simulate` plays explicit methods by, where `coming` seconds of motions pay; whether it is there."""
     kernel = motion_kernel(plant, motion_source.EXPLICIT[0])
     return kernel is not None and kernel.library(coming) is not None
 

@@ -1,7 +1,7 @@
 """What each effect of physics is worth on a scene's motion: how far the outputs move when it alone is left out.
 
-The motion without it is found as physics' own was, from that one, by Newton's method; where that does not settle, as with
-an effect that changes everything, it is simulated.
+The motion without it is found as physics' own was, from that one, by Newton's method; where that does not settle, as
+with an effect that changes everything, it is simulated.
 """
 
 from __future__ import annotations
