@@ -228,6 +228,8 @@ class _Climb:
                 error = max(error, apart)
             except PliantError as failure:
                 error, note = float("inf"), f"{type(failure).__name__}: {failure}"
+        if error == float("inf") and not note and not self.failed:
+            note = "outputs that are no numbers"
         if outside and not note:
             note = "leaves the range of its kinematics"
         return Rung(plant.label, plant.nx, error, error + self.uncertainty, note=note, outside=outside)
@@ -244,9 +246,12 @@ class _Climb:
 
 
 def _apart(motions: Motions, plant: Plant, rtol: float, physics: PhysicsMotion | None) -> float:
-    """Largest difference of a rung's outputs from those of physics; infinite where these are not known."""
+    """Largest difference of a rung's outputs from those of physics; infinite where these are not known, or no number
+    is one: NaN would be no more than any tolerance to `max`.
+    """
     own = motions.outputs(plant, rtol)
-    return float("inf") if physics is None else float(np.abs(own - physics.outputs).max())
+    found = float("inf") if physics is None else float(np.abs(own - physics.outputs).max())
+    return found if np.isfinite(found) else float("inf")
 
 
 def _rungs(plant: Plant, physics: Plant | None) -> tuple[Plant, ...]:

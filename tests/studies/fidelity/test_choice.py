@@ -184,6 +184,18 @@ def test_a_rung_that_fails_is_a_row_with_its_reason():
     assert choice.plant.kinematics == "strain"
 
 
+def test_a_rung_whose_outputs_are_no_numbers_is_not_taken():
+    """The rigid one keeps 0.1 otherwise. max(0.0, NaN) is 0.0: taken for its error, it was right to every digit."""
+
+    class Holed(Motions):
+        def outputs(self, plant, rtol):
+            return super().outputs(plant, rtol) * (np.nan if plant.label == "rigid" else 1.0)
+
+    choice = choose(SHORT, 0.1, motions=Holed(SHORT))
+    assert choice.rungs[0].error == float("inf") and choice.rungs[0].note == "outputs that are no numbers"
+    assert choice.met and choice.rungs[1].chosen and "Without a finite motion: rigid." in choice.text
+
+
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan"), float("inf"), "small"])
 def test_bad_tolerance(tolerance):
     with pytest.raises(ValueError, match=r"choose\.tolerance = .* must be (a number )?> 0"):
