@@ -7,11 +7,13 @@ bring about.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
 
 import numpy as np
 
 from pliant.plants.core.imports import linalg
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.exact_rotations.projection import projection
 
 if TYPE_CHECKING:
@@ -25,6 +27,35 @@ T = TypeVar("T", bound="TwoLinkDeclaration")
 SINGLE, TWO = 4, 3  # shapes of a link that physics has by itself
 MOST = 12  # shapes of a link: beyond, polynomials of this degree are told apart by few digits alone
 UNMODELLED = ("bending out of the plane", "torsion", "extension", "joints that give way", "plasticity")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanarArm(LagrangianPlant):
+    """What both arms say alike of their fidelities."""
+
+    def without(self, effect: str) -> Self:
+        if effect not in self.effects:
+            return super().without(effect)
+        arm: Any = self
+        changes: dict[str, dict[str, Any]] = {
+            "bending": {"modes": 0 if isinstance(arm.modes, int) else (0, 0)},
+            "shortening of the bent links": {"kinematics": "linear"},
+            "exact rotations": {"kinematics": "stiffened"},
+            "shear": {"theory": "euler-bernoulli"},
+            "slope of the first link's tip": {"tip_slope": False},
+            "inertia of the bent arm": {"reduction": "rigid-inertia"},
+        }
+        return cast(Self, dataclasses.replace(arm, **changes[effect]))
+
+    @property
+    def newton(self) -> Self:
+        """The stiffened arm in place of exact rotations."""
+        arm: Any = self
+        return cast(Self, dataclasses.replace(arm, kinematics="stiffened") if arm.kinematics == "strain" else arm)
+
+    @property
+    def unmodelled(self) -> tuple[str, ...]:
+        return UNMODELLED
 
 
 def of_single_link(arm: S, more: int) -> S:
@@ -78,16 +109,3 @@ def effects_of_links(arm: TwoLinkDeclaration) -> dict[str, bool]:
         "slope of the first link's tip": bends and arm.tip_slope,
         "inertia of the bent arm": bends and arm.reduction == "full",
     }
-
-
-def without(arm: Any, effect: str) -> Any:
-    """Physics with one effect left out."""
-    changes: dict[str, dict[str, Any]] = {
-        "bending": {"modes": 0 if isinstance(arm.modes, int) else (0, 0)},
-        "shortening of the bent links": {"kinematics": "linear"},
-        "exact rotations": {"kinematics": "stiffened"},
-        "shear": {"theory": "euler-bernoulli"},
-        "slope of the first link's tip": {"tip_slope": False},
-        "inertia of the bent arm": {"reduction": "rigid-inertia"},
-    }
-    return dataclasses.replace(arm, **changes[effect])

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self, cast
+from typing import Any, Self
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from pliant.plants.beams.rotating_beam import THEORIES
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Joint, Sensed, Signal
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.strain_link import elastic_link
 
@@ -28,7 +26,7 @@ BASES = {"payload": 40, "clamped-free": 40, "polynomial": 20}  # basis: most mod
 
 
 @dataclass(frozen=True, kw_only=True)
-class SingleLinkDeclaration(LagrangianPlant):
+class SingleLinkDeclaration(physics.PlanarArm):
     """Hub, link and payload; `SingleLinkArm` adds their energies, loads and frames."""
 
     link: Beam = part(Beam)
@@ -141,25 +139,12 @@ class SingleLinkDeclaration(LagrangianPlant):
     def effects(self) -> dict[str, bool]:
         return physics.effects_of_link(self)
 
-    def without(self, effect: str) -> Self:
-        return physics.without(self, effect) if effect in self.effects else super().without(effect)
-
-    @property
-    def newton(self) -> Self:
-        """The stiffened arm in place of exact rotations."""
-        plain: Any = dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
-        return cast(Self, plain)
-
     def embedding(self, simpler: PhysicsContract) -> np.ndarray:
         if not isinstance(simpler, SingleLinkDeclaration):
             return super().embedding(simpler)
         own: Any = self
         other: Any = simpler
         return physics.single_embedding(own, other)
-
-    @property
-    def unmodelled(self) -> tuple[str, ...]:
-        return physics.UNMODELLED
 
     @cached_property
     def elastic(self) -> ElasticLink:

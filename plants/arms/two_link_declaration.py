@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self, cast
+from typing import Self
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_counts
 from pliant.plants.core.parameters import flag, part, quantity, require_choice, validate
 from pliant.plants.core.signals import Sensed, Signal
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.strain_link import elastic_link
 
@@ -29,7 +27,7 @@ BASES = {"clamped-free": 40, "payload": 40, "polynomial": 20}  # basis: most mod
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwoLinkDeclaration(LagrangianPlant):
+class TwoLinkDeclaration(physics.PlanarArm):
     """Links, joints and payload; `TwoLinkArm` adds their energies and loads."""
 
     link1: Beam = part(Beam)
@@ -131,23 +129,10 @@ class TwoLinkDeclaration(LagrangianPlant):
     def effects(self) -> dict[str, bool]:
         return physics.effects_of_links(self)
 
-    def without(self, effect: str) -> Self:
-        return physics.without(self, effect) if effect in self.effects else super().without(effect)
-
-    @property
-    def newton(self) -> Self:
-        """The stiffened arm in place of exact rotations."""
-        plain: Any = dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
-        return cast(Self, plain)
-
     def embedding(self, simpler: PhysicsContract) -> np.ndarray:
         if not isinstance(simpler, TwoLinkDeclaration):
             return super().embedding(simpler)
         return physics.two_embedding(self, simpler)
-
-    @property
-    def unmodelled(self) -> tuple[str, ...]:
-        return physics.UNMODELLED
 
     @cached_property
     def links(self) -> tuple[ElasticLink, ElasticLink]:

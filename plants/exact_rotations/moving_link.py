@@ -66,9 +66,8 @@ class MovingLink:
                 ca.vertcat(-s.T @ rows, c.T @ rows), -ca.vertcat(*[_dot(weight, square * t) for t in (c, s)])
             )
 
-        W = at.root.T @ at.root
         build = _of_pairs if G.shape[1] <= PAIRWISE else _of_products
-        M, force = build(G, W, at.root, c, s, square)
+        M, force = build(G, at.root, c, s, square)
         size = ca.vertcat(1.0, *[1 / beam.length] * link.basis.n)
         scale = size @ size.T
         L, m = beam.length, beam.mass
@@ -109,9 +108,9 @@ def _dot(weight: Array, values: ca.SX) -> ca.SX:
     return ca.dot(ca.DM(weight), values)
 
 
-def _of_pairs(G: Array, W: Array, root: Array, c: ca.SX, s: ca.SX, square: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _of_pairs(G: Array, root: Array, c: ca.SX, s: ca.SX, square: ca.SX) -> tuple[ca.SX, ca.SX]:
     """sum_ab W_ab cos(Theta_a - Theta_b) G_a G_b^T and its force, from the cosines and sines of pairs of points."""
-    m, n = G.shape
+    (m, n), W = G.shape, root.T @ root
     a, b = np.triu_indices(m, 1)
     own = G.T @ (np.diag(W)[:, None] * G)
     M, force = ca.SX(n, n), [ca.SX(0)] * m
@@ -128,7 +127,7 @@ def _of_pairs(G: Array, W: Array, root: Array, c: ca.SX, s: ca.SX, square: ca.SX
     return ca.densify(M), sparse(G).T @ ca.vertcat(*force)
 
 
-def _of_products(G: Array, W: Array, root: Array, c: ca.SX, s: ca.SX, square: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _of_products(G: Array, root: Array, c: ca.SX, s: ca.SX, square: ca.SX) -> tuple[ca.SX, ca.SX]:
     """The same from P = root dt/dy of both components of the tangent."""
     M, force = ca.SX(G.shape[1], G.shape[1]), ca.SX(G.shape[1], 1)
     for normal, tangent in ((-s, c), (c, s)):

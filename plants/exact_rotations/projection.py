@@ -6,6 +6,8 @@ that nearest. Shapes of both links are those of `shape_functions.Basis`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pliant.plants.beams.shape_functions import Basis
@@ -26,8 +28,11 @@ def projection(simpler: Basis, finer: Basis) -> Array:
     """
     if not (simpler.n and finer.n):
         return np.zeros((finer.n, simpler.n))
+    return nearest(lambda xi: curvatures(simpler, xi), lambda xi: curvatures(finer, xi))
+
+
+def nearest(simpler: Callable[[Array], Array], finer: Callable[[Array], Array]) -> Array:
+    """P (n, m) by the curvatures themselves: those of m and of n shapes at xi (k,), (k, m) and (k, n)."""
     at = points(POINTS)
     root = np.sqrt(at.weight)[:, None]
-    return np.asarray(
-        np.linalg.lstsq(root * curvatures(finer, at.xi), root * curvatures(simpler, at.xi), rcond=None)[0]
-    )
+    return np.asarray(np.linalg.lstsq(root * finer(at.xi), root * simpler(at.xi), rcond=None)[0])

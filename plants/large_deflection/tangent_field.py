@@ -20,9 +20,8 @@ import numpy as np
 from pliant.plants import beams
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import OwnsArrays
-from pliant.plants.exact_rotations.quadrature import Array, Points, points, sparse
-
-POINTS = 48  # by which one kind of shapes is projected on another
+from pliant.plants.exact_rotations.projection import nearest
+from pliant.plants.exact_rotations.quadrature import Array, Points, sparse
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,10 +153,9 @@ class Rotations:
 
     def embedding(self, simpler: Rotations) -> Array:
         """The coordinates (n, n of simpler) whose curvature comes nearest; a turn of the root is the same in both."""
-        at, k = points(POINTS), int(self.rotating)
-        root = np.sqrt(at.weight)[:, None]
-        have, want = root * self.curvature(at.xi)[:, k:], root * simpler.curvature(at.xi)[:, k:]
-        return np.asarray(linalg.block_diag(np.eye(k), np.linalg.lstsq(have, want, rcond=None)[0]))
+        k = int(self.rotating)
+        bend = nearest(lambda xi: simpler.curvature(xi)[:, k:], lambda xi: self.curvature(xi)[:, k:])
+        return np.asarray(linalg.block_diag(np.eye(k), bend))
 
     @property
     def stiffness(self) -> Array:

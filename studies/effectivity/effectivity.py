@@ -18,8 +18,8 @@ from pliant.studies.common import machine
 from pliant.studies.common.parallel import BACKENDS, as_they_come
 from pliant.studies.common.reference_motions import Progress, silent
 
-from .tally import Tally
-from .trial import Row, trial
+from .tally import Row, Tally
+from .trial import trial
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import resource
 import time
-from typing import Any
 
 import numpy as np
 
@@ -15,16 +14,17 @@ from pliant.studies.fidelity.choice import Choice, choose
 
 from .finer_models import Truth, truth
 from .random_scenes import Drawn, random_scene
+from .tally import Row
 
 PLAYED = 1e-9  # rtol of a rung's motion, where its true error is told
 TIMED = 1e-6  # rtol at which runs are timed
 LONG, MOST = 0.1, 3  # [s] and runs
 SHAPES = 8  # more than physics has by itself: where the physics that `choose` ended with is looked for
-Row = dict[str, Any]
 
 
 def trial(seed: int) -> Row:
-    """The row of one seed, as JSON knows it; what is not finite is None. Never raises: a crash is a row that says so.
+    """The row of one seed, as JSON knows it; what is not finite is None. A crash of `choose`, and a truth that cannot
+    be found, are rows that say so.
 
     seed, kind, tolerance; truth and its uncertainty; met, chosen, bound, true (error of the chosen one), convergence,
     physics, missing; rungs: (variant, predicted, bound, true) of each that was tried; wall and cpu [s] of choose, cpu

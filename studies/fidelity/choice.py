@@ -30,7 +30,8 @@ from .speed_accuracy import Chart, Row
 from .verdict_in_words import words
 
 CLIMB = 1e-6  # rtol of a rung's motion
-CONFIRMED = 1e-2  # of the tolerance: what the chosen rung's motion is integrated to
+NEAR = 2.0  # times the tolerance: where the integration may decide, it is done again ..
+CONFIRMED = 1e-8  # .. at this rtol
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Rung:
 
     variant: str
     states: int
-    error: float | None  # from physics; infinite where its motion fails
+    error: float | None  # from physics; infinite where either motion fails
     bound: float | None  # error plus the uncertainty of physics
     chosen: bool = False
     note: str = ""
@@ -101,8 +102,9 @@ def choose(
 
     `motions`: which motions it is to keep it on, each None (the scene's open loop) or a Trajectory, as of a closed
     loop, whose inputs are played at the control times; None: the open loop alone. Also the fastest integrator and the
-    largest fixed step that keep it on the first. Where no rung is shown to keep it, `met` is False, and `missing` says
-    what is missing. ValueError for a tolerance not above 0.
+    largest fixed step that keep it on the first; `measured`, the scene's chart, which tries more methods, is asked for
+    the fastest before. Where no rung is shown to keep it, `met` is False, and `missing` says what is missing.
+    ValueError for a tolerance not above 0.
 
     Example
     -------
@@ -121,16 +123,17 @@ def choose(
     told(0.0, "physics")
     climb = _Climb(played, tolerance)
     rungs, chosen = climb.rungs(share(progress, 0.3, 0.6))
-    plant, met = climb.ladder[chosen], rungs[chosen].chosen and climb.shown(rungs[chosen])
+    plant, met = climb.ladder[chosen], climb.shown(rungs[chosen])
     told(0.6, "effects")
     found_effects = worth.of(played[0], climb.physics[0], plant)
     fastest, largest = None, None
     if met and climb.physics[0] is not None:
         told(0.7, "integrator")
         fastest, largest = integrators(played[0], climb.physics[0], plant, tolerance)
-        charted = measured.fastest(tolerance - climb.uncertainty, plant.label) if measured is not None else None
-        rows = [row for row in (fastest, charted) if row is not None]
-        fastest = min(rows, key=lambda row: row.seconds or 0.0, default=None)
+        if measured is not None and measured.reference.uncertainty < tolerance:
+            charted = measured.fastest(tolerance - measured.reference.uncertainty, plant.label)
+            rows = [row for row in (fastest, charted) if row is not None]
+            fastest = min(rows, key=lambda row: row.seconds or 0.0, default=None)
     found = Choice(
         scene=scene.name,
         compare=scene.compare,
@@ -183,11 +186,13 @@ class _Climb:
                 self.physics.append(None)
                 self.failed = f"physics cannot be played: {failure}"
         known = [p for p in self.physics if p is not None]
-        self.uncertainty = (
-            max((p.uncertainty for p in known), default=float("inf")) if not self.failed else float("inf")
-        )
-        self.told = self.failed or known[0].how
-        self.ladder = _rungs(played[0].scene.plant, known[-1].physics if known else None)
+        worst = max(known, key=lambda p: p.uncertainty, default=None)
+        if self.failed or worst is None:
+            self.uncertainty, self.told = float("inf"), self.failed
+        else:
+            self.uncertainty, self.told = worst.uncertainty, worst.how
+        richest = max((p.physics for p in known), key=lambda p: p.nx, default=None)
+        self.ladder = _rungs(played[0].scene.plant, richest)
         self.outside = "; ".join(p.outside for p in known if p.outside)
 
     def rungs(self, progress: Progress) -> tuple[tuple[Rung, ...], int]:
@@ -218,22 +223,18 @@ class _Climb:
         error, outside, note = 0.0, "", ""
         for motions, physics in zip(self.played, self.physics):
             try:
-                own = motions.outputs(plant, CLIMB)
+                apart = _apart(motions, plant, CLIMB, physics)
                 outside = outside or motions.outside_so_far(plant)
-                apart = float(np.abs(own - physics.outputs).max()) if physics is not None else float("inf")
-                if self._near(apart):
-                    own = motions.outputs(plant, max(CLIMB * CONFIRMED, 1e-10))
-                    apart = float(np.abs(own - physics.outputs).max()) if physics is not None else float("inf")
+                if apart <= NEAR * self.tolerance:
+                    apart = _apart(motions, plant, CONFIRMED, physics)
                 error = max(error, apart)
             except PliantError as failure:
                 error, note = float("inf"), f"{type(failure).__name__}: {failure}"
+        if error == float("inf") and not note and not self.failed:
+            note = "outputs that are no numbers"
         if outside and not note:
             note = "leaves the range of its kinematics"
         return Rung(plant.label, plant.nx, error, error + self.uncertainty, note=note, outside=outside)
-
-    def _near(self, error: float) -> bool:
-        """Whether the climb's integration may decide: it is then done again, a hundred times finer."""
-        return error <= 2 * self.tolerance
 
     def missing(self, met: bool, effects: Sequence[Effect]) -> tuple[str, ...]:
         """What a tolerance that is not met takes; of one that is met, what no model here has."""
@@ -244,6 +245,15 @@ class _Climb:
             return (self.failed or self.outside,)
         lacking = tuple(e.name for e in effects if not e.kept and e.change > 0.1 * self.tolerance)
         return (*lacking, *plant.unmodelled)
+
+
+def _apart(motions: Motions, plant: Plant, rtol: float, physics: PhysicsMotion | None) -> float:
+    """Largest difference of a rung's outputs from those of physics; infinite where these are not known, or no number
+    is one: NaN would be no more than any tolerance to `max`.
+    """
+    own = motions.outputs(plant, rtol)
+    found = float("inf") if physics is None else float(np.abs(own - physics.outputs).max())
+    return found if np.isfinite(found) else float("inf")
 
 
 def _rungs(plant: Plant, physics: Plant | None) -> tuple[Plant, ...]:

@@ -24,7 +24,7 @@ class Effect:
     """One effect of physics: the largest change of the compared outputs where it alone is left out [their unit]."""
 
     name: str
-    change: float  # infinite where the motion without it runs away
+    change: float  # infinite where the motion without it is not found
     kept: bool  # in the chosen plant; else left out of it
 
 

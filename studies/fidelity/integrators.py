@@ -16,7 +16,7 @@ from pliant.plants import Plant, PliantError
 from pliant.studies.common.reference_motions import Motions
 
 from .physics_motion import PhysicsMotion
-from .speed_accuracy import SUBSTEPS, TOLERANCES, Row
+from .speed_accuracy import SUBSTEPS, TOLERANCES, Row, comparable_seconds
 
 FIXED = ("rk4", "rk8", "rosenbrock")
 ADAPTIVE = ("dop853",)
@@ -44,8 +44,7 @@ def integrators(
                     break
                 continue
             runs = [motion, *(motions.run(plant, method=method, **options) for _ in range(RUNS - 1))]
-            native = runs[-1].stats.get("native")
-            times = [m.stats["seconds"] for m in runs if m.stats.get("native") == native]
+            times = comparable_seconds(runs)
             row = replace(row, seconds=median(times) / duration, error=error, runs=len(times))
             if best is None or (row.seconds or 0.0) < (best.seconds or 0.0):
                 best = row

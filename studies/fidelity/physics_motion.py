@@ -9,7 +9,8 @@ the tolerance. Three errors are told, each by what one refinement still changed:
              fifth of the change is told
     shapes   one shape more a body
 
-Where the correction does not settle, physics is simulated, and the result says so.
+Where the correction does not settle, physics is simulated, and the result says so; its error in time is then what a
+tolerance ten times as wide changes.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ GAINS = 5.0  # what twice the parts change over what they err by; 15 of order fo
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
 LEFT_OUT = 0.5  # of what the last shapes that are known of do: a uniform beam's modes move its tip by (2 k - 1)^-5 each
-RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated
+RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated ..
+LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +65,7 @@ def physics_motion(motions: Motions, tolerance: float) -> PhysicsMotion:
     if tolerance not in motions.truth:
         try:
             motions.truth[tolerance] = _Search(motions, tolerance).corrected()
-        except (NotSettled, PliantError) as reason:
+        except PliantError as reason:
             motions.truth[tolerance] = _simulated(motions, tolerance, str(reason))
     found: PhysicsMotion = motions.truth[tolerance]
     return found
@@ -140,10 +142,9 @@ def _largest(difference: Array) -> float:
 
 
 def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion) -> Array:
-    """The compared outputs (nt, n) of another fine plant near to physics, as well known as these."""
-    if like.motion is None:
-        return motions.outputs(plant, RTOL)
+    """The compared outputs (nt, n) of another fine plant near to a physics that was corrected, as well known."""
     motion = like.motion
+    assert motion is not None
     found = motion.refined(plant, motion.nodes, motions.start(plant), compared(motions, plant))
     found.settle(max(like.uncertainty, ROUNDING * _largest(like.outputs)))
     return found.outputs
@@ -153,7 +154,7 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
     """By simulation, shape by shape."""
     plant = motions.scene.plant
     found, shapes = motions.outputs(plant.physics(), RTOL), 0.0
-    within = max(KNOWN * tolerance, ROUNDING * float(np.abs(found).max()))
+    within = max(KNOWN * tolerance, ROUNDING * _largest(found))
     for more in range(1, MOST_SHAPES + 1):
         if plant.physics(more) == plant.physics(more - 1):
             break
@@ -162,5 +163,6 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
         if shapes <= within:
             break
     physics = plant.physics(more)
+    time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
     how = f"{physics.label}, simulated: {reason}"
-    return PhysicsMotion(found, physics, 0.0, within, shapes, how, motions.outside_so_far(physics))
+    return PhysicsMotion(found, physics, 0.0, time, shapes, how, motions.outside_so_far(physics))

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import Plant, PliantError
+from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.argument_gates import (
     require_all,
     require_flag,
@@ -48,6 +48,12 @@ FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
 RUNS_AWAY = 1e5  # times the tolerance: a variant that goes so far from the reference is not timed
 SPENT = "not run: the time budget was spent"
+
+
+def comparable_seconds(runs: Sequence[Trajectory]) -> list[float]:
+    """Seconds of the runs made as the last was: the virtual machine's, before it paid to compile, do not count."""
+    native = runs[-1].stats.get("native")
+    return [run.stats["seconds"] for run in runs if run.stats.get("native") == native]
 
 
 @dataclass(frozen=True)
@@ -276,8 +282,7 @@ class Runner:
         self.built.add(key)
         while len(runs) < (3 if sum(m.stats["seconds"] for m in runs) < 0.15 else 1):
             runs.append(motions.run(plant, **options))
-        native = runs[-1].stats.get("native")  # the virtual machine's, before it paid to compile, do not count
-        times = [m.stats["seconds"] for m in runs if m.stats.get("native") == native]
+        times = comparable_seconds(runs)
         seconds = median(times)
         self.last[key] = work, seconds
         found = motions.compared(motion)

@@ -46,6 +46,6 @@ def words(choice: Choice) -> str:
     if choice.largest_step is not None:
         parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
     failed = [r for r in choice.rungs if r.error == float("inf")]
-    if failed:
-        parts.append(f"Without a motion: {'; '.join(r.variant for r in failed)}.")
+    if failed and choice.convergence < float("inf"):  # else it is physics that has none
+        parts.append(f"Without a finite motion: {'; '.join(r.variant for r in failed)}.")
     return " ".join(parts)

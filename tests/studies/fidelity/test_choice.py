@@ -1,4 +1,5 @@
 import dataclasses
+import importlib
 import json
 
 import numpy as np
@@ -11,6 +12,7 @@ from pliant.studies import choose
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.physics_motion import PhysicsMotion
+from pliant.studies.fidelity.speed_accuracy import Chart, Reference, Row
 
 SHORT = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
 
@@ -128,6 +130,18 @@ def test_tolerance_decides():
     assert len(set(labels)) == 3
 
 
+def test_a_charts_row_is_taken_where_it_keeps_the_tolerance_with_what_the_chart_is_known_to(monkeypatch):
+    """At 0.9 of the tolerance, from a reference known to 0.05 and to 0.2 of it; no other is tried."""
+    module = importlib.import_module("pliant.studies.fidelity.choice")
+    monkeypatch.setattr(module, "integrators", lambda *_: (None, None))
+    motions, found = Motions(SHORT), []
+    for known in (5e-3, 2e-2):
+        row = Row("rigid", 2, "cvodes", None, 1e-4, seconds=1e-9, error=9e-2, step_error=0.0, runs=1)
+        chart = Chart(SHORT.name, SHORT.compare, 0.1, 0.5, (row,), Reference("physics", "simulated", known), {}, 1.0)
+        found.append(choose(SHORT, 0.1, measured=chart, motions=motions).method)
+    assert found == ["cvodes", None]
+
+
 def test_no_rung_is_claimed_beyond_what_physics_is_known_to():
     choice = choose(scenes.get("single-link-slew", duration=0.5), 1e-12)
     assert not choice.met and choice.integrator is None and choice.method is None
@@ -168,6 +182,18 @@ def test_a_rung_that_fails_is_a_row_with_its_reason():
     failed = [r for r in choice.rungs if r.error == float("inf")]
     assert failed and all(r.note.startswith("MassMatrixError: ") for r in failed)
     assert choice.plant.kinematics == "strain"
+
+
+def test_a_rung_whose_outputs_are_no_numbers_is_not_taken():
+    """The rigid one keeps 0.1 otherwise. max(0.0, NaN) is 0.0: taken for its error, it was right to every digit."""
+
+    class Holed(Motions):
+        def outputs(self, plant, rtol):
+            return super().outputs(plant, rtol) * (np.nan if plant.label == "rigid" else 1.0)
+
+    choice = choose(SHORT, 0.1, motions=Holed(SHORT))
+    assert choice.rungs[0].error == float("inf") and choice.rungs[0].note == "outputs that are no numbers"
+    assert choice.met and choice.rungs[1].chosen and "Without a finite motion: rigid." in choice.text
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan"), float("inf"), "small"])

@@ -65,4 +65,6 @@ def test_physics_is_simulated_where_nothing_settles(monkeypatch):
     monkeypatch.setattr(CorrectedMotion, "settle", never)
     found = physics_motion(Motions(SLEW), 1e-3)
     assert found.motion is None and found.how.endswith("simulated: as it was told")
+    tight = Motions(SLEW).outputs(found.physics, 1e-10)
+    assert np.abs(found.outputs - tight).max() <= found.time < 1e-5  # measured, not a share of the tolerance
     assert np.abs(found.outputs - exact.outputs).max() <= found.uncertainty + exact.uncertainty

@@ -21,5 +21,9 @@ def test_what_is_chosen_and_why():
         assert said in good.text
     missed = dataclasses.replace(good, met=False, missing=("exact rotations",), integrator=None)
     assert words(missed).startswith("No variant is shown to keep ") and "Missing: exact rotations." in words(missed)
-    failed = dataclasses.replace(missed, physics="physics cannot be played: no rest", convergence=float("inf"))
+    rungs = tuple(dataclasses.replace(r, error=float("inf")) for r in good.rungs[:2])
+    failed = dataclasses.replace(missed, rungs=(*rungs, *good.rungs[2:]))
+    assert f"Without a finite motion: {rungs[0].variant}; {rungs[1].variant}." in words(failed)
+    failed = dataclasses.replace(failed, physics="physics cannot be played: no rest", convergence=float("inf"))
     assert "Physics cannot be played: no rest." in words(failed)
+    assert "Without a finite motion" not in words(failed)  # nothing is known of the rungs, which may have one
