@@ -39,12 +39,9 @@ def find(
 
     free = np.flatnonzero(~held)
     scale, step = 1.0, 0.0
-    residual = _rate(plant, z, p)
     for _ in range(100):
-        A, B = plant._state_jacobians(z[:nx], z[nx:], p)
         at = z[:nx]
-        J = plant.rest_residual(at, np.hstack([A, B])[:, free], p)
-        residual = plant.rest_residual(at, residual, p)
+        J, residual = plant.rest_slopes(at, z[nx:], p)[:, free], plant.rest_forces(at, z[nx:], at, p)
         size = np.maximum(np.abs(z[free]), SMALL)
         scale = np.maximum(np.abs(J) @ size, 1e-3)
         change = np.linalg.lstsq(J / scale[:, None], -residual / scale, rcond=1e-12)[0]
@@ -55,16 +52,16 @@ def find(
         while length > 1e-6:
             trial = z.copy()
             trial[free] += length * change
-            moved = _rate(plant, trial, p)  # not finite where the step was too long
-            if np.linalg.norm(plant.rest_residual(at, moved, p) / scale) < best:
+            moved = plant.rest_forces(trial[:nx], trial[nx:], at, p)  # not finite where the step was too long
+            if np.linalg.norm(moved / scale) < best:
                 break
             length /= 2
         else:
             break
         z, residual = trial, moved
     worst = float(np.max(np.abs(residual) / scale))
+    rate = plant.dynamics(z[:nx], z[nx:], p=p)  # raises where the equations have lost their meaning
     if not (worst < TOLERANCE and step < STEP):
-        rate = _rate(plant, z, p)
         k = int(np.argmax(np.abs(rate)))
         raise EquilibriumError(
             f"no equilibrium of {plant.label} with {dict(fixed)} held: d({names[k]})/dt = {rate[k]:.3g} remains; "
@@ -81,7 +78,7 @@ def tell_unstable(plant: Plant, x0: np.ndarray, u0: np.ndarray, p: Any) -> None:
     and x of length one (Golub and Van Loan, "Matrix Computations", 7.2.2). Roots that are nearly multiple have large
     errors: of them nothing is said.
     """
-    A = plant._state_jacobians(x0, u0, p)[0]
+    A = plant.at_rest(x0, u0, p)
     roots, right = np.linalg.eig(A)
     try:
         left = np.linalg.inv(right)
@@ -99,8 +96,3 @@ def tell_unstable(plant: Plant, x0: np.ndarray, u0: np.ndarray, p: Any) -> None:
             UnstableRestWarning,
             stacklevel=4,
         )
-
-
-def _rate(plant: Plant, z: np.ndarray, p: Any) -> np.ndarray:
-    """dx/dt (nx,) at z = [x; u]."""
-    return plant._rate(*plant._arguments(z[: plant.nx], z[plant.nx :], p=p))

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_flag, require_names, shown
-from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
+from pliant.plants.core.casadi_functions import NumericFunction, built_once, function, last_call
 from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.linear.second_order import natural_squares
@@ -89,6 +89,7 @@ class LagrangianPlant(MechanicalPlant):
         t, x, u, w, _ = self.symbols
         return self.symbolic.equations(t, x, u, w)
 
+    @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """(M, r, T, V): mass matrix (n, n) and right-hand side (n,) of M a = r, the energies [J]."""
         n = len(self.coordinates)
@@ -118,6 +119,7 @@ class LagrangianPlant(MechanicalPlant):
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         return ca.vertcat(x[len(self.coordinates) :], self.solved(t, x, u, w)[0])
 
+    @last_call
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         """Accelerations (n,), and pivots of the mass matrix in the coordinates that it is solved in."""
         return self.acceleration(*self.equations(t, x, u, w)[:2], u)
@@ -147,10 +149,46 @@ class LagrangianPlant(MechanicalPlant):
     def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
         return nominal.derivative()[:, len(self.coordinates) :]
 
-    def rest_residual(self, x: Array, rate: Array, p: Any = None) -> Array:
+    @built_once
+    def _rest(self) -> NumericFunction:
+        """The forces r (n,) at rest, their Jacobians in q, v and u, and M (n, n)."""
+        t, x, u, w, p = self.symbols
+        M, r, _, _ = self._terms
+        n = len(self.coordinates)
+        moving = ca.vertcat(x[n:], w)
+        still = ca.SX.zeros(moving.shape[0])
+        at_rest = ca.substitute(r, moving, still)
+        slopes = [ca.jacobian(at_rest, x[:n]), ca.substitute(ca.jacobian(r, x[n:]), moving, still)]
+        return function("rest", [t, x, u, w, p], [at_rest, *slopes, ca.jacobian(at_rest, u), M], matrices=True)
+
+    def _forces_at_rest(self, x: Array, u: Array, p: Any) -> list[Array] | None:
+        """What `_rest` gives; None where something moves or is driven, so that forces alone do not tell."""
+        if self.driven or x[len(self.coordinates) :].any():
+            return None
+        values, _ = self._arguments(x, u, p=p)
+        return self._rest(*values)
+
+    def rest_forces(self, x: Array, u: Array, at: Array, p: Any = None) -> Array:
         """Forces for accelerations: a stiff mode's are then in its own row only."""
         n = len(self.coordinates)
-        return np.concatenate([rate[:n], self.mass_matrix(x, p=p) @ rate[n:]])
+        if (known := self._forces_at_rest(x, u, p)) is not None:
+            return np.concatenate([x[n:], known[0][:, 0]])
+        rate = super().rest_forces(x, u, at, p)
+        return np.concatenate([rate[:n], self.mass_matrix(at, p=p) @ rate[n:]])
+
+    def rest_slopes(self, x: Array, u: Array, p: Any = None) -> Array:
+        n = len(self.coordinates)
+        if (known := self._forces_at_rest(x, u, p)) is not None:
+            return np.block([[np.zeros((n, n)), np.eye(n), np.zeros((n, self.nu))], [known[1], known[2], known[3]]])
+        slopes = super().rest_slopes(x, u, p)
+        return np.vstack([slopes[:n], self.mass_matrix(x, p=p) @ slopes[n:]])
+
+    def at_rest(self, x: Array, u: Array, p: Any = None) -> Array:
+        known = self._forces_at_rest(x, u, p)
+        if known is None:
+            return super().at_rest(x, u, p)
+        n = len(self.coordinates)
+        return np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(known[4], np.hstack(known[1:3]))]])
 
     def _lost_at(self, x: Array) -> str:
         values, _ = self._arguments(x)

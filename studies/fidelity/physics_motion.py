@@ -31,6 +31,7 @@ KNOWN = 0.03  # of the tolerance: to what each of the three errors is brought, a
 ROUNDING = 1e-7  # .. of the outputs themselves: no better is asked
 ROUGH = 5.0  # times that: physics is simulated where nodes leave more
 GAINS = 5.0  # what twice the parts change over what they err by; 15 of order four, less while modes are coarse
+EASILY = 100.0  # times better than asked: half as many parts do as well
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
 LEFT_OUT = 0.5  # of what the last shapes that are known of do: a uniform beam's modes move its tip by (2 k - 1)^-5 each
@@ -86,6 +87,8 @@ class _Search:
         found, passes, parts, time = self._in_time(0, coarse, 1)
         physics, shapes, last = self.scene.plant.physics, 0.0, float("inf")
         more = 0
+        if EASILY * time <= self.within:
+            parts //= 2  # twice as many have shown that these do
         while more < MOST_SHAPES and physics(more + 1) != physics(more):
             richer, passes = self._outputs(more + 1, parts)
             shapes, found, more = _largest(richer - found), richer, more + 1
@@ -141,12 +144,17 @@ def _largest(difference: Array) -> float:
     return float(np.abs(difference).max())
 
 
-def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion) -> Array:
-    """The compared outputs (nt, n) of another fine plant near to a physics that was corrected, as well known."""
+def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion, share: float) -> Array:
+    """The compared outputs (nt, n) of another fine plant near to a physics that was corrected, as well known or to a
+    share of how far they are from it.
+    """
     motion = like.motion
     assert motion is not None
     found = motion.refined(plant, motion.nodes, motions.start(plant), compared(motions, plant))
-    found.settle(max(like.uncertainty, ROUNDING * _largest(like.outputs)))
+    found.step()
+    found.settle(
+        max(like.uncertainty, ROUNDING * _largest(like.outputs), share * _largest(found.outputs - like.outputs))
+    )
     return found.outputs
 
 

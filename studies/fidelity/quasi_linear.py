@@ -24,15 +24,16 @@ from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import GAUSS
 from pliant.plants.validity.ranges import in_words, left
 
+from .block_collocation import BUTCHER, HeldModel
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
-BUTCHER = np.array(
-    [[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]]
-)  # of Gauss's method of order four
-MOST_PASSES = 8
-RELINEARISED = 3  # passes that make a new A; later ones keep it, and ..
-NEAR = 30.0  # .. those after a change of less than this many times what is wanted
+MOST_PASSES = 16
+BLOCKS = 48  # of the motion, over each of which one A is held, at first; ..
+MORE = 4  # .. times as many where passes shrink slowly
+SLOW = 0.25  # of a pass's change that the next one still changes
+NEAR = 30.0  # times what is wanted: after a change of less, the linear model is kept
+AT_ONCE = 0.01  # of what is wanted: where a motion that goes on changes by less, its first pass is its last
 SLOWEST = 0.3  # of a pass's change is what the next one changes, with the linear model kept, at least so it is told
 BEYOND = 1e9  # of a state: nothing moves so
 FAR = 3.0  # times what the first pass changes: a pass that changes more runs away
@@ -46,20 +47,36 @@ class NotSettled(PliantError):
 class CorrectedMotion:
     """A motion of `fine` that comes nearer to one with every pass.
 
-    x, rate (2 m, nx): the motion and its derivative at the Gauss points of the nodes; at_ends (m + 1, nx): it at the
-    ends of parts; x0 (nx,): where the fine model starts. columns: which outputs are compared; outputs (nt, n) are those
-    at the control times, after as many passes as made.
+    begin (nx,), rate (2 m, nx): where the motion begins and its derivative at the Gauss points of the nodes, which make
+    x (2 m, nx) at these points and at_ends (m + 1, nx) by the method's own quadrature. x0 (nx,): where the fine model
+    starts. columns: which outputs are compared; outputs (nt, n) are those at the control times, after as many passes as
+    made. model: the linear model that passes begin with; None: its own. goes_on: from a motion that had settled.
     """
 
     def __init__(
-        self, fine: Plant, nodes: MotionNodes, x: Array, rate: Array, at_ends: Array, x0: Array, columns: list[int]
+        self,
+        fine: Plant,
+        nodes: MotionNodes,
+        begin: Array,
+        rate: Array,
+        x0: Array,
+        columns: list[int],
+        model: HeldModel | None = None,
+        goes_on: bool = False,
     ) -> None:
         self.fine, self.nodes, self.columns = fine, nodes, columns
-        self._tangent: Plant = fine.newton
         self.u, self.t = nodes.inputs[nodes.gauss], nodes.all[nodes.gauss]
-        self.x, self.rate, self.at_ends = x, rate, at_ends
-        self._start = x0 - at_ends[0]
+        self.rate, slopes = rate, rate.reshape(len(nodes.h), 2, len(begin))
+        steps = nodes.h[:, None] * slopes.mean(axis=1)
+        self.at_ends = begin + np.vstack([np.zeros(len(begin)), np.cumsum(steps, axis=0)])
+        inner = nodes.h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, slopes)
+        self.x = (self.at_ends[:-1, None] + inner).reshape(rate.shape)
+        self._start = x0 - begin
         self.passes, self.changes = 0, list[float]()
+        self._blocks = min(BLOCKS, len(nodes.h))
+        self._goes_on = goes_on
+        self._own = False  # whether its linear model is about the motion as it is
+        self._model, self._steps = model, None
         self.outputs = self._measured()
 
     @classmethod
@@ -67,27 +84,24 @@ class CorrectedMotion:
         cls, fine: Plant, simple: Plant, motion: Trajectory, nodes: MotionNodes, x0: Array, columns: list[int]
     ) -> Self:
         """From the motion of a simpler plant at all nodes."""
-        E, at = fine.embedding(simple), nodes.gauss
+        E = fine.embedding(simple)
         assert motion.dx is not None
-        return cls(fine, nodes, motion.x[at] @ E.T, motion.dx[at] @ E.T, motion.x[nodes.ends] @ E.T, x0, columns)
+        return cls(fine, nodes, motion.x[0] @ E.T, motion.dx[nodes.gauss] @ E.T, x0, columns)
 
     def refined(self, fine: Plant, nodes: MotionNodes, x0: Array, columns: list[int]) -> CorrectedMotion:
-        """The same motion for another fine model, or at more nodes, whose parts lie within its own: between its nodes
-        what collocation has there, a slope straight through the two Gauss points of a part, and the integral of that.
+        """The same motion for another fine model, or at other nodes: between its own what collocation has there, a
+        slope straight through the two Gauss points of a part. A model of the same states begins with its linear model.
         """
         E, n = fine.embedding(self.fine), self.x.shape[1]
-        if nodes.parts == self.nodes.parts:
-            return CorrectedMotion(fine, nodes, self.x @ E.T, self.rate @ E.T, self.at_ends @ E.T, x0, columns)
-        begins = self.nodes.all[self.nodes.ends]
-        part = np.clip(np.searchsorted(begins, nodes.all, side="right") - 1, 0, len(self.nodes.h) - 1)
-        share = ((nodes.all - begins[part]) / self.nodes.h[part])[:, None]
-        slopes = self.rate.reshape(-1, 2, n)[part]
-        tilt = (slopes[:, 1] - slopes[:, 0]) / (GAUSS[1] - GAUSS[0])
-        rate = slopes[:, 0] + tilt * (share - GAUSS[0])
-        moved = share * (slopes[:, 0] - tilt * GAUSS[0]) + tilt * share**2 / 2
-        x = self.at_ends[part] + self.nodes.h[part][:, None] * moved
-        at = nodes.gauss
-        return CorrectedMotion(fine, nodes, x[at] @ E.T, rate[at] @ E.T, x[nodes.ends] @ E.T, x0, columns)
+        alike = len(E) == n and bool((np.eye(n) == E).all())
+        model, rate = self._model if alike else None, self.rate
+        if nodes.parts != self.nodes.parts:
+            begins, at = self.nodes.all[self.nodes.ends], nodes.all[nodes.gauss]
+            part = np.clip(np.searchsorted(begins, at, side="right") - 1, 0, len(self.nodes.h) - 1)
+            share = ((at - begins[part]) / self.nodes.h[part])[:, None]
+            slopes = self.rate.reshape(-1, 2, n)[part]
+            rate = slopes[:, 0] + (slopes[:, 1] - slopes[:, 0]) * (share - GAUSS[0]) / (GAUSS[1] - GAUSS[0])
+        return CorrectedMotion(fine, nodes, self.at_ends[0] @ E.T, rate @ E.T, x0, columns, model, True)
 
     def settle(self, within: float) -> float:
         """Pass after pass until one changes the outputs by at most `within`; what they may still err by.
@@ -95,43 +109,71 @@ class CorrectedMotion:
         NotSettled where passes do not shrink, or the motion leaves what the fine model can be evaluated at.
         """
         while self.passes < MOST_PASSES:
-            before = self.outputs
-            self.step(anew=self.passes < RELINEARISED and (not self.changes or self.changes[-1] > NEAR * within))
-            change = float(np.abs(self.outputs - before).max())
-            late = self.passes > 2 and change > SHRINKS * self.changes[-1]
-            if change > within and (late or (self.changes and change > FAR * self.changes[0])):
-                raise NotSettled(f"pass {self.passes} still changes the outputs by {change:.3g}")
-            self.changes.append(change)
+            finest = self._finest
+            self.step(self._anew(within))
+            change = self.changes[-1]
+            if change > within and self.passes > 1:
+                late = self.passes > 3 and change > SHRINKS * self.changes[-2] and finest
+                if late or change > FAR * self.changes[0]:
+                    raise NotSettled(f"pass {self.passes} still changes the outputs by {change:.3g}")
             if self.passes > 1 and change <= within:
                 share = min(max(change / max(self.changes[-2], 1e-300), SLOWEST), SHRINKS)
                 return change * share / (1 - share)
+            if self._goes_on and change <= AT_ONCE * within:
+                return change * SHRINKS / (1 - SHRINKS)
         raise NotSettled(f"{MOST_PASSES} passes do not settle: the last changed the outputs by {self.changes[-1]:.3g}")
+
+    @property
+    def _finest(self) -> bool:
+        """Whether each part has its own A, about the motion as it was a pass ago."""
+        return self._own and self._blocks >= len(self.nodes.h)
+
+    def _anew(self, within: float) -> bool:
+        """Whether the next pass takes a linear model about the motion as it is: where there is none, where the first
+        pass has moved it far, and where passes shrink slowly, then of more blocks.
+        """
+        if self._model is None:
+            return True
+        if not self.changes or self.changes[-1] <= NEAR * within:
+            return False
+        if len(self.changes) == 1:
+            return True
+        if self.changes[-1] <= SLOW * self.changes[-2]:
+            return False
+        if self._own:
+            self._blocks = min(MORE * self._blocks, len(self.nodes.h))
+        return True
 
     def step(self, anew: bool = True) -> None:
         """One pass, with the linear model made anew or that of the last."""
-        if anew:
+        if anew or self._model is None:
             self._linearise()
+        if self._steps is None:
+            self._steps = self._model.over(self.nodes.all[self.nodes.ends])
         n = self.x.shape[1]
         c = self._rates(self.x) - self.rate
-        delta, at_gauss = self._steps.response(c.reshape(-1, 2, n), self._start)
-        moved = at_gauss.reshape(-1, n)
+        delta, moved, slopes = self._steps.response(c.reshape(-1, 2, n), self._start)
         self.at_ends = self.at_ends + delta
-        self.x, self.rate = self.x + moved, self.rate + np.einsum("kij,kj->ki", self._A, moved) + c
+        self.x, self.rate = self.x + moved.reshape(-1, n), self.rate + slopes.reshape(-1, n)
         self._start = np.zeros(n)
         self.passes += 1
-        self.outputs = self._measured()
+        before, self.outputs = self.outputs, self._measured()
+        self.changes.append(float(np.abs(self.outputs - before).max()))
 
     def _linearise(self) -> None:
-        """A (2 m, nx, nx), at the accelerations of the motion as it is."""
-        self._A: Array = self._tangent.state_jacobians_along(self._motion(self._tangent))
-        if not np.isfinite(self._A).all():
+        """A of each block, in its middle, at the accelerations of the motion as it is."""
+        ends = self.nodes.all[self.nodes.ends]
+        edges = np.round(np.linspace(0, len(ends) - 1, self._blocks + 1)).astype(int)
+        at = 2 * ((edges[:-1] + edges[1:] - 1) // 2)  # the first Gauss point of the part in the middle
+        tangent: Plant = self.fine.newton
+        y = np.zeros((len(at), tangent.ny))  # unused
+        x, rate, t = ((values[at] + values[at + 1]) / 2 for values in (self.x, self.rate, self.t))
+        motion = Trajectory.from_arrays(t, x, self.u[at], plant=tangent, y=y, dx=rate)
+        A = tangent.state_jacobians_along(motion)
+        if not np.isfinite(A).all():
             raise NotSettled("the linear model along the motion is not finite")
-        n = self.x.shape[1]
-        self._steps = _Collocation(self._A.reshape(-1, 2, n, n), self.nodes.h)
-
-    def _motion(self, plant: Plant) -> Trajectory:
-        y = np.zeros((len(self.t), plant.ny))  # unused
-        return Trajectory.from_arrays(self.t, self.x, self.u, plant=plant, y=y, dx=self.rate)
+        self._model, self._own = HeldModel(ends[edges], A), True
+        self._steps = None
 
     def _rates(self, x: Array) -> Array:
         if not (np.abs(x) < BEYOND).all():
@@ -150,31 +192,3 @@ class CorrectedMotion:
         at, u, t = self.at_ends[self.nodes.control], self.nodes.held, self.nodes.times
         motion = Trajectory.from_arrays(t, at, u, plant=self.fine, dx=self.fine.dynamics(at, u, t=t))
         return "; ".join(in_words(found.to_json()) for found in left(self.fine, motion))
-
-
-class _Collocation:
-    """d(delta)/dt = A delta + c over steps h (m,), A (m, 2, n, n) at the Gauss points of each.
-
-    K_i = A_i (delta + h sum_j a_ij K_j) + c_i at both points, delta + h (K_1 + K_2)/2 at the end.
-    """
-
-    def __init__(self, A: Array, h: Array) -> None:
-        m, _, n, _ = A.shape
-        left = -h[:, None, None, None, None] * BUTCHER[:, :, None, None] * A[:, :, None]  # (m, 2, 2, n, n)
-        left[:, [0, 1], [0, 1]] += np.eye(n)
-        self.h = h
-        self._solve = np.linalg.inv(left.transpose(0, 1, 3, 2, 4).reshape(m, 2 * n, 2 * n))
-        self._own = self._solve @ A.reshape(m, 2 * n, n)  # K of delta alone
-        self._onward = np.eye(n) + h[:, None, None] / 2 * (self._own[:, :n] + self._own[:, n:])
-
-    def response(self, c: Array, start: Array) -> tuple[Array, Array]:
-        """delta (m + 1, n) at the ends, (m, 2, n) at the Gauss points, from `start` (n,) under c (m, 2, n)."""
-        m, _, n = c.shape
-        pushed = np.einsum("kij,kj->ki", self._solve, c.reshape(m, 2 * n))
-        push = self.h[:, None] / 2 * (pushed[:, :n] + pushed[:, n:])
-        delta = [start]
-        for k in range(m):
-            delta.append(self._onward[k] @ delta[k] + push[k])
-        ends = np.array(delta)
-        K = (np.einsum("kij,kj->ki", self._own, ends[:-1]) + pushed).reshape(m, 2, n)
-        return ends, ends[:-1, None] + self.h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, K)
