@@ -22,6 +22,7 @@ from pliant.plants.linear.second_order import natural_squares
 
 from . import arguments
 from .declaration import Array
+from .equilibrium import ForcesAtRest, RestConditions, forces_at_rest
 from .mechanical import MechanicalPlant
 from .residual_jacobians import Differentiated
 from .symbolic_ldl import ldl, ldl_solve
@@ -149,46 +150,10 @@ class LagrangianPlant(MechanicalPlant):
     def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
         return nominal.derivative()[:, len(self.coordinates) :]
 
-    @built_once
-    def _rest(self) -> NumericFunction:
-        """The forces r (n,) at rest, their Jacobians in q, v and u, and M (n, n)."""
-        t, x, u, w, p = self.symbols
-        M, r, _, _ = self._terms
-        n = len(self.coordinates)
-        moving = ca.vertcat(x[n:], w)
-        still = ca.SX.zeros(moving.shape[0])
-        at_rest = ca.substitute(r, moving, still)
-        slopes = [ca.jacobian(at_rest, x[:n]), ca.substitute(ca.jacobian(r, x[n:]), moving, still)]
-        return function("rest", [t, x, u, w, p], [at_rest, *slopes, ca.jacobian(at_rest, u), M], matrices=True)
+    _forces_at_rest = built_once(forces_at_rest)
 
-    def _forces_at_rest(self, x: Array, u: Array, p: Any) -> list[Array] | None:
-        """What `_rest` gives; None where something moves or is driven, so that forces alone do not tell."""
-        if self.driven or x[len(self.coordinates) :].any():
-            return None
-        values, _ = self._arguments(x, u, p=p)
-        return self._rest(*values)
-
-    def rest_forces(self, x: Array, u: Array, at: Array, p: Any = None) -> Array:
-        """Forces for accelerations: a stiff mode's are then in its own row only."""
-        n = len(self.coordinates)
-        if (known := self._forces_at_rest(x, u, p)) is not None:
-            return np.concatenate([x[n:], known[0][:, 0]])
-        rate = super().rest_forces(x, u, at, p)
-        return np.concatenate([rate[:n], self.mass_matrix(at, p=p) @ rate[n:]])
-
-    def rest_slopes(self, x: Array, u: Array, p: Any = None) -> Array:
-        n = len(self.coordinates)
-        if (known := self._forces_at_rest(x, u, p)) is not None:
-            return np.block([[np.zeros((n, n)), np.eye(n), np.zeros((n, self.nu))], [known[1], known[2], known[3]]])
-        slopes = super().rest_slopes(x, u, p)
-        return np.vstack([slopes[:n], self.mass_matrix(x, p=p) @ slopes[n:]])
-
-    def at_rest(self, x: Array, u: Array, p: Any = None) -> Array:
-        known = self._forces_at_rest(x, u, p)
-        if known is None:
-            return super().at_rest(x, u, p)
-        n = len(self.coordinates)
-        return np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(known[4], np.hstack(known[1:3]))]])
+    def rest_conditions(self, p: Any = None) -> RestConditions:
+        return ForcesAtRest(self, p)
 
     def _lost_at(self, x: Array) -> str:
         values, _ = self._arguments(x)
@@ -209,8 +174,7 @@ class LagrangianPlant(MechanicalPlant):
         q, v = x[:n], x[n:]
         put_in = ca.dot(self.symbolic.generalized_force(t, q, v, u, w), v)
         if self.driven:
-            M, r, _, _ = self._terms
-            reaction = M @ self._motion[0][n:] - r
+            reaction = self._terms[0] @ self._motion[0][n:] - self._terms[1]
             put_in += sum(reaction[i] * v[i] for i in self.driven)
         return put_in, ca.jtimes(self.symbolic.dissipation(q, v), v, v)
 

@@ -122,17 +122,9 @@ class Plant(PlantContract):
         equilibrium.tell_unstable(self, x0, u0, p)
         return x0, u0
 
-    def rest_forces(self, x: Array, u: Array, at: Array, p: Any = None) -> Array:
-        """What must vanish for (x, u) to be a rest, (nx,), weighed as at a state `at` (nx,) near by: dx/dt itself."""
-        return self._rate(*self._arguments(x, u, p=p))
-
-    def rest_slopes(self, x: Array, u: Array, p: Any = None) -> Array:
-        """Its Jacobian (nx, nx + nu) in [x; u], weighed as at x."""
-        return np.hstack(self._state_jacobians(x, u, p))
-
-    def at_rest(self, x: Array, u: Array, p: Any = None) -> Array:
-        """A (nx, nx) at a rest (x, u)."""
-        return self._state_jacobians(x, u, p)[0]
+    def rest_conditions(self, p: Any = None) -> equilibrium.RestConditions:
+        """What must vanish at rest, and its slopes."""
+        return equilibrium.RestConditions(self, p)
 
     def explain_stop(self, passed: Array, last: Array, w: Any, p: Any) -> None:
         """Raise the error that says why an integration stopped at `last` (nx,) after the states `passed` (k, nx)."""

@@ -53,6 +53,13 @@ class PhysicsContract(Declaration):
         return ("what every variant of its ladder leaves out",)
 
     @property
+    def left_out(self) -> float:
+        """Where `physics` has no more shapes to add: what those do that are not known of, as a share of what the last
+        that is known does. Default: as much.
+        """
+        return 1.0
+
+    @property
     def newton(self) -> Self:
         """A model of the same states and inputs whose Jacobians, cheaper, serve Newton's method. Default: itself."""
         return self

@@ -40,7 +40,7 @@ class Rung:
 
     variant: str
     states: int
-    error: float | None  # from physics; infinite where either motion fails
+    error: float | None  # from physics, its own uncertainty where it is physics; infinite where either motion fails
     bound: float | None  # error plus the uncertainty of physics
     chosen: bool = False
     note: str = ""
@@ -234,7 +234,10 @@ class _Climb:
             note = "outputs that are no numbers"
         if outside and not note:
             note = "leaves the range of its kinematics"
-        return Rung(plant.label, plant.nx, error, error + self.uncertainty, note=note, outside=outside)
+        bound = error + self.uncertainty
+        if any(known is not None and plant.label == known.physics.label for known in self.physics):
+            error = bound  # of physics itself no more is known
+        return Rung(plant.label, plant.nx, error, bound, note=note, outside=outside)
 
     def missing(self, met: bool, effects: Sequence[Effect]) -> tuple[str, ...]:
         """What a tolerance that is not met takes; of one that is met, what no model here has."""

@@ -34,7 +34,6 @@ GAINS = 5.0  # what twice the parts change over what they err by; 15 of order fo
 EASILY = 100.0  # times better than asked: half as many parts do as well
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
-LEFT_OUT = 0.5  # of what the last shapes that are known of do: a uniform beam's modes move its tip by (2 k - 1)^-5 each
 RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated ..
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
@@ -96,7 +95,7 @@ class _Search:
                 break
             last = shapes
         if physics(more + 1) == physics(more):  # no more are known of
-            shapes *= LEFT_OUT
+            shapes *= physics(more).left_out
         if more:  # the shapes that were added are the fastest
             found, passes, parts, time = self._in_time(more, found, parts)
         if time > ROUGH * self.within:

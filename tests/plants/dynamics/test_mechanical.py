@@ -48,7 +48,7 @@ def test_what_must_vanish_at_rest_is_forces(plant):
     """M a: the columns of B become the generalised forces of the inputs, which have unit entries."""
     x, u = point(plant)
     n = plant.coordinates_slice.stop
-    pushed = plant.rest_slopes(x, u)[:, plant.nx :]
+    pushed = plant.rest_conditions().slopes(x, u)[:, plant.nx :]
     assert np.abs(pushed[:n]).max() == 0.0
     np.testing.assert_allclose(pushed[n:].sum(axis=0).max(), 1.0, atol=1e-9)
 
@@ -58,9 +58,9 @@ def test_the_linear_model_at_rest_is_the_one_from_all_equations(plant):
     """`jacobians`, which differentiates the whole of f, where `at_rest` may use forces at rest alone."""
     x, u = plant.equilibrium({s.name: 0.3 for s in plant.states[: plant.nu]})
     A = plant.jacobians(x, u)[0]
-    np.testing.assert_allclose(plant.at_rest(x, u), A, atol=1e-9 * np.abs(A).max())
-    scale = np.abs(plant.rest_slopes(x, u)).max()
-    np.testing.assert_allclose(plant.rest_forces(x, u, x), 0.0, atol=1e-9 * scale)
+    np.testing.assert_allclose(plant.rest_conditions().states(x, u), A, atol=1e-9 * np.abs(A).max())
+    scale = np.abs(plant.rest_conditions().slopes(x, u)).max()
+    np.testing.assert_allclose(plant.rest_conditions().forces(x, u, x), 0.0, atol=1e-9 * scale)
 
 
 def test_a_stop_is_explained_where_the_mass_matrix_is_lost_and_not_elsewhere():
