@@ -15,8 +15,8 @@ import numpy as np
 from pliant.plants import Plant, PliantError
 from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common.reference_motions import Motions
+from pliant.studies.physics.physics_motion import PhysicsMotion
 
-from .physics_motion import PhysicsMotion
 from .speed_accuracy import SUBSTEPS, TOLERANCES, Row, comparable_seconds
 
 FIXED = ("rk4", "rk8", "rosenbrock")

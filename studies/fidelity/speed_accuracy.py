@@ -37,8 +37,7 @@ from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common import machine
 from pliant.studies.common.formatting import duration
 from pliant.studies.common.reference_motions import Motions, Progress, silent
-
-from .physics_motion import physics_motion
+from pliant.studies.physics.physics_motion import physics_motion
 
 SUBSTEPS = (1, 2, 5, 10, 20, 50)  # fixed steps a control period
 TOLERANCES = {"dop853": (1e-3, 1e-5, 1e-7, 1e-9), "cvodes": (1e-4, 1e-6, 1e-8)}

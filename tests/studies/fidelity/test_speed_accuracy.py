@@ -9,9 +9,9 @@ from pliant.envs import scenes
 from pliant.studies import chart
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity import speed_accuracy
-from pliant.studies.fidelity.physics_motion import physics_motion
 from pliant.studies.fidelity.speed_accuracy import METHODS, Runner, pareto
 from pliant.studies.figures.speed_accuracy import save
+from pliant.studies.physics.physics_motion import physics_motion
 from pliant.studies.report import fidelity_sections
 
 SLEW = scenes.get("single-link-slew", duration=0.6)

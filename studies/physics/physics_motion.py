@@ -16,11 +16,14 @@ tolerance ten times as wide changes.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from pliant.plants import Plant, PliantError
 from pliant.plants.core.signals import index
+from pliant.plants.validity.ranges import in_words
+from pliant.plants.validity.rotating_sections import NONE_HOLDS
 from pliant.studies.common.reference_motions import Motions
 
 from .motion_nodes import MotionNodes
@@ -48,13 +51,23 @@ class PhysicsMotion:
     time: float
     shapes: float
     how: str  # in words
-    outside: str = ""  # which of its own ranges it leaves
+    left: tuple[dict[str, Any], ...] = ()  # its own ranges that it leaves, each as in Trajectory.stats["validity"]
     motion: CorrectedMotion | None = field(default=None, repr=False)  # None where it was simulated
 
     @property
     def uncertainty(self) -> float:
         """The sum of the errors told; what `physics.unmodelled` names is no part of it."""
         return self.passes + self.time + self.shapes
+
+    @property
+    def outside(self) -> str:
+        """Ranges that it leaves beyond which other kinematics would hold, in words: it is then no physics."""
+        return "; ".join(in_words(entry) for entry in self.left if entry["holds"] != NONE_HOLDS)
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """Those beyond which no kinematics of this library hold, in words: materials that are no longer linear."""
+        return tuple(in_words(entry) for entry in self.left if entry["holds"] == NONE_HOLDS)
 
 
 def physics_motion(motions: Motions, tolerance: float) -> PhysicsMotion:
@@ -172,4 +185,4 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
     physics = plant.physics(more)
     time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
     how = f"{physics.label}, simulated: {reason}"
-    return PhysicsMotion(found, physics, 0.0, time, shapes, how, motions.outside_so_far(physics))
+    return PhysicsMotion(found, physics, 0.0, time, shapes, how, motions.left_so_far(physics))

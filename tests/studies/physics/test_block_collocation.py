@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from pliant.studies.fidelity.block_collocation import HeldModel
+from pliant.studies.physics.block_collocation import HeldModel
 
 A = np.array([[0.0, 1.0, 0.0], [-30.0, -0.4, 2.0], [0.5, 0.0, -1.0]])
 START = np.array([1.0, -2.0, 0.5])

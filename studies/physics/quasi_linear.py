@@ -22,7 +22,7 @@ import numpy as np
 
 from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import GAUSS
-from pliant.plants.validity.ranges import in_words, left
+from pliant.plants.validity.ranges import left
 
 from .block_collocation import BUTCHER, HeldModel
 from .motion_nodes import MotionNodes
@@ -187,8 +187,8 @@ class CorrectedMotion:
         found: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
         return np.asarray(found[:, self.columns])
 
-    def judged(self) -> str:
-        """Which ranges of the fine model its own motion leaves, in words."""
+    def judged(self) -> tuple[dict[str, Any], ...]:
+        """Which ranges of the fine model its own motion leaves, each as in Trajectory.stats["validity"]."""
         at, u, t = self.at_ends[self.nodes.control], self.nodes.held, self.nodes.times
         motion = Trajectory.from_arrays(t, at, u, plant=self.fine, dx=self.fine.dynamics(at, u, t=t))
-        return "; ".join(in_words(found.to_json()) for found in left(self.fine, motion))
+        return tuple(found.to_json() for found in left(self.fine, motion))
