@@ -171,9 +171,9 @@ class SpacecraftDeclaration(MechanicalPlant):
         bends = self.kinematics != "rigid" and sum(self.mode_counts) > 0
         return {"bending": bends, "shortening of the bent appendages": bends and self.kinematics == "stiffened"}
 
-    def without(self, effect: str) -> Self:
+    def _lacking(self, effect: str) -> Self:
         kinds = {"bending": "rigid", "shortening of the bent appendages": "linear"}
-        return dataclasses.replace(self, kinematics=kinds[effect]) if effect in kinds else super().without(effect)
+        return dataclasses.replace(self, kinematics=kinds[effect])
 
     @property
     def unmodelled(self) -> tuple[str, ...]:

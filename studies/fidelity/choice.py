@@ -63,8 +63,8 @@ class Choice:
 
     def to_json(self) -> dict[str, Any]:
         content = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "plant"}
-        for name in ("rungs", "effects"):
-            content[name] = [asdict(item) for item in content[name]]
+        content["rungs"] = [asdict(rung) for rung in self.rungs]
+        content["effects"] = [effect.to_json() for effect in self.effects]
         for name in ("integrator", "largest_step"):
             content[name] = None if content[name] is None else asdict(content[name])
         return {"chosen": self.plant.label, "states": self.plant.nx, **content}

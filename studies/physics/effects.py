@@ -6,7 +6,9 @@ Newton's method; where that does not settle, it is simulated. Of the chosen plan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from .physics_motion import PhysicsMotion, outputs_of
 from .quasi_linear import NotSettled
 
 ROUGHLY = 1e-5  # rtol of a motion without an effect, where it is simulated
+SHAPES = "shapes that it does not have"
 SHARE = 0.02  # of what an effect is worth: to what that is known
 
 
@@ -27,35 +30,54 @@ class Effect:
     name: str
     change: float  # infinite where the motion without it is not found
     kept: bool  # in the chosen plant; else left out of it
+    over_time: np.ndarray | None = field(default=None, repr=False, compare=False)  # (nt, n) the change, each output's
+
+    def to_json(self) -> dict[str, Any]:
+        """Without what it does over time."""
+        return {"name": self.name, "change": self.change, "kept": self.kept}
 
 
 def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[Effect, ...]:
-    """The effects that physics has, the largest first; none where physics had to be simulated."""
+    """The effects that physics has, the largest first; none where physics had to be simulated.
+
+    Those that the chosen plant leaves out and SHAPES, what more shapes of its own kinematics would change, sum up to
+    its error, as far as effects add up.
+    """
     if physics is None or physics.motion is None:  # each would be another long simulation
         return ()
-    has, found = chosen.effects, list[Effect]()
-    for name in physics.physics.effects:
-        kept = has.get(name, False)
-        try:
-            change = _to_chosen(motions, chosen, name) if kept else _to_physics(motions, physics, name)
-        except PliantError:  # it has no motion at all
-            change = float("inf")
-        found.append(Effect(name, change, kept))
+    has = chosen.effects
+    names = {name: has.get(name, False) for name in physics.physics.effects}
+    found = [_effect(motions, physics, chosen, name, kept) for name, kept in names.items()]
+    if physics.physics != chosen and (not names or any(names.values())):
+        found.append(_shapes(motions, physics, chosen, [name for name, kept in names.items() if not kept]))
     return tuple(sorted(found, key=lambda e: -e.change))
 
 
-def _to_chosen(motions: Motions, chosen: Plant, name: str) -> float:
-    return _apart(motions.outputs(chosen.without(name), ROUGHLY), motions.outputs(chosen, ROUGHLY))
-
-
-def _to_physics(motions: Motions, physics: PhysicsMotion, name: str) -> float:
-    lacking = physics.physics.without(name)
+def _effect(motions: Motions, physics: PhysicsMotion, chosen: Plant, name: str, kept: bool) -> Effect:
     try:
-        found = outputs_of(motions, lacking, physics, SHARE)
+        if kept:
+            apart = motions.outputs(chosen, ROUGHLY) - motions.outputs(chosen.without(name), ROUGHLY)
+        else:
+            apart = physics.outputs - _without(motions, physics, (name,))
+    except PliantError:  # it has no motion at all
+        return Effect(name, float("inf"), kept)
+    return Effect(name, float(np.abs(apart).max()), kept, apart)
+
+
+def _shapes(motions: Motions, physics: PhysicsMotion, chosen: Plant, lacking: Sequence[str]) -> Effect:
+    try:
+        apart = _without(motions, physics, lacking) - motions.outputs(chosen, ROUGHLY)
+    except PliantError:
+        return Effect(SHAPES, float("inf"), False)
+    return Effect(SHAPES, float(np.abs(apart).max()), False, apart)
+
+
+def _without(motions: Motions, physics: PhysicsMotion, names: Sequence[str]) -> np.ndarray:
+    """The outputs (nt, n) of physics without some effects; PliantError where it has no motion."""
+    lacking = physics.physics
+    for name in names:
+        lacking = lacking.without(name)
+    try:
+        return outputs_of(motions, lacking, physics, SHARE)
     except NotSettled:
-        found = motions.outputs(lacking, ROUGHLY)
-    return _apart(found, physics.outputs)
-
-
-def _apart(one: np.ndarray, other: np.ndarray) -> float:
-    return float(np.abs(one - other).max())
+        return motions.outputs(lacking, ROUGHLY)

@@ -33,3 +33,23 @@ def test_the_largest_comes_first_and_what_the_chosen_one_has_is_kept(found):
     assert [e.change for e in told] == sorted((e.change for e in told), reverse=True)
     assert {e.name for e in told if e.kept} == {"bending"}
     assert effects.of(Motions(SLEW), None, SLEW.plant) == ()
+
+
+def test_what_is_left_out_sums_up_to_the_error(found):
+    """Over time, where effects are small enough to add: to a tenth of the error, and to what physics is known to."""
+    motions, physics, told = found
+    chosen = SLEW.plant.ladder()[1]
+    error = physics.outputs - motions.outputs(chosen, 1e-10)
+    left_out = sum(e.over_time for e in told if not e.kept)
+    assert np.abs(left_out - error).max() < 0.1 * np.abs(error).max() + 2 * physics.uncertainty
+    shapes = next(e for e in told if e.name == effects.SHAPES)
+    assert shapes.change == pytest.approx(np.abs(shapes.over_time).max()) and "over_time" not in shapes.to_json()
+
+
+def test_of_a_plant_without_effects_all_error_is_its_shapes():
+    scene = scenes.get("cantilever-drop", duration=0.5)
+    motions = Motions(scene)
+    physics = physics_motion(motions, 1e-3)
+    (told,) = effects.of(motions, physics, scene.plant.ladder()[0])
+    assert told.name == effects.SHAPES and not told.kept
+    assert told.change == pytest.approx(np.abs(physics.outputs - motions.converged(motions.ladder[0])).max(), rel=1e-2)
