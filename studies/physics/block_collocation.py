@@ -66,11 +66,11 @@ class BlockCollocation:
         push = self.h[:, None] / 2 * (K[:, :n] + K[:, n:])
         ends = np.empty((m + 1, n))
         ends[0] = start
-        for r, run in enumerate(self._runs):
-            step = onward[r]
-            for k in range(run.start, run.stop):
-                ends[k + 1] = step @ ends[k] + push[k]
-            K[run] += ends[run] @ own[r].T
+        with np.errstate(over="ignore", invalid="ignore"):  # what grows without bound is no number in the end
+            for r, run in enumerate(self._runs):
+                for k in range(run.start, run.stop):
+                    ends[k + 1] = onward[r] @ ends[k] + push[k]
+                K[run] += ends[run] @ own[r].T
         slopes = K.reshape(m, 2, n)
         inner = ends[:-1, None] + self.h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, slopes)
         return ends, inner, slopes

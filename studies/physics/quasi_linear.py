@@ -106,8 +106,20 @@ class CorrectedMotion:
     def settle(self, within: float) -> float:
         """Pass after pass until one changes the outputs by at most `within`; what they may still err by.
 
-        NotSettled where passes do not shrink, or the motion leaves what the fine model can be evaluated at.
+        Where that fails with one linear model over many parts, it begins again with one for each part. PliantError where
+        that fails too: NotSettled where passes do not shrink, else what the fine model cannot be evaluated at.
         """
+        begun = {name: getattr(self, name) for name in ("x", "rate", "at_ends", "outputs", "_start")}
+        try:
+            return self._settled(within)
+        except PliantError:
+            if self._blocks >= len(self.nodes.h):
+                raise
+        self.__dict__.update(begun, passes=0, changes=[], _model=None, _steps=None, _own=False)
+        self._blocks = len(self.nodes.h)
+        return self._settled(within)
+
+    def _settled(self, within: float) -> float:
         while self.passes < MOST_PASSES:
             finest = self._finest
             self.step(self._anew(within))
@@ -165,15 +177,20 @@ class CorrectedMotion:
         ends = self.nodes.all[self.nodes.ends]
         edges = np.round(np.linspace(0, len(ends) - 1, self._blocks + 1)).astype(int)
         at = 2 * ((edges[:-1] + edges[1:] - 1) // 2)  # the first Gauss point of the part in the middle
-        tangent: Plant = self.fine.newton
-        y = np.zeros((len(at), tangent.ny))  # unused
         x, rate, t = ((values[at] + values[at + 1]) / 2 for values in (self.x, self.rate, self.t))
-        motion = Trajectory.from_arrays(t, x, self.u[at], plant=tangent, y=y, dx=rate)
-        A = tangent.state_jacobians_along(motion)
+        A = self._jacobians(t, x, self.u[at], rate)
         if not np.isfinite(A).all():
             raise NotSettled("the linear model along the motion is not finite")
-        self._model, self._own = HeldModel(ends[edges], A), True
-        self._steps = None
+        self._model, self._steps, self._own = HeldModel(ends[edges], A), None, True
+
+    def _jacobians(self, t: Array, x: Array, u: Array, rate: Array) -> Array:
+        """A (b, nx, nx) at points, of the plant that serves Newton's method."""
+        if len(t) == 1:  # a motion has two times
+            both = self._jacobians(np.append(t, t + 1.0), *(np.repeat(v, 2, axis=0) for v in (x, u, rate)))
+            return both[:1]
+        tangent: Plant = self.fine.newton
+        y = np.zeros((len(t), tangent.ny))  # unused
+        return tangent.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=tangent, y=y, dx=rate))
 
     def _rates(self, x: Array) -> Array:
         if not (np.abs(x) < BEYOND).all():
