@@ -4,11 +4,11 @@ if __name__ != "pliant.studies":
     raise ImportError("this folder is installed as pliant.studies: write `import pliant.studies`")
 
 from pliant.plants.core import imports
-from pliant.studies.fidelity.choice import choose
 
 # Eager, because these functions share the names of their modules: a later import would put the module
 # in their place. The modules themselves import what draws only where they draw.
-from pliant.studies.fidelity.speed_accuracy import chart
+from pliant.studies.charts.measure import chart
+from pliant.studies.fidelity.choice import choose
 from pliant.studies.report.report import report
 from pliant.studies.scoreboard.scoreboard import scoreboard
 

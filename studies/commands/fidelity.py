@@ -9,11 +9,11 @@ import typer
 
 from pliant.plants.core.argument_gates import require_choice
 from pliant.plants.files.atomic_files import Together
+from pliant.studies.charts.measure import chart as measure
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.formatting import measured
 from pliant.studies.effectivity.effectivity import effectivity
 from pliant.studies.fidelity.choice import choose as climb
-from pliant.studies.fidelity.speed_accuracy import chart as measure
 from pliant.studies.figures.effectivity import effectivity as histogram
 from pliant.studies.figures.speed_accuracy import ladder
 from pliant.studies.figures.speed_accuracy import save as save_chart

@@ -10,13 +10,13 @@ from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import names
+from pliant.studies.charts.measure import chart
 from pliant.studies.closed_loop.closed_loop import Loop, closed_loop, dearer
 from pliant.studies.closed_loop.comparison import compare
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.choice import choose
 from pliant.studies.fidelity.physics_motion import physics_motion
-from pliant.studies.fidelity.speed_accuracy import chart
 from pliant.studies.stability.judgement import judge
 
 from .findings import Findings
