@@ -21,7 +21,7 @@ imports.serve(
         "closed_loop": "rollout played=evaluation_scene scores contestants comparison bound=optimal_bound",
         "fidelity": "chart=speed_accuracy stiffening mode_count",
         "figures": "style shapes=arm_outline figures_models=linear_models figures_chart=speed_accuracy "
-        "figures_control=controllers figures_space=spacecraft stability_figures=stability "
+        "figures_control=controllers figures_space=motion stability_figures=stability "
         "scoreboard_figures=scoreboard",
         "papers": "paper_figures=registry single_link_figures=single_link large_beam_figures=large_beam "
         "slider_crank_figures=slider_crank",

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 
 from pliant.studies.figures import arm_outline, linear_models
 from pliant.studies.figures import motion as motions
-from pliant.studies.figures import spacecraft as spatial
-from pliant.studies.figures.speed_accuracy import ladder
+from pliant.studies.figures import motion as spatial
+from pliant.studies.figures.ladder import ladder
 from pliant.studies.figures.style import COLOURS, QUIET, panels, save, styled
 
 DOCS = Path(__file__).parents[1]

@@ -44,7 +44,7 @@ from .kept_rows import KeptRows
 from .plan import parts, simulated
 from .runner import Runner
 
-COMPILING = 15.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
+COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
 PREPARED, MEASURED = 0.25, 0.95  # of the progress told
 Peers = Callable[..., Sequence[PeerRow]]
 

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
-from pliant.plants.integration.step_maps import step_map
 from pliant.plants.native import kernel_loader
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.physics_motion import compared
@@ -26,7 +25,8 @@ FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
 SHORT = 0.15  # [s] runs are repeated where they take less
 RUNS = 3
-COMPILES = 1e-4  # [s] for each operation of a step: what a kernel that is not at hand may take
+COMPILES = {"rk4": 1.5e-4, "rk8": 2e-4}  # [s] for each operation of the rates: what a kernel that is new may take ..
+IMPLICIT = 1.7e-3  # .. and one of a method that needs Jacobians
 
 
 class Runner:
@@ -94,14 +94,14 @@ class Runner:
         if row.path == "linear":
             return False
         twin = self.rows.get(_twin(row).key)
-        if twin is None:
+        if twin is None:  # fine enough already, or not played yet
             return (row.variant, row.method) in self.enough
         return twin.failure is not None and not twin.failure.startswith(("not run: dominated", "too slow"))
 
     def _refusal(self, plant: Plant, row: Row, deadline: float) -> str:
         """Why a setting is not run; empty where it is."""
         away, unit = self.motions.difference(plant, self.exact), self.motions.scene.unit
-        if RUNS_AWAY * self.motions.scene.tolerance < away < math.inf:
+        if row.path != "linear" and RUNS_AWAY * self.motions.scene.tolerance < away < math.inf:
             return f"not run: runs away, {away:.2g} {unit} from the reference"
         expected = self._expected(row)
         if self.prune and expected > 0:
@@ -113,7 +113,7 @@ class Runner:
         if expected > SLOW and row.lanes == 1:
             return f"too slow: about {expected:.2g} s a run, limit {SLOW:g} s"
         if row.path == "stepper" and _kernel(row) not in self.built and kernel_loader.wanted():
-            expected += COMPILES * step_map(plant, row.method).n_instructions()
+            expected += COMPILES.get(row.method, IMPLICIT) * plant._dynamics.function.n_instructions()
         return SPENT if clock.perf_counter() + expected > deadline else ""
 
     def _expected(self, row: Row) -> float:

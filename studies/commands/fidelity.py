@@ -15,7 +15,7 @@ from pliant.studies.common.formatting import measured
 from pliant.studies.effectivity.effectivity import effectivity
 from pliant.studies.fidelity.choice import choose as climb
 from pliant.studies.figures.effectivity import effectivity as histogram
-from pliant.studies.figures.speed_accuracy import ladder
+from pliant.studies.figures.ladder import ladder
 from pliant.studies.figures.speed_accuracy import save as save_chart
 from pliant.studies.figures.style import save
 

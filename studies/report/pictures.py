@@ -8,7 +8,7 @@ import numpy as np
 
 from pliant.studies import figures
 from pliant.studies.figures import arm_outline
-from pliant.studies.figures.spacecraft import snapshots
+from pliant.studies.figures.motion import snapshots
 
 from .findings import Findings
 
