@@ -77,7 +77,7 @@ class Row:
 
     @property
     def setting(self) -> str:
-        """Like "rk4, 2 ms", "dop853, rtol 1e-05" or "stepper, rk4, 2 ms, 1,024 lanes, single precision"."""
+        """Like "rk4, 2 ms", "dop853, rtol 1e-05" or "stepper, rk4, 2 ms, 1,024 lanes, single"."""
         if self.path == "linear":
             nodes = "" if self.step is None else f", nodes {duration(self.step)} apart"
             return LINEAR.get(self.method, self.method) + nodes
@@ -85,7 +85,7 @@ class Row:
         if self.path == "simulate":
             return f"{self.method}, {at}"
         lanes = f"{self.lanes:,} lanes" if self.lanes > 1 else "1 lane"
-        return f"stepper, {self.method}, {at}, {lanes}, {self.precision} precision"
+        return f"stepper, {self.method}, {at}, {lanes}, {self.precision}"
 
     @property
     def reason(self) -> str:
@@ -166,6 +166,14 @@ class Chart:
             and (r.error or 0.0) + self.reference.uncertainty <= bound
         ]
         return min(found, key=lambda r: r.seconds or 0.0, default=None)
+
+    def holding(self, row: Row | None) -> Chart:
+        """The same with a row that was measured elsewhere, where none of its setting has numbers here."""
+        if row is None or any(own.key == row.key for own in self.measured):
+            return self
+        rows = [own for own in self.rows if own.key != row.key]
+        last = max((i for i, own in enumerate(rows) if own.variant == row.variant), default=len(rows) - 1)
+        return dataclasses.replace(self, rows=with_fronts([*rows[: last + 1], row, *rows[last + 1 :]]))
 
     def to_json(self) -> dict[str, Any]:
         return asdict(self)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 LINE, EDGE = 0.19, 0.42  # [in] of a line, and of the strip's title and edges
 LETTERS = 118  # of a line of text
 MARKS = 62  # of a line of markers
+WORDS = {"dominated, not run": "that cannot be on the front", "no time left, not run": "for want of time"}
 LEFT = 0.25  # share of the strip's width before the markers
 
 
@@ -39,7 +40,7 @@ def sentences(chart: Chart) -> list[str]:
             counts[row.reason] = counts.get(row.reason, 0) + 1
     told = []
     if counts:
-        each = "; ".join(f"{n} {_settings(n)} {reason.removesuffix(', not run')}" for reason, n in counts.items())
+        each = " and ".join(f"{n} {_settings(n)} {WORDS[reason]}" for reason, n in counts.items())
         told.append(f"Not run: {each}.")
     told += [f"{peer.peer}: {peer.failure}" for peer in chart.peers if peer.failure is not None]
     return [line for text in told for line in textwrap.wrap(text, LETTERS, subsequent_indent="    ")]

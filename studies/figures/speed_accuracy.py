@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-RAMPS = (("#8fc1f0", "#123f7d"), ("#f7b35c", "#a84a00"), ("#7fd1ae", "#005a3c"), ("#dfa3cd", "#7d1f63"))
+RAMPS = (("#8fc1f0", "#123f7d"), ("#f7b35c", "#a84a00"), ("#7ee0d8", "#00595a"), ("#e58fc6", "#6b0049"))
 METHOD_MARKERS = {
     "dop853": "o",
     "rk4": "s",
@@ -184,10 +184,7 @@ def _legend(chart: Chart, colours: dict[str, str], low: float, mark: Row | None)
         return Line2D([], [], **{"marker": shape, "ls": "none", "color": QUIET, "label": label, **look})
 
     rows = chart.measured
-    failing = {r.variant for r in chart.failed}
-    handles: list[Any] = [
-        entry(v, "o", color=colours[v]) for v in chart.variants if v in failing or any(r.variant == v for r in rows)
-    ]
+    handles: list[Any] = [entry(variant, "o", color=colour) for variant, colour in colours.items()]
     methods = [m for m in METHOD_MARKERS if any(r.method == m for r in chart.rows if not r.reason.endswith("not run"))]
     handles += [entry(METHOD_NAMES.get(m, m), METHOD_MARKERS[m], ms=7 if m == "ltv" else 5.5) for m in methods]
     if any(r.path == "stepper" and r.precision == "double" for r in rows):

@@ -73,7 +73,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         loops=loops,
         judgement=judgement,
         contests=contests,
-        chart=measured,
+        chart=measured.holding(choice.integrator),
         choice=choice,
         scene_error=motions.difference(scene.plant, truth.outputs),
     )
