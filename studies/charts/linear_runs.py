@@ -41,16 +41,16 @@ class LinearRun:
     states: int
 
 
-def linear_run(motions: Motions, plant: Plant, kind: str, apart: float | None = None) -> LinearRun | None:
-    """ "ltv", with nodes `apart` [s], "linear" or "reduced"; None where there is nothing to simplify.
+def simplifies(motions: Motions, plant: Plant, kind: str) -> bool:
+    """Whether there is anything that "ltv", "linear" or "reduced" makes simpler."""
+    cheapest = motions.ladder[0]
+    return {"ltv": plant != cheapest, "reduced": plant.nx > cheapest.nx}.get(kind, True)
 
-    NoLinearModel says why there is none.
-    """
+
+def linear_run(motions: Motions, plant: Plant, kind: str, apart: float | None = None) -> LinearRun:
+    """ "ltv", with nodes `apart` [s], "linear" or "reduced". NoLinearModel says why there is none."""
     if kind == "ltv":
-        parts = 1 if apart is None else round(motions.scene.dt / apart)
-        return None if plant == motions.ladder[0] else _along(motions, plant, parts)
-    if kind == "reduced" and plant.nx <= motions.ladder[0].nx:
-        return None
+        return _along(motions, plant, 1 if apart is None else round(motions.scene.dt / apart))
     return _about_start(motions, plant, kind == "reduced")
 
 

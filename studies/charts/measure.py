@@ -19,6 +19,7 @@ from pliant.plants.core.argument_gates import (
     require_function,
     require_instance,
     require_names,
+    require_number,
     require_path,
     require_seconds,
 )
@@ -56,6 +57,7 @@ def chart(
     variants: Sequence[Plant] | None = None,
     methods: Sequence[str] = METHODS,
     prune: bool = True,
+    physics_tolerance: float | None = None,
     motions: Motions | None = None,
     kept: str | Path | None = None,
     peers: bool | Peers = False,
@@ -69,6 +71,8 @@ def chart(
     long, or when a measured row is faster and better than its variant can be at any step (`prune`); its row says so. A
     setting finer than one whose error no longer matters has no row.
 
+    physics_tolerance: for which physics is sought, and so known to a few percent of it, where that can be had [the
+    outputs' unit]; None: the scene's tolerance.
     kept: a file of JSON lines to which rows go as they are measured, and from which a second call goes on, with a
     budget of its own. peers: also other programs on the same motion, see `pliant.studies.peers`, or what measures them.
     ValueError for a budget that is not positive, an unknown method, or a file that keeps another scene's rows.
@@ -86,6 +90,8 @@ def chart(
     if variants is not None and not (variants := require_all("chart.variants", variants, Plant)):
         raise ValueError("chart.variants = () must hold at least one Plant")
     prune = require_flag("chart.prune", prune)
+    sought = scene.tolerance if physics_tolerance is None else physics_tolerance
+    sought = require_number("chart.physics_tolerance", sought, "positive", scene.unit)
     if motions is not None:
         require_instance("chart.motions", motions, Motions)
     if progress is not None:
@@ -93,11 +99,11 @@ def chart(
     wanted = _peers(peers)
     told, motions = progress or silent, motions or Motions(scene)
     told(0.0, "physics")
-    truth = physics_motion(motions, scene.tolerance)
+    truth = physics_motion(motions, sought)
     reference = Reference(truth.physics.label, truth.how, truth.uncertainty)
     described = machine.describe()
     path = None if kept is None else require_path("chart.kept", kept)
-    store = KeptRows(path, motions, reference.variant, described)
+    store = KeptRows(path, motions, f"{reference.variant}, for {sought:g} {scene.unit}", described)
     plants = tuple(variants) if variants is not None else motions.ladder
     runner = Runner(motions, truth.outputs, prune)
     _prepare(motions, plants, budget, share(progress, 0.05, PREPARED))
@@ -183,7 +189,7 @@ class _Campaign:
                 row = simulated(plant, method, 0, dt)
                 if plant.label in had or row is None:
                     break
-                if not self._row(plant, row, self.budget):
+                if not self._row(plant, row, self.budget if had else math.inf):
                     self.spent.append(dataclasses.replace(row, failure=SPENT))
                     break
                 had |= {r.variant for r in self.runner.done}

@@ -17,7 +17,7 @@ from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.physics_motion import compared
 from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY, SPENT, Row, comparable_seconds
 
-from .linear_runs import linear_run
+from .linear_runs import linear_run, simplifies
 from .stepper_runs import motion, seconds_a_period, stepper
 
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
@@ -59,7 +59,7 @@ class Runner:
 
     def measure(self, plant: Plant, row: Row, deadline: float) -> Row | None:
         """The row of a setting, or None where there is nothing to gain by it, or it is there already."""
-        if row.key in self.rows or self._no_use(row):
+        if row.key in self.rows or self._no_use(plant, row):
             return None
         why = self._refusal(plant, row, deadline)
         if why:
@@ -87,12 +87,12 @@ class Runner:
         at = (twin.error or 0.0, twin.seconds or 0.0)
         return sum((r.error or 0.0) <= at[0] and (r.seconds or 0.0) < at[1] for r in self.done if r.path == "simulate")
 
-    def _no_use(self, row: Row) -> bool:
+    def _no_use(self, plant: Plant, row: Row) -> bool:
         """A step that is finer than need be, or that `simulate` was not, or could not be, played by."""
         if row.path == "simulate":
             return (row.variant, row.method) in self.enough
         if row.path == "linear":
-            return False
+            return not simplifies(self.motions, plant, row.method)
         twin = self.rows.get(_twin(row).key)
         if twin is None:  # fine enough already, or not played yet
             return (row.variant, row.method) in self.enough
@@ -156,10 +156,8 @@ class Runner:
         outputs = np.asarray(plant.measure(states, motions.held, t=scene.times))[:, compared(motions, plant)]
         return self._told(plant, row, outputs, times, native=step.native)
 
-    def _linear(self, plant: Plant, row: Row) -> Row | None:
+    def _linear(self, plant: Plant, row: Row) -> Row:
         run = linear_run(self.motions, plant, row.method, row.step)
-        if run is None:
-            return None
         outputs, times = run.play(), []
         for _ in range(RUNS):
             began = clock.perf_counter()

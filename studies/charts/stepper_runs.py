@@ -38,8 +38,11 @@ def motion(step: Stepper, start: np.ndarray, held: np.ndarray, times: np.ndarray
             step(x, held[k], t=float(times[k]), out=x)
             found[k + 1] = x[0]
     seconds = clock.perf_counter() - began
-    if not np.isfinite(found).all():
-        raise IntegrationError("the states of the stepper are no longer finite numbers")
+    good = np.isfinite(found).all(axis=1)
+    if not good.all():
+        k = int(np.argmin(good))
+        why = f"the states of the stepper are no longer finite numbers at t = {times[k]:.4g} s"
+        raise IntegrationError(why, float(times[k]), found[k], step.dt / step.substeps)
     return found, seconds
 
 

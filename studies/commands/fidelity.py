@@ -34,6 +34,9 @@ def chart(
     out: Annotated[Path | None, typer.Option(help="Folder of page, picture and table, or a json file.")] = None,
     plot: Picture = None,
     kept: Annotated[Path | None, typer.Option(help="File of rows; it goes on where that one ends.")] = None,
+    physics: Annotated[
+        float | None, typer.Option("--physics-tolerance", help="For which physics is sought; the scene's if not given.")
+    ] = None,
     peers: Annotated[bool, typer.Option("--peers", help="Other programs on the same motion too.")] = False,
     every: Annotated[bool, typer.Option("--all", help="Every shipped scene, with a page of all, into --out.")] = False,
     as_json: AsJson = False,
@@ -58,7 +61,8 @@ def chart(
         folder.mkdir(parents=True, exist_ok=True)
         kept = folder / f"{chosen.name}{KEPT}" if kept is None else kept
     with bar(f"chart {chosen.name}") as tell:
-        found = measure(chosen, budget=budget, kept=kept, peers=peers, progress=tell)
+        own = {"physics_tolerance": physics, "kept": kept, "peers": peers}
+        found = measure(chosen, budget=budget, progress=tell, **own)  # type: ignore[arg-type]
     if folder is not None:
         save_all(found, folder, about=chosen.about)
     with Together() as files:

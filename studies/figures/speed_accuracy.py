@@ -23,6 +23,7 @@ from .style import COLOURS, INK, QUIET, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 RAMPS = (("#8fc1f0", "#123f7d"), ("#f7b35c", "#a84a00"), ("#7ee0d8", "#00595a"), ("#e58fc6", "#6b0049"))
@@ -40,10 +41,11 @@ METHOD_MARKERS = {
 METHOD_NAMES = {"ltv": "LTV along a motion", "linear": "linear, about the start", "reduced": "linear, half the states"}
 PEER_MARKERS = ("v", "<", ">", "d", "8", "1", "2", "3")
 PEER = "#6a6f76"
+FEW_DECADES = 60.0  # times: axes that are shorter have more labels
 WIDTH, HEIGHT = 11.0, 4.4  # [in], of the panels
 BELOW = 3.0  # times: how far into the band errors are told apart in the picture
 LEGEND = 0.165  # [in] of a line of the legend
-LONGEST_TITLE = 120  # characters of a line
+LONGEST_TITLE = 85  # characters of a line
 
 
 @styled
@@ -146,6 +148,19 @@ def _panel(
             ax.text(0.5, 0.5, "none measured", transform=ax.transAxes, ha="center", color=QUIET)
             ax.set_xlim(1e-3, 1.0)
     ax.set_xlabel("wall time per simulated second [ms]" if lanes == 1 else "the same, per motion [ms]")
+    _readable(ax.xaxis)
+    _readable(ax.yaxis)
+
+
+def _readable(axis: Axis) -> None:
+    """Labels at decades, or at 1, 2 and 5 of them where there are few; none in between."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    low, high = axis.get_view_interval()
+    if high < FEW_DECADES * low:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def marker(row: Row, colour: str) -> dict[str, Any]:

@@ -78,5 +78,5 @@ NOT_MADE: dict[str, str] = {
     "studies.fidelity.motion_nodes": "in passing, inside a choice",
     "studies.fidelity.physics_motion": "in passing, inside a choice",
     "studies.fidelity.quasi_linear": "in passing, inside a choice",
-    "studies.fidelity.speed_accuracy.Runner": "in passing, inside a chart",
+    "studies.charts": "in passing, inside a chart",
 }
