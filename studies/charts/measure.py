@@ -145,7 +145,12 @@ def _peers(asked: Any) -> Peers | None:
     if callable(asked):
         found: Peers = asked
         return found
-    return other_programs.measure if require_flag("chart.peers", asked) else None
+    if not require_flag("chart.peers", asked):
+        return None
+    measure: Peers | None = getattr(other_programs, "measure", None)
+    if measure is None:
+        raise ValueError("chart.peers = True: no other program is known here")
+    return measure
 
 
 def _prepare(motions: Motions, plants: Sequence[Plant], budget: float, progress: Progress) -> None:

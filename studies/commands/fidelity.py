@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -61,8 +61,8 @@ def chart(
         folder.mkdir(parents=True, exist_ok=True)
         kept = folder / f"{chosen.name}{KEPT}" if kept is None else kept
     with bar(f"chart {chosen.name}") as tell:
-        own = {"physics_tolerance": physics, "kept": kept, "peers": peers}
-        found = measure(chosen, budget=budget, progress=tell, **own)  # type: ignore[arg-type]
+        own: dict[str, Any] = {"physics_tolerance": physics, "kept": kept, "peers": peers}
+        found = measure(chosen, budget=budget, progress=tell, **own)
     if folder is not None:
         save_all(found, folder, about=chosen.about)
     with Together() as files:
@@ -112,7 +112,9 @@ def _too_little(found: Chart) -> str:
 def _show_front(found: Chart) -> None:
     for variant, words in found.outside:
         say(f"{variant} leaves the range of its kinematics: {words}.")
-    rows = [(r.variant, r.setting, (r.seconds or 0.0) * 1e3, r.error, r.step_error) for r in found.front]
+    rows: list[tuple[Any, ...]] = [
+        (r.variant, r.setting, (r.seconds or 0.0) * 1e3, r.error, r.step_error) for r in found.front
+    ]
     for peer in found.peers:
         at = peer.setting if peer.failure is None else peer.failure
         rows.append((peer.peer, at, None if peer.seconds is None else peer.seconds * 1e3, peer.error, None))

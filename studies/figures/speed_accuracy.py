@@ -60,7 +60,7 @@ def speed_accuracy(chart: Chart, mark: Row | None = None) -> Figure:
     below, handles = strip_height(chart), _legend(chart, colours, low, mark)
     above = max(HEIGHT, LEGEND * (len(handles) + 2) - below)
     figure = Figure(figsize=(WIDTH, above + below), layout="constrained")
-    layout = [["one", "many"], ["strip", "strip"]] if below else [["one", "many"]]
+    layout: Any = [["one", "many"], ["strip", "strip"]] if below else [["one", "many"]]
     ratios = [above, below] if below else [above]
     axes = figure.subplot_mosaic(layout, height_ratios=ratios, width_ratios=[1.25, 1.0])
     for ax, lanes in zip((axes["one"], axes["many"]), LANES):
@@ -110,7 +110,8 @@ def _between(light: str, dark: str, share: float) -> str:
 def _range(chart: Chart) -> tuple[float, float]:
     """Errors that the picture goes from and to; those beyond stand at the edge."""
     band = chart.reference.uncertainty
-    errors = [r.error for r in (*chart.measured, *chart.peers) if r.error is not None and r.error > 0]
+    told = [*(row.error for row in chart.measured), *(peer.error for peer in chart.peers)]
+    errors = [error for error in told if error]
     lowest = max(min(errors, default=chart.tolerance), band / BELOW, 1e-9 * chart.tolerance)
     highest = min(max([*errors, 3 * chart.tolerance]), RUNS_AWAY * chart.tolerance)
     return lowest, highest
