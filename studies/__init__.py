@@ -7,12 +7,13 @@ from pliant.plants.core import imports
 
 # Eager, because these functions share the names of their modules: a later import would put the module
 # in their place. The modules themselves import what draws only where they draw.
+from pliant.studies.charts.gallery import gallery
 from pliant.studies.charts.measure import chart
 from pliant.studies.fidelity.choice import choose
 from pliant.studies.report.report import report
 from pliant.studies.scoreboard.scoreboard import scoreboard
 
-__all__ = ["chart", "choose", "report", "scoreboard"]
+__all__ = ["chart", "choose", "gallery", "report", "scoreboard"]
 
 imports.serve(
     __name__,
