@@ -134,7 +134,7 @@ def build(chart: Chart, svg: str, about: str = "") -> str:
         paragraph(
             f"Error: largest difference of {', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion, "
             f"inputs held over each control period, from physics: {ref.how}, known to {known}. Time: wall time per "
-            "simulated second and lane, median of up to three runs after a warm-up. The stepper is called once a "
+            "simulated second and lane, median of several runs after a warm-up. The stepper is called once a "
             "control period, in one thread, and gives states; linear models are at hand, and what making them took is "
             "told beside."
         )

@@ -18,13 +18,12 @@ from pliant.studies.fidelity.physics_motion import compared
 from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY, SPENT, Row, comparable_seconds
 
 from .linear_runs import linear_run, simplifies
-from .stepper_runs import motion, seconds_a_period, stepper
+from .stepper_runs import motion, repeats, seconds_a_period, stepper
 
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
 FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
-SHORT = 0.15  # [s] runs are repeated where they take less
-RUNS = 3
+SHORT = 0.1  # [s] runs are repeated where they take less
 COMPILES = {"rk4": 1.5e-4, "rk8": 2e-4}  # [s] for each operation of the rates: what a kernel that is new may take ..
 IMPLICIT = 1.7e-3  # .. and one of a method that needs Jacobians
 
@@ -128,7 +127,7 @@ class Runner:
         run = self.motions.run(plant, **options)
         runs = [run] if _cost(row) in self.built else []
         self.built.add(_cost(row))
-        while len(runs) < (RUNS if sum(m.stats["seconds"] for m in runs) < SHORT else 1):
+        while not runs or (runs[-1].stats["seconds"] < SHORT and len(runs) < repeats(runs[-1].stats["seconds"])):
             runs.append(self.motions.run(plant, **options))
         times = comparable_seconds(runs)
         return self._told(plant, row, self.motions.compared(run), times, native=bool(runs[-1].stats["native"]))
@@ -151,15 +150,15 @@ class Runner:
             return dataclasses.replace(
                 one, lanes=row.lanes, seconds=seconds, runs=runs, native=step.native, pareto=False
             )
-        states, _ = motion(step, start, motions.held, scene.times)
-        times = [motion(step, start, motions.held, scene.times)[1] for _ in range(RUNS)]
+        states, first = motion(step, start, motions.held, scene.times)
+        times = [motion(step, start, motions.held, scene.times)[1] for _ in range(repeats(first))]
         outputs = np.asarray(plant.measure(states, motions.held, t=scene.times))[:, compared(motions, plant)]
         return self._told(plant, row, outputs, times, native=step.native)
 
     def _linear(self, plant: Plant, row: Row) -> Row:
         run = linear_run(self.motions, plant, row.method, row.step)
-        outputs, times = run.play(), []
-        for _ in range(RUNS):
+        outputs, times = run.play(), list[float]()
+        while not times or len(times) < repeats(times[-1]):
             began = clock.perf_counter()
             run.play()
             times.append(clock.perf_counter() - began)

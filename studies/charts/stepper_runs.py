@@ -14,7 +14,8 @@ from pliant.plants.integration.batch_stepper import Stepper
 from pliant.plants.native.kernel_loader import NativeWarning
 
 DTYPES = {"double": np.float64, "single": np.float32}
-RUNS = 3
+RUNS, MOST_RUNS = 3, 9
+TIMED = 0.03  # [s] of runs, after which there are no more than the fewest
 LONG = 0.02  # [s] of calls that are timed at once, at least, where the motion has as many
 
 
@@ -55,6 +56,11 @@ def seconds_a_period(step: Stepper, start: np.ndarray, held: np.ndarray, times: 
             break
         periods = min(len(times) - 1, 4 * periods)
     return median(_calls(step, start, held, times, periods) for _ in range(RUNS)) / periods, RUNS
+
+
+def repeats(seconds: float) -> int:
+    """How many runs that take so long are timed."""
+    return int(min(max(RUNS, TIMED / max(seconds, 1e-6)), MOST_RUNS))
 
 
 def _calls(step: Stepper, start: np.ndarray, held: np.ndarray, times: np.ndarray, periods: int) -> float:

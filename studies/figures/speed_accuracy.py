@@ -139,10 +139,7 @@ def _panel(
         ax.step(*zip(*sorted(front)), where="post", color=INK, lw=1.1, zorder=1)
     if lanes == 1:
         ax.set_title("one motion", fontweight="normal")
-        for i, peer in enumerate(chart.peers):
-            if peer.failure is None and peer.seconds is not None and peer.error is not None:
-                at = peer.seconds * 1e3, min(max(peer.error, low), high)
-                ax.plot(*at, _peer_marker(chart, peer.peer), color=PEER, ms=6, ls="none", gid=f"peer-{i}", zorder=2)
+        _draw_peers(ax, chart, ends)
     else:
         ax.set_title(f"{lanes:,} motions at once, one thread", fontweight="normal")
         if not front:
@@ -151,6 +148,18 @@ def _panel(
     ax.set_xlabel("wall time per simulated second [ms]" if lanes == 1 else "the same, per motion [ms]")
     _readable(ax.xaxis)
     _readable(ax.yaxis)
+
+
+def _draw_peers(ax: Axes, chart: Chart, ends: tuple[float, float]) -> None:
+    """Markers in grey, those of one program on a thin line."""
+    lines: dict[str, list[tuple[float, float]]] = {}
+    for i, peer in enumerate(chart.peers):
+        if peer.failure is None and peer.seconds is not None and peer.error is not None:
+            at = peer.seconds * 1e3, min(max(peer.error, ends[0]), ends[1])
+            lines.setdefault(peer.peer, []).append(at)
+            ax.plot(*at, _peer_marker(chart, peer.peer), color=PEER, ms=6, ls="none", gid=f"peer-{i}", zorder=2)
+    for points in lines.values():
+        ax.plot(*zip(*sorted(points)), color=PEER, lw=0.8, alpha=0.6, zorder=1)
 
 
 def _readable(axis: Axis) -> None:

@@ -16,7 +16,7 @@ def chart(found: Findings) -> str:
         "Each point is one variant by one method at one step. Error: largest difference of "
         f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
         f"period) from physics: {ref.how}, known to {measured(ref.uncertainty, chart.unit)}. Time: integration only, "
-        f"per lane, after warm-up, median of up to three runs; {chart.machine['evaluation']}. The stepper is called "
+        f"per lane, after warm-up, median of several runs; {chart.machine['evaluation']}. The stepper is called "
         "once a control period, in one thread. The settings are under the pointer."
     )
     fast = chart.fastest()

@@ -5,7 +5,7 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import IntegrationError
-from pliant.studies.charts.stepper_runs import motion, seconds_a_period, stepper
+from pliant.studies.charts.stepper_runs import motion, repeats, seconds_a_period, stepper
 from pliant.studies.common.reference_motions import Motions
 
 MOTIONS = Motions(scenes.get("single-link-slew", duration=0.4))
@@ -36,3 +36,7 @@ def test_what_is_no_number_is_an_error():
     held[0] = 0.0  # where the step limit is looked at
     with pytest.raises(IntegrationError, match="no longer finite"):
         motion(step, MOTIONS.start(plant), held, SCENE.times)
+
+
+def test_short_runs_are_timed_more_often():
+    assert [repeats(seconds) for seconds in (0.0, 1e-3, 0.006, 1.0)] == [9, 9, 5, 3]
