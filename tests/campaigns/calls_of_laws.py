@@ -157,6 +157,7 @@ REASONS = {  # patterns of module and name
     "studies.fidelity.stiffening.Stiffening": RESULT,
     "studies.figures*": DRAWN,
     "studies.papers*": DRAWN,
+    "studies.peers.peer_rows.PeerRow": RESULT,
     "studies.report*": DRAWN,
     "studies.scoreboard*": RESULT,
     "studies.stability.*": RESULT,
