@@ -33,9 +33,7 @@ UNMODELLED = ("bending out of the plane", "torsion", "extension", "joints that g
 class PlanarArm(LagrangianPlant):
     """What both arms say alike of their fidelities."""
 
-    def without(self, effect: str) -> Self:
-        if effect not in self.effects:
-            return super().without(effect)
+    def _lacking(self, effect: str) -> Self:
         arm: Any = self
         changes: dict[str, dict[str, Any]] = {
             "bending": {"modes": 0 if isinstance(arm.modes, int) else (0, 0)},

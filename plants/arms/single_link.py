@@ -26,6 +26,7 @@ from pliant.plants.beams.elastic_link import payload_energy, payload_position, s
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_choice, require_finite
+from pliant.plants.core.casadi_functions import last_call
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.exact_rotations.strain_link import StrainLink
@@ -138,6 +139,7 @@ class SingleLinkArm(SingleLinkDeclaration):
         v = self._clamped(v)
         return self.hub_friction * v[0] ** 2 / 2 + self.elastic.dissipation(v[1:])
 
+    @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         if self.frame == "clamped" and small_slope_equations.of_small_slopes(self.elastic):
             return small_slope_equations.of_single_link(self, x, u, w, self._offset_load)

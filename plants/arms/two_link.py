@@ -23,6 +23,7 @@ from pliant.plants import beams
 from pliant.plants.beams.elastic_link import payload_energy, payload_position, second_derivative
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.casadi_functions import last_call
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.exact_rotations.strain_link import StrainLink
@@ -157,6 +158,7 @@ class TwoLinkArm(TwoLinkDeclaration):
         friction = self.joint_friction[0] * w1**2 / 2 + self.joint_friction[1] * w2**2 / 2
         return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
 
+    @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         small, whole = of_small_slopes(self.links[0]), self.reduction in ("full", "rigid")
         if not whole or not (small or written_out(self.links[0])):
@@ -164,6 +166,7 @@ class TwoLinkArm(TwoLinkDeclaration):
         by = small_slope_equations if small else exact_rotation_equations
         return by.of_two_links(self, x, u, w, self._offset_load)
 
+    @last_call
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         if self.reduction not in ("full", "rigid") or not of_small_slopes(self.links[0]):
             return super().solved(t, x, u, w)

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, wraps
 from typing import Any, ClassVar, TypeVar
 
 import casadi as ca
@@ -99,6 +100,20 @@ def function(name: str, symbols: list[ca.SX], results: list[ca.SX], *, matrices:
 def entries(v: ca.SX, where: slice) -> ca.SX:
     """v[where] as a column: where no entries are asked of a column of one, CasADi gives a row."""
     return v[where] if where.stop > where.start else ca.SX(0, 1)
+
+
+def last_call(method: Callable[..., T]) -> Callable[..., T]:
+    """A method of expressions, that gives again what it gave where it is asked for the very same ones once more."""
+
+    @wraps(method)
+    def called(self: Any, *symbols: ca.SX) -> T:
+        kept = self.__dict__.get(method.__qualname__)
+        if kept is None or any(a is not b for a, b in zip(kept[0], symbols, strict=True)):
+            kept = self.__dict__[method.__qualname__] = symbols, method(self, *symbols)
+        found: T = kept[1]
+        return found
+
+    return called
 
 
 class built_once(cached_property[T]):

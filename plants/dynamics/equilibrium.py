@@ -6,23 +6,93 @@ import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import casadi as ca
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_by_name
+from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
 from pliant.plants.core.signals import index
 
 if TYPE_CHECKING:
     from .plant import Plant
 
+Array = np.ndarray
 TOLERANCE = 1e-10  # relative to the rates that each unknown can cause
 STEP = 1e-6  # of an unknown or of SMALL: a Newton step beyond it means that very stiff terms hide the others' residual
 SMALL = 1e-3
 
 
+class RestConditions:
+    """What must vanish for (x, u) to be a rest of a plant: dx/dt."""
+
+    def __init__(self, plant: Any, p: Any) -> None:
+        self.plant, self.p = plant, p
+
+    def forces(self, x: Array, u: Array, at: Array) -> Array:
+        """(nx,), weighed as at a state `at` (nx,) near by."""
+        rate: Array = self.plant._rate(*self.plant._arguments(x, u, p=self.p))
+        return rate
+
+    def slopes(self, x: Array, u: Array) -> Array:
+        """The Jacobian (nx, nx + nu) of these in [x; u], weighed as at x."""
+        return np.hstack(self.plant._state_jacobians(x, u, self.p))
+
+    def states(self, x: Array, u: Array) -> Array:
+        """A (nx, nx) at a rest."""
+        A: Array = self.plant._state_jacobians(x, u, self.p)[0]
+        return A
+
+
+class ForcesAtRest(RestConditions):
+    """Of M(q) dv/dt = r: dq/dt and the forces r, so that a stiff mode's are in its own row only.
+
+    Where nothing moves and no coordinate is driven they come from `_forces_at_rest`, a fraction of all equations.
+    """
+
+    def _known(self, x: Array, u: Array) -> list[Array] | None:
+        if self.plant.driven or x[len(x) // 2 :].any():
+            return None
+        values, _ = self.plant._arguments(x, u, p=self.p)
+        found: list[Array] = self.plant._forces_at_rest(*values)
+        return found
+
+    def forces(self, x: Array, u: Array, at: Array) -> Array:
+        n = len(x) // 2
+        if (known := self._known(x, u)) is not None:
+            return np.concatenate([x[n:], known[0][:, 0]])
+        rate = super().forces(x, u, at)
+        return np.concatenate([rate[:n], self.plant.mass_matrix(at, p=self.p) @ rate[n:]])
+
+    def slopes(self, x: Array, u: Array) -> Array:
+        n = len(x) // 2
+        if (known := self._known(x, u)) is not None:
+            return np.block([[np.zeros((n, n)), np.eye(n), np.zeros((n, len(u)))], known[1:4]])
+        slopes = super().slopes(x, u)
+        return np.vstack([slopes[:n], self.plant.mass_matrix(x, p=self.p) @ slopes[n:]])
+
+    def states(self, x: Array, u: Array) -> Array:
+        n = len(x) // 2
+        if (known := self._known(x, u)) is None:
+            return super().states(x, u)
+        return np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(known[4], np.hstack(known[1:3]))]])
+
+
+def forces_at_rest(plant: Any) -> NumericFunction:
+    """(t, x, u, w, p) -> the forces r (n,) where nothing moves, their Jacobians in q, v and u, and M (n, n)."""
+    t, x, u, w, p = plant.symbols
+    M, r, _, _ = plant._terms
+    n = x.shape[0] // 2
+    moving = ca.vertcat(x[n:], w)
+    still = ca.SX.zeros(moving.shape[0])
+    at_rest = ca.substitute(r, moving, still)
+    slopes = [ca.jacobian(at_rest, x[:n]), ca.substitute(ca.jacobian(r, x[n:]), moving, still)]
+    return function("rest", [t, x, u, w, p], [at_rest, *slopes, ca.jacobian(at_rest, u), M], matrices=True)
+
+
 def find(
     plant: Plant, fixed: Mapping[str, float], named: Mapping[str, float], guess: Mapping[str, float], p: Any
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Array, Array]:
     """Solve f(x, u) = 0 with the named signals held. Unknown: every other state, and the inputs when enough is held."""
     names = tuple(s.name for s in plant.states + plant.inputs)
     signals = plant.states + plant.inputs
@@ -37,14 +107,11 @@ def find(
     if held[:nx].sum() < plant.nu:
         held[nx:] = True  # too few states are given to determine the inputs: they stay as given, or zero
 
-    free = np.flatnonzero(~held)
+    free, rest = np.flatnonzero(~held), plant.rest_conditions(p)
     scale, step = 1.0, 0.0
-    residual = _rate(plant, z, p)
     for _ in range(100):
-        A, B = plant._state_jacobians(z[:nx], z[nx:], p)
         at = z[:nx]
-        J = plant.rest_residual(at, np.hstack([A, B])[:, free], p)
-        residual = plant.rest_residual(at, residual, p)
+        J, residual = rest.slopes(at, z[nx:])[:, free], rest.forces(at, z[nx:], at)
         size = np.maximum(np.abs(z[free]), SMALL)
         scale = np.maximum(np.abs(J) @ size, 1e-3)
         change = np.linalg.lstsq(J / scale[:, None], -residual / scale, rcond=1e-12)[0]
@@ -55,16 +122,16 @@ def find(
         while length > 1e-6:
             trial = z.copy()
             trial[free] += length * change
-            moved = _rate(plant, trial, p)  # not finite where the step was too long
-            if np.linalg.norm(plant.rest_residual(at, moved, p) / scale) < best:
+            moved = rest.forces(trial[:nx], trial[nx:], at)  # not finite where the step was too long
+            if np.linalg.norm(moved / scale) < best:
                 break
             length /= 2
         else:
             break
         z, residual = trial, moved
     worst = float(np.max(np.abs(residual) / scale))
+    rate = plant.dynamics(z[:nx], z[nx:], p=p)  # raises where the equations have lost their meaning
     if not (worst < TOLERANCE and step < STEP):
-        rate = _rate(plant, z, p)
         k = int(np.argmax(np.abs(rate)))
         raise EquilibriumError(
             f"no equilibrium of {plant.label} with {dict(fixed)} held: d({names[k]})/dt = {rate[k]:.3g} remains; "
@@ -74,14 +141,14 @@ def find(
     return z[:nx], z[nx:]
 
 
-def tell_unstable(plant: Plant, x0: np.ndarray, u0: np.ndarray, p: Any) -> None:
+def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
     """Warn (UnstableRestWarning) where an eigenvalue at rest has a positive real part beyond its own error.
 
     The error is what rounding of A can do to a simple eigenvalue, n eps |A| / |y^H x| with the left and right vectors y
     and x of length one (Golub and Van Loan, "Matrix Computations", 7.2.2). Roots that are nearly multiple have large
     errors: of them nothing is said.
     """
-    A = plant._state_jacobians(x0, u0, p)[0]
+    A = plant.rest_conditions(p).states(x0, u0)
     roots, right = np.linalg.eig(A)
     try:
         left = np.linalg.inv(right)
@@ -99,8 +166,3 @@ def tell_unstable(plant: Plant, x0: np.ndarray, u0: np.ndarray, p: Any) -> None:
             UnstableRestWarning,
             stacklevel=4,
         )
-
-
-def _rate(plant: Plant, z: np.ndarray, p: Any) -> np.ndarray:
-    """dx/dt (nx,) at z = [x; u]."""
-    return plant._rate(*plant._arguments(z[: plant.nx], z[plant.nx :], p=p))

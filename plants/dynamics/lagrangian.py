@@ -15,13 +15,14 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_flag, require_names, shown
-from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
+from pliant.plants.core.casadi_functions import NumericFunction, built_once, function, last_call
 from pliant.plants.core.signals import Joint, Signal, index
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.linear.second_order import natural_squares
 
 from . import arguments
 from .declaration import Array
+from .equilibrium import ForcesAtRest, RestConditions, forces_at_rest
 from .mechanical import MechanicalPlant
 from .residual_jacobians import Differentiated
 from .symbolic_ldl import ldl, ldl_solve
@@ -89,6 +90,7 @@ class LagrangianPlant(MechanicalPlant):
         t, x, u, w, _ = self.symbols
         return self.symbolic.equations(t, x, u, w)
 
+    @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """(M, r, T, V): mass matrix (n, n) and right-hand side (n,) of M a = r, the energies [J]."""
         n = len(self.coordinates)
@@ -118,6 +120,7 @@ class LagrangianPlant(MechanicalPlant):
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         return ca.vertcat(x[len(self.coordinates) :], self.solved(t, x, u, w)[0])
 
+    @last_call
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         """Accelerations (n,), and pivots of the mass matrix in the coordinates that it is solved in."""
         return self.acceleration(*self.equations(t, x, u, w)[:2], u)
@@ -147,10 +150,10 @@ class LagrangianPlant(MechanicalPlant):
     def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
         return nominal.derivative()[:, len(self.coordinates) :]
 
-    def rest_residual(self, x: Array, rate: Array, p: Any = None) -> Array:
-        """Forces for accelerations: a stiff mode's are then in its own row only."""
-        n = len(self.coordinates)
-        return np.concatenate([rate[:n], self.mass_matrix(x, p=p) @ rate[n:]])
+    _forces_at_rest = built_once(forces_at_rest)
+
+    def rest_conditions(self, p: Any = None) -> RestConditions:
+        return ForcesAtRest(self, p)
 
     def _lost_at(self, x: Array) -> str:
         values, _ = self._arguments(x)
@@ -171,8 +174,7 @@ class LagrangianPlant(MechanicalPlant):
         q, v = x[:n], x[n:]
         put_in = ca.dot(self.symbolic.generalized_force(t, q, v, u, w), v)
         if self.driven:
-            M, r, _, _ = self._terms
-            reaction = M @ self._motion[0][n:] - r
+            reaction = self._terms[0] @ self._motion[0][n:] - self._terms[1]
             put_in += sum(reaction[i] * v[i] for i in self.driven)
         return put_in, ca.jtimes(self.symbolic.dissipation(q, v), v, v)
 

@@ -122,9 +122,9 @@ class Plant(PlantContract):
         equilibrium.tell_unstable(self, x0, u0, p)
         return x0, u0
 
-    def rest_residual(self, x: Array, rate: Array, p: Any = None) -> Array:
-        """What must vanish at rest at x (nx,), from dx/dt (nx,) or columns of its changes (nx, m): dx/dt itself."""
-        return rate
+    def rest_conditions(self, p: Any = None) -> equilibrium.RestConditions:
+        """What must vanish at rest, and its slopes."""
+        return equilibrium.RestConditions(self, p)
 
     def explain_stop(self, passed: Array, last: Array, w: Any, p: Any) -> None:
         """Raise the error that says why an integration stopped at `last` (nx,) after the states `passed` (k, nx)."""

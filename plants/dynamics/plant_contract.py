@@ -44,13 +44,27 @@ class PhysicsContract(Declaration):
         return {}
 
     def without(self, effect: str) -> Self:
-        """This model, which has all effects, without one; where it can be, in the same states."""
-        raise ValueError(f"{type(self).__name__}.without: effect {effect!r} is not one of its effects")
+        """This model without one of its effects; where it can be, in the same states. Itself where it lacks it."""
+        known = self.effects
+        if effect not in known:
+            raise ValueError(f"{type(self).__name__}.without: effect {effect!r} is not one of its effects")
+        return self._lacking(effect) if known[effect] else self
+
+    def _lacking(self, effect: str) -> Self:
+        """This model, which has it, without one of its effects. No default: who names effects knows."""
+        raise NotImplementedError(f"{type(self).__name__}.effects names {effect!r}, _lacking must take it away")
 
     @property
     def unmodelled(self) -> tuple[str, ...]:
         """What even `physics` leaves out, in words. Default: what every variant of the ladder does."""
         return ("what every variant of its ladder leaves out",)
+
+    @property
+    def left_out(self) -> float:
+        """Where `physics` has no more shapes to add: what those do that are not known of, as a share of what the last
+        that is known does. Default: as much.
+        """
+        return 1.0
 
     @property
     def newton(self) -> Self:

@@ -25,6 +25,7 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_finite, shown
+from pliant.plants.core.casadi_functions import last_call
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
@@ -137,6 +138,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         tip = self._tip(self.fields.tangents.at(q, v))
         return ca.jtimes(tip, q, w if self.root == "driven" else u, True)
 
+    @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """What the base class derives from the energies, from the positions' Jacobians: a fraction of the size."""
         n = len(self.coordinates)

@@ -70,12 +70,12 @@ class SliderCrank(SliderCrankMechanism):
         bends = self.kinematics != "rigid" and self.modes > 0
         return {"bending": bends, "shortening of the bent rod": bends and self.kinematics == "stiffened"}
 
-    def without(self, effect: str) -> Self:
+    def _lacking(self, effect: str) -> Self:
         changes: dict[str, dict[str, Any]] = {
             "bending": {"kinematics": "rigid"},
             "shortening of the bent rod": {"kinematics": "linear"},
         }
-        return dataclasses.replace(self, **changes[effect]) if effect in changes else super().without(effect)
+        return dataclasses.replace(self, **changes[effect])
 
     @property
     def unmodelled(self) -> tuple[str, ...]:

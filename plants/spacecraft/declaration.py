@@ -18,7 +18,7 @@ from pliant.plants.core.quaternions import matrix
 from pliant.plants.core.signals import Signal, index
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.dynamics.mechanical import MechanicalPlant
-from pliant.plants.modal_data.integrals import axial
+from pliant.plants.modal_data.driven_families import before_the_last, left_out
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.spacecraft_parts.appendage import Appendage, constant
 from pliant.plants.spacecraft_parts.environment import Environment
@@ -27,7 +27,6 @@ from pliant.plants.spacecraft_parts.hub import Hub
 from .layout import Layout
 
 KINEMATICS = ("rigid", "linear", "stiffened")
-PART = 1e-6  # of the largest: a mode that the root's motion drives less takes no part in it
 UNIT = 1e-3  # how far from 1 the norm of a quaternion that is given may be
 AXES = "xyz"
 
@@ -163,13 +162,18 @@ class SpacecraftDeclaration(MechanicalPlant):
         return dataclasses.replace(self, kinematics="stiffened", appendages=bodies)
 
     @property
+    def left_out(self) -> float:
+        data = [a.body for a in self.appendages if isinstance(a.body, ModalData)]
+        return max((left_out(body, turned=not self.translation) for body in data), default=super().left_out)
+
+    @property
     def effects(self) -> dict[str, bool]:
         bends = self.kinematics != "rigid" and sum(self.mode_counts) > 0
         return {"bending": bends, "shortening of the bent appendages": bends and self.kinematics == "stiffened"}
 
-    def without(self, effect: str) -> Self:
+    def _lacking(self, effect: str) -> Self:
         kinds = {"bending": "rigid", "shortening of the bent appendages": "linear"}
-        return dataclasses.replace(self, kinematics=kinds[effect]) if effect in kinds else super().without(effect)
+        return dataclasses.replace(self, kinematics=kinds[effect])
 
     @property
     def unmodelled(self) -> tuple[str, ...]:
@@ -233,20 +237,9 @@ class SpacecraftDeclaration(MechanicalPlant):
 def _richer(appendage: Appendage, more: int) -> Appendage:
     """The modes of modal data, all but the last where `more` is 1; or `more` of a beam."""
     if isinstance(appendage.body, ModalData):
-        data = appendage.body if more > 1 else appendage.body.slowest(_before_the_last(appendage.body))
+        data = appendage.body if more > 1 else appendage.body.slowest(before_the_last(appendage.body))
         return dataclasses.replace(appendage, modes=None, body=data)
     own = 1 if appendage.modes is None else appendage.modes
     if isinstance(own, int):
         return dataclasses.replace(appendage, modes=own + more)
     return dataclasses.replace(appendage, modes=(own[0] + more, own[1] + more))
-
-
-def _before_the_last(data: ModalData) -> int:
-    """Modes that are slower than the last of those that any motion of the root drives, along or about one axis."""
-    order = np.argsort(np.diag(data.stiffness) / np.diag(data.modal_mass), kind="stable")
-    driven = np.abs(np.hstack([data.R, axial(data.moments)]))[order]  # (n, 6)
-    if not driven.size:
-        return 0
-    takes_part = driven > PART * driven.max(axis=0)
-    last = [int(np.flatnonzero(column)[-1]) for column in takes_part.T if column.any()]
-    return min(last, default=len(order))

@@ -20,7 +20,7 @@ from pliant.plants import LinearModel, Plant, PliantError, Trajectory, ValidityW
 from pliant.plants.core.signals import GAUSS
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.physics_motion import compared
+from pliant.studies.physics.physics_motion import compared
 
 Array = np.ndarray
 RTOL = 1e-8  # of the nominal

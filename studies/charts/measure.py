@@ -27,7 +27,6 @@ from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies import peers as other_programs
 from pliant.studies.common import machine
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
-from pliant.studies.fidelity.physics_motion import physics_motion
 from pliant.studies.fidelity.speed_accuracy import (
     LINEAR,
     METHODS,
@@ -40,6 +39,7 @@ from pliant.studies.fidelity.speed_accuracy import (
     with_fronts,
 )
 from pliant.studies.peers.peer_rows import PeerRow
+from pliant.studies.physics.physics_motion import physics_motion
 
 from .kept_rows import KeptRows
 from .plan import parts, simulated

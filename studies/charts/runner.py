@@ -14,8 +14,8 @@ import numpy as np
 from pliant.plants import Plant, PliantError
 from pliant.plants.native import kernel_loader
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.physics_motion import compared
 from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY, SPENT, Row, comparable_seconds
+from pliant.studies.physics.physics_motion import compared
 
 from .linear_runs import linear_run, simplifies
 from .stepper_runs import motion, repeats, seconds_a_period, stepper

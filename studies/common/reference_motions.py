@@ -16,7 +16,7 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
-from pliant.plants.core.argument_gates import require_finite
+from pliant.plants.core.argument_gates import require_finite, shown
 from pliant.plants.validity.ranges import in_words
 
 TIGHT = 1e-10  # rtol of a converged motion; atol is a hundredth
@@ -44,8 +44,24 @@ class Motions:
             self.held = require_finite("Motions.inputs", inputs, (len(scene.times), scene.plant.nu))
         self._kept: dict[Plant, np.ndarray | PliantError] = {}
         self._starts: dict[Plant, np.ndarray] = {}
-        self._outside: dict[Plant, str] = {}
+        self._left: dict[Plant, tuple[dict[str, Any], ...]] = {}  # entries of stats["validity"]
         self.truth: dict[float, Any] = {}  # what physics gives, by the tolerance for which it was found
+
+    @classmethod
+    def with_inputs_of(cls, scene: Scene, motion: Trajectory, name: str) -> Motions:
+        """The inputs of a motion held over the control periods of the scene: each as it is amid the period, where no
+        rounding of times makes it another's. ValueError, which calls it `name`, where it has others or ends before.
+        """
+        if tuple(s.name for s in motion.inputs) != tuple(s.name for s in scene.plant.inputs):
+            raise ValueError(f"{name} has inputs {shown(motion.inputs)}, must have the plant's")
+        amid, first, last = scene.times[:-1] + scene.dt / 2, float(motion.t[0]), float(motion.t[-1])
+        if not (first <= amid[0] and amid[-1] <= last):
+            raise ValueError(
+                f"{name} lasts from {first:.6g} to {last:.6g} s, must last as long as the scene does, "
+                f"{scene.times[-1]:.6g} s"
+            )
+        u = motion.resample(amid).u
+        return cls(scene, np.vstack([u, u[-1:]]))
 
     @cached_property
     def ladder(self) -> tuple[Plant, ...]:
@@ -76,7 +92,7 @@ class Motions:
     def outputs(self, plant: Plant, rtol: float) -> np.ndarray:
         """The compared outputs (nt, n) at a tolerance."""
         motion = self.run(plant, rtol=rtol, atol=rtol / 100)
-        self._outside[plant] = "; ".join(in_words(entry) for entry in motion.stats.get("validity", ()))
+        self._left[plant] = tuple(motion.stats.get("validity", ()))
         return self.compared(motion)
 
     def compared(self, motion: Trajectory) -> np.ndarray:
@@ -89,7 +105,7 @@ class Motions:
             try:
                 motion = self.run(plant, rtol=TIGHT, atol=TIGHT / 100)
                 self._kept[plant] = self.compared(motion)
-                self._outside[plant] = "; ".join(in_words(entry) for entry in motion.stats.get("validity", ()))
+                self._left[plant] = tuple(motion.stats.get("validity", ()))
             except PliantError as failure:
                 self._kept[plant] = failure
         found = self._kept[plant]
@@ -103,11 +119,15 @@ class Motions:
             self.converged(plant)
         except PliantError:
             return ""
-        return self._outside[plant]
+        return self.outside_so_far(plant)
 
     def outside_so_far(self, plant: Plant) -> str:
         """The same as far as its motion is known already."""
-        return self._outside.get(plant, "")
+        return "; ".join(in_words(entry) for entry in self.left_so_far(plant))
+
+    def left_so_far(self, plant: Plant) -> tuple[dict[str, Any], ...]:
+        """The ranges that it leaves as far as known, each as in Trajectory.stats["validity"]."""
+        return self._left.get(plant, ())
 
     def difference(self, plant: Plant, other: Plant | np.ndarray) -> float:
         """Largest difference of any compared output from another fidelity's or from outputs (nt, n); or infinite."""

@@ -13,14 +13,17 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
+from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common.reference_motions import Motions
+from pliant.studies.physics.physics_motion import PhysicsMotion
 
-from .physics_motion import PhysicsMotion
 from .speed_accuracy import SUBSTEPS, TOLERANCES, Row, comparable_seconds
 
 FIXED = ("rk4", "rk8", "rosenbrock")
 ADAPTIVE = ("dop853",)
 RUNS = 3  # a setting that holds is timed so often
+WORTH = 2.0  # [s]: where compiling takes less, timings are of compiled code
+LONG = 0.05  # [s]: a run that takes longer is timed once
 PATIENCE = 10.0  # times the fastest: longer runs are not made
 
 
@@ -28,6 +31,7 @@ def integrators(
     motions: Motions, truth: PhysicsMotion, plant: Plant, tolerance: float
 ) -> tuple[Row | None, Row | None]:
     """(the fastest row within the tolerance, the fixed-step row with the largest step within it)."""
+    compile_motions(plant, WORTH)
     duration = motions.scene.steps * motions.scene.dt
     best: Row | None = None
     largest: Row | None = None
@@ -43,7 +47,8 @@ def integrators(
                 if best is not None and motion.stats["seconds"] > PATIENCE * (best.seconds or 0.0) * duration:
                     break
                 continue
-            runs = [motion, *(motions.run(plant, method=method, **options) for _ in range(RUNS - 1))]
+            more = RUNS - 1 if motion.stats["seconds"] < LONG else 0
+            runs = [motion, *(motions.run(plant, method=method, **options) for _ in range(more))]
             times = comparable_seconds(runs)
             row = replace(row, seconds=median(times) / duration, error=error, runs=len(times))
             if best is None or (row.seconds or 0.0) < (best.seconds or 0.0):

@@ -33,6 +33,8 @@ def words(choice: Choice) -> str:
         parts.append(f"Physics is {choice.physics}, known to {said(choice.convergence)}.")
     else:
         parts.append(f"{choice.physics[0].upper()}{choice.physics[1:]}.")
+    if choice.beyond:
+        parts.append(f"It is taken beyond what it is made for: {'; '.join(choice.beyond)}.")
     for kept, word in ((False, "Left out"), (True, "Kept")):
         each = ", ".join(f"{e.name}, {said(e.change)}" for e in choice.effects if e.kept == kept)
         if each:

@@ -16,7 +16,7 @@ from pliant.studies.closed_loop.comparison import compare
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.choice import choose
-from pliant.studies.fidelity.physics_motion import physics_motion
+from pliant.studies.physics.physics_motion import physics_motion
 from pliant.studies.stability.judgement import judge
 
 from .findings import Findings

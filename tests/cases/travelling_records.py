@@ -29,7 +29,7 @@ RECORDS = {  # of studies, evaluations and certificates: filled with made-up val
     "studies.closed_loop.contestants": "Designed",
     "studies.closed_loop.scores": "Score Row",
     "studies.fidelity.choice": "Rung Choice",
-    "studies.fidelity.effects": "Effect",
+    "studies.physics.effects": "Effect",
     "studies.fidelity.mode_count": "ModeCount ModesNeeded",
     "studies.fidelity.speed_accuracy": "Row Reference Chart",
     "studies.fidelity.stiffening": "Stiffening",

@@ -13,7 +13,7 @@ from pliant.envs import scenes
 from pliant.envs.scenes.spacecraft_parts import LINE, WIDTH
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.physics_motion import physics_motion
+from pliant.studies.physics.physics_motion import physics_motion
 
 TOLERANCE = 1e-6
 

@@ -57,3 +57,14 @@ def test_a_frame_of_another_kind_is_left():
     x = np.r_[0.2, 1e-3, -5e-4, np.zeros(3)]
     k = [s.name for s in pinned.outputs].index("hub_angle")
     assert (physics.embedding(pinned) @ x)[0] == pytest.approx(pinned.measure(x)[k], abs=1e-12)
+
+
+def test_effects_go_one_after_the_other_in_any_order():
+    """Without shortening there are no exact rotations to take away: that must not bring the shortening back."""
+    physics = TwoLinkArm.textbook().physics()
+    both = ("shortening of the bent links", "exact rotations")
+    for names in (both, both[::-1]):
+        lacking = physics
+        for name in names:
+            lacking = lacking.without(name)
+        assert lacking.kinematics == "linear"

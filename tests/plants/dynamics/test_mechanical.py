@@ -25,12 +25,13 @@ def test_slopes_are_central_differences_of_the_rate(plant):
     J = ca.Function("J", list(plant.symbols), [plant.slopes()])
     found = np.array(J(0.0, x, u, np.zeros(plant.nw), []))
     z, h = np.append(x, u), 1e-6
+    rounded = 8 * np.finfo(float).eps * np.abs(plant.dynamics(x, u)).max() / h  # some eps of the largest rate, over 2 h
     for k in range(len(z)):
         d = np.zeros(len(z))
         d[k] = h
         ahead, back = (plant.dynamics((z + s * d)[: plant.nx], (z + s * d)[plant.nx :]) for s in (1, -1))
         wanted = (ahead - back) / (2 * h)
-        np.testing.assert_allclose(found[:, k], wanted, atol=1e-6 * max(1.0, np.abs(wanted).max()))
+        np.testing.assert_allclose(found[:, k], wanted, atol=1e-6 * max(1.0, np.abs(wanted).max()) + rounded)
 
 
 @pytest.mark.parametrize("plant", PLANTS, ids=lambda p: type(p).__name__)
@@ -43,13 +44,23 @@ def test_positions_come_first_and_move_at_rates_that_are_states(plant):
 
 
 @pytest.mark.parametrize("plant", PLANTS[:2], ids=lambda p: type(p).__name__)
-def test_rest_residual_is_forces(plant):
-    """M a is what the inputs push with: the columns of B become the generalised forces, which have unit entries."""
-    x, _ = point(plant)
+def test_what_must_vanish_at_rest_is_forces(plant):
+    """M a: the columns of B become the generalised forces of the inputs, which have unit entries."""
+    x, u = point(plant)
     n = plant.coordinates_slice.stop
-    pushed = plant.rest_residual(x, plant.jacobians(x)[1])
+    pushed = plant.rest_conditions().slopes(x, u)[:, plant.nx :]
     assert np.abs(pushed[:n]).max() == 0.0
     np.testing.assert_allclose(pushed[n:].sum(axis=0).max(), 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("plant", PLANTS[:2], ids=lambda p: type(p).__name__)
+def test_the_linear_model_at_rest_is_the_one_from_all_equations(plant):
+    """`jacobians`, which differentiates the whole of f, where `at_rest` may use forces at rest alone."""
+    x, u = plant.equilibrium({s.name: 0.3 for s in plant.states[: plant.nu]})
+    A = plant.jacobians(x, u)[0]
+    np.testing.assert_allclose(plant.rest_conditions().states(x, u), A, atol=1e-9 * np.abs(A).max())
+    scale = np.abs(plant.rest_conditions().slopes(x, u)).max()
+    np.testing.assert_allclose(plant.rest_conditions().forces(x, u, x), 0.0, atol=1e-9 * scale)
 
 
 def test_a_stop_is_explained_where_the_mass_matrix_is_lost_and_not_elsewhere():

@@ -101,7 +101,7 @@ def solved(beam, x, free, force):
     def lacking(q):
         at = x.copy()
         at[free] = q
-        return beam.rest_residual(at, beam.dynamics(at, force))[[n + i for i in free]]
+        return beam.rest_conditions().forces(at, np.asarray(force), at)[[n + i for i in free]]
 
     found = root(lacking, np.zeros(len(free)), tol=1e-12)
     assert np.abs(found.fun).max() < 1e-9

@@ -6,7 +6,7 @@ from made_up_charts import made_up_chart
 from pliant.studies.charts import gallery as room
 from pliant.studies.charts.gallery import counted, gallery, index
 from pliant.studies.common import machine
-from pliant.studies.fidelity.quasi_linear import NotSettled
+from pliant.studies.physics.quasi_linear import NotSettled
 
 NAMES = ("spin-up", "two-link-reach")
 

@@ -12,9 +12,9 @@ from pliant.studies.charts import measure, runner
 from pliant.studies.charts.measure import rounded_up
 from pliant.studies.charts.runner import Runner
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.physics_motion import physics_motion
 from pliant.studies.fidelity.speed_accuracy import METHODS, SPENT, pareto
 from pliant.studies.peers.peer_rows import PeerRow
+from pliant.studies.physics.physics_motion import physics_motion
 from pliant.studies.report import fidelity_sections
 
 SLEW = scenes.get("single-link-slew", duration=0.6)

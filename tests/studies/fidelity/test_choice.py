@@ -7,12 +7,13 @@ import pytest
 from scipy.linalg import eigh
 
 from pliant.envs import scenes
+from pliant.plants import Trajectory
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.studies import choose
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.physics_motion import PhysicsMotion
 from pliant.studies.fidelity.speed_accuracy import Chart, Reference, Row
+from pliant.studies.physics.physics_motion import PhysicsMotion
 
 SHORT = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
 
@@ -169,6 +170,32 @@ def test_the_tolerance_is_kept_on_every_motion_asked_for():
     for bad, words in (([], "must hold at least one"), ([3], r"motions\[0\] = 3 must be a Trajectory")):
         with pytest.raises(ValueError, match=words):
             choose(SHORT, motions=bad)
+
+
+def test_inputs_of_a_motion_are_held_over_the_periods_whatever_rounding_made_of_its_times():
+    """Inputs that count the periods; a third program's times, added up, end in other digits than k dt."""
+    own = Motions(SHORT)
+    counted = np.arange(len(SHORT.times), dtype=float)[:, None]
+    summed = np.append(0.0, np.cumsum(np.full(SHORT.steps, SHORT.dt)))
+    assert (summed != SHORT.times).any()
+    for times in (SHORT.times, summed, summed - 1e-13, summed * (1 + 1e-14)):
+        motion = Trajectory.from_arrays(times, np.zeros((len(times), SHORT.plant.nx)), counted, plant=SHORT.plant)
+        motion = dataclasses.replace(motion, hold="zero-order")
+        held = Motions.with_inputs_of(SHORT, motion, "motion").held
+        np.testing.assert_array_equal(held[:-1], counted[:-1])
+    assert held.shape == own.held.shape
+
+
+def test_motions_that_are_too_short_or_of_another_scene_are_refused():
+    motion = Trajectory.from_arrays(
+        SHORT.times[:20], np.zeros((20, SHORT.plant.nx)), np.zeros((20, 1)), plant=SHORT.plant
+    )
+    with pytest.raises(ValueError, match=r"choose.motions\[0\] lasts from 0 to 0.38 s, must last as long as the scene"):
+        choose(SHORT, motions=[motion])
+    longer = scenes.get("single-link-slew", duration=0.6)
+    for given in (Motions(longer), [None, Motions(longer)]):
+        with pytest.raises(ValueError, match="are motions of 'single-link-slew', must be of the scene"):
+            choose(SHORT, motions=given)
 
 
 def test_a_rung_that_fails_is_a_row_with_its_reason():

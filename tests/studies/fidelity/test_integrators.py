@@ -6,7 +6,7 @@ import pytest
 from pliant.envs import scenes
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.integrators import integrators
-from pliant.studies.fidelity.physics_motion import physics_motion
+from pliant.studies.physics.physics_motion import physics_motion
 
 SLEW = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
 

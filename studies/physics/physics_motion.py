@@ -16,11 +16,14 @@ tolerance ten times as wide changes.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from pliant.plants import Plant, PliantError
 from pliant.plants.core.signals import index
+from pliant.plants.validity.ranges import in_words
+from pliant.plants.validity.rotating_sections import NONE_HOLDS
 from pliant.studies.common.reference_motions import Motions
 
 from .motion_nodes import MotionNodes
@@ -31,9 +34,9 @@ KNOWN = 0.03  # of the tolerance: to what each of the three errors is brought, a
 ROUNDING = 1e-7  # .. of the outputs themselves: no better is asked
 ROUGH = 5.0  # times that: physics is simulated where nodes leave more
 GAINS = 5.0  # what twice the parts change over what they err by; 15 of order four, less while modes are coarse
+EASILY = 100.0  # times better than asked: half as many parts do as well
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
-LEFT_OUT = 0.5  # of what the last shapes that are known of do: a uniform beam's modes move its tip by (2 k - 1)^-5 each
 RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated ..
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
@@ -48,13 +51,23 @@ class PhysicsMotion:
     time: float
     shapes: float
     how: str  # in words
-    outside: str = ""  # which of its own ranges it leaves
+    left: tuple[dict[str, Any], ...] = ()  # its own ranges that it leaves, each as in Trajectory.stats["validity"]
     motion: CorrectedMotion | None = field(default=None, repr=False)  # None where it was simulated
 
     @property
     def uncertainty(self) -> float:
         """The sum of the errors told; what `physics.unmodelled` names is no part of it."""
         return self.passes + self.time + self.shapes
+
+    @property
+    def outside(self) -> str:
+        """Ranges that it leaves beyond which other kinematics would hold, in words: it is then no physics."""
+        return "; ".join(in_words(entry) for entry in self.left if entry["holds"] != NONE_HOLDS)
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """Those beyond which no kinematics of this library hold, in words: materials that are no longer linear."""
+        return tuple(in_words(entry) for entry in self.left if entry["holds"] == NONE_HOLDS)
 
 
 def physics_motion(motions: Motions, tolerance: float) -> PhysicsMotion:
@@ -86,6 +99,8 @@ class _Search:
         found, passes, parts, time = self._in_time(0, coarse, 1)
         physics, shapes, last = self.scene.plant.physics, 0.0, float("inf")
         more = 0
+        if EASILY * time <= self.within:
+            parts //= 2  # twice as many have shown that these do
         while more < MOST_SHAPES and physics(more + 1) != physics(more):
             richer, passes = self._outputs(more + 1, parts)
             shapes, found, more = _largest(richer - found), richer, more + 1
@@ -93,7 +108,7 @@ class _Search:
                 break
             last = shapes
         if physics(more + 1) == physics(more):  # no more are known of
-            shapes *= LEFT_OUT
+            shapes *= physics(more).left_out
         if more:  # the shapes that were added are the fastest
             found, passes, parts, time = self._in_time(more, found, parts)
         if time > ROUGH * self.within:
@@ -141,12 +156,17 @@ def _largest(difference: Array) -> float:
     return float(np.abs(difference).max())
 
 
-def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion) -> Array:
-    """The compared outputs (nt, n) of another fine plant near to a physics that was corrected, as well known."""
+def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion, share: float) -> Array:
+    """The compared outputs (nt, n) of another fine plant near to a physics that was corrected, as well known or to a
+    share of how far they are from it.
+    """
     motion = like.motion
     assert motion is not None
     found = motion.refined(plant, motion.nodes, motions.start(plant), compared(motions, plant))
-    found.settle(max(like.uncertainty, ROUNDING * _largest(like.outputs)))
+    found.step()
+    found.settle(
+        max(like.uncertainty, ROUNDING * _largest(like.outputs), share * _largest(found.outputs - like.outputs))
+    )
     return found.outputs
 
 
@@ -165,4 +185,4 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
     physics = plant.physics(more)
     time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
     how = f"{physics.label}, simulated: {reason}"
-    return PhysicsMotion(found, physics, 0.0, time, shapes, how, motions.outside_so_far(physics))
+    return PhysicsMotion(found, physics, 0.0, time, shapes, how, motions.left_so_far(physics))

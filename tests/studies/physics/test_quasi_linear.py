@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
+from pliant.plants import MassMatrixError
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.motion_nodes import MotionNodes
-from pliant.studies.fidelity.physics_motion import compared
-from pliant.studies.fidelity.quasi_linear import CorrectedMotion, NotSettled
+from pliant.studies.physics import quasi_linear
+from pliant.studies.physics.motion_nodes import MotionNodes
+from pliant.studies.physics.physics_motion import compared
+from pliant.studies.physics.quasi_linear import CorrectedMotion, NotSettled
 
 SLEW = scenes.get("single-link-slew", duration=0.3, move_time=0.2)
 
@@ -92,3 +94,27 @@ def test_more_nodes_and_more_shapes_go_on_from_what_there_is():
     anew.settle(1e-7)
     np.testing.assert_allclose(on.outputs, anew.outputs, atol=1e-7)
     assert on.passes <= anew.passes and first > 10 * on.changes[-1]
+
+
+def test_a_linear_model_held_too_long_is_noticed_and_one_for_each_part_settles(monkeypatch):
+    """Two links that turn by a radian: with two models for all of the motion passes run away, where nothing watches
+    them; what is found then is what one model a part finds, and what a simulation by another method gives.
+    """
+    scene = scenes.get("two-link-reach")
+    fine = dataclasses.replace(scene.plant, kinematics="stiffened", basis="polynomial", modes=(3, 3))
+    monkeypatch.setattr(quasi_linear, "BLOCKS", 2)
+    found, exact = motion(scene, fine, scene.plant.ladder()[0], 4)
+    with pytest.raises((NotSettled, MassMatrixError)):
+        for _ in range(6):
+            found.step(anew=found.passes == 0)  # the naive way
+    found, exact = motion(scene, fine, scene.plant.ladder()[0], 4)
+    found.settle(1e-7)
+    assert np.abs(found.outputs - exact).max() < 1e-4
+
+
+def test_a_motion_of_one_part_is_one_step_of_gauss():
+    scene = scenes.get("single-link-slew", duration=0.02, move_time=0.02)
+    fine = dataclasses.replace(SLEW.plant, kinematics="linear", modes=1)
+    found, exact = motion(scene, fine, SLEW.plant.ladder()[0], 1)
+    found.settle(1e-10)
+    assert len(found.nodes.h) == 1 and np.abs(found.outputs - exact).max() < 1e-4

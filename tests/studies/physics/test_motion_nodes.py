@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.studies.fidelity.motion_nodes import MotionNodes
+from pliant.studies.physics.motion_nodes import MotionNodes
 
 TIMES = np.array([0.0, 0.1, 0.3, 0.4])
 

@@ -8,8 +8,8 @@ import pytest
 from pliant.envs import scenes
 from pliant.plants import LargeDeflectionBeam
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.physics_motion import physics_motion
-from pliant.studies.fidelity.quasi_linear import CorrectedMotion, NotSettled
+from pliant.studies.physics.physics_motion import physics_motion
+from pliant.studies.physics.quasi_linear import CorrectedMotion, NotSettled
 
 SLEW = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
 

@@ -1,0 +1,83 @@
+"""What each effect of physics is worth on a scene's motion: how far the outputs move when it alone is left out.
+
+Of physics where the chosen plant leaves it out: the motion without it is found as physics' own was, from that one, by
+Newton's method; where that does not settle, it is simulated. Of the chosen plant where that keeps it: two simulations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pliant.plants import Plant, PliantError
+from pliant.studies.common.reference_motions import Motions
+
+from .physics_motion import PhysicsMotion, outputs_of
+from .quasi_linear import NotSettled
+
+ROUGHLY = 1e-5  # rtol of a motion without an effect, where it is simulated
+SHAPES = "shapes that it does not have"
+SHARE = 0.02  # of what an effect is worth: to what that is known
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect of physics: the largest change of the compared outputs where it alone is left out [their unit]."""
+
+    name: str
+    change: float  # infinite where the motion without it is not found
+    kept: bool  # in the chosen plant; else left out of it
+    over_time: np.ndarray | None = field(default=None, repr=False, compare=False)  # (nt, n) the change, each output's
+
+    def to_json(self) -> dict[str, Any]:
+        """Without what it does over time."""
+        return {"name": self.name, "change": self.change, "kept": self.kept}
+
+
+def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[Effect, ...]:
+    """The effects that physics has, the largest first; none where physics had to be simulated.
+
+    Those that the chosen plant leaves out and SHAPES, what more shapes of its own kinematics would change, sum up to
+    its error, as far as effects add up.
+    """
+    if physics is None or physics.motion is None:  # each would be another long simulation
+        return ()
+    has = chosen.effects
+    names = {name: has.get(name, False) for name in physics.physics.effects}
+    found = [_effect(motions, physics, chosen, name, kept) for name, kept in names.items()]
+    if physics.physics != chosen and (not names or any(names.values())):
+        found.append(_shapes(motions, physics, chosen, [name for name, kept in names.items() if not kept]))
+    return tuple(sorted(found, key=lambda e: -e.change))
+
+
+def _effect(motions: Motions, physics: PhysicsMotion, chosen: Plant, name: str, kept: bool) -> Effect:
+    try:
+        if kept:
+            apart = motions.outputs(chosen, ROUGHLY) - motions.outputs(chosen.without(name), ROUGHLY)
+        else:
+            apart = physics.outputs - _without(motions, physics, (name,))
+    except PliantError:  # it has no motion at all
+        return Effect(name, float("inf"), kept)
+    return Effect(name, float(np.abs(apart).max()), kept, apart)
+
+
+def _shapes(motions: Motions, physics: PhysicsMotion, chosen: Plant, lacking: Sequence[str]) -> Effect:
+    try:
+        apart = _without(motions, physics, lacking) - motions.outputs(chosen, ROUGHLY)
+    except PliantError:
+        return Effect(SHAPES, float("inf"), False)
+    return Effect(SHAPES, float(np.abs(apart).max()), False, apart)
+
+
+def _without(motions: Motions, physics: PhysicsMotion, names: Sequence[str]) -> np.ndarray:
+    """The outputs (nt, n) of physics without some effects; PliantError where it has no motion."""
+    lacking = physics.physics
+    for name in names:
+        lacking = lacking.without(name)
+    try:
+        return outputs_of(motions, lacking, physics, SHARE)
+    except NotSettled:
+        return motions.outputs(lacking, ROUGHLY)
