@@ -4,15 +4,16 @@ if __name__ != "pliant.studies":
     raise ImportError("this folder is installed as pliant.studies: write `import pliant.studies`")
 
 from pliant.plants.core import imports
-from pliant.studies.fidelity.choice import choose
 
 # Eager, because these functions share the names of their modules: a later import would put the module
 # in their place. The modules themselves import what draws only where they draw.
-from pliant.studies.fidelity.speed_accuracy import chart
+from pliant.studies.charts.gallery import gallery
+from pliant.studies.charts.measure import chart
+from pliant.studies.fidelity.choice import choose
 from pliant.studies.report.report import report
 from pliant.studies.scoreboard.scoreboard import scoreboard
 
-__all__ = ["chart", "choose", "report", "scoreboard"]
+__all__ = ["chart", "choose", "gallery", "report", "scoreboard"]
 
 imports.serve(
     __name__,
@@ -21,7 +22,7 @@ imports.serve(
         "closed_loop": "rollout played=evaluation_scene scores contestants comparison bound=optimal_bound",
         "fidelity": "chart=speed_accuracy stiffening mode_count",
         "figures": "style shapes=arm_outline figures_models=linear_models figures_chart=speed_accuracy "
-        "figures_control=controllers figures_space=spacecraft stability_figures=stability "
+        "figures_control=controllers figures_space=motion stability_figures=stability "
         "scoreboard_figures=scoreboard",
         "papers": "paper_figures=registry single_link_figures=single_link large_beam_figures=large_beam "
         "slider_crank_figures=slider_crank",

@@ -33,7 +33,13 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "plants/native/kernel_cache.py": {"p.name"},  # files
     "studies/fidelity/choice.py": {"r.note"},
     "studies/common/machine.py": {"line"},  # of /proc/cpuinfo
-    "studies/figures/speed_accuracy.py": {"(row.failure or '')"},
+    "studies/figures/ladder.py": {"(row.failure or '')"},
+    "studies/figures/failure_strip.py": {"reason", "row.reason"},
+    "studies/figures/speed_accuracy.py": {"r.reason"},
+    "studies/fidelity/speed_accuracy.py": {"text"},  # why there is no result
+    "studies/charts/gallery.py": {"r.reason"},
+    "studies/charts/page.py": {"row.reason"},
+    "studies/charts/runner.py": {"text", "twin.failure"},
     "studies/closed_loop/rollout.py": {"failure"},
     "studies/commands/doctor.py": {"name"},  # files
 }

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 
 from pliant.studies.figures import arm_outline, linear_models
 from pliant.studies.figures import motion as motions
-from pliant.studies.figures import spacecraft as spatial
-from pliant.studies.figures.speed_accuracy import ladder
+from pliant.studies.figures.ladder import ladder
+from pliant.studies.figures.speed_accuracy import speed_accuracy as charted_picture
 from pliant.studies.figures.style import COLOURS, QUIET, panels, save, styled
 
 DOCS = Path(__file__).parents[1]
@@ -89,7 +89,7 @@ def slider_crank(n: Names) -> Figure:
 
 
 def spacecraft(n: Names) -> Figure:
-    return spatial.snapshots(n["slewing"], [("LQR", n["turn"])])
+    return motions.snapshots(n["slewing"], [("LQR", n["turn"])])
 
 
 @styled
@@ -156,6 +156,10 @@ def choose(n: Names) -> Figure:
 
 
 @styled
+def speed_accuracy(n: Names) -> Figure:
+    return charted_picture(n["charted"])
+
+
 def environments(n: Names) -> Figure:
     rewards = np.array(n["rewards"])
     figure, (ax,) = panels(1, height=2.3)
@@ -224,6 +228,7 @@ PICTURES: dict[str, Callable[[Names], Figure]] = {
         stability,
         vary,
         choose,
+        speed_accuracy,
         environments,
         predictive,
         plan,

@@ -15,7 +15,7 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import regulator
 from pliant.studies.figures import style
-from pliant.studies.figures.training import learning_curve
+from pliant.studies.figures.controllers import learning_curve
 
 from .console import bar, complain, print_json, scene_with, writable_folder
 from .options import AsJson, SceneName, Settings

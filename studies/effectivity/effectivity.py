@@ -6,15 +6,14 @@ joblib's backends "dask" and "ray", on a cluster.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pliant.plants.core.argument_gates import require_choice, require_count, require_function, require_path
-from pliant.plants.files import atomic_files
 from pliant.studies.common import machine
+from pliant.studies.common.json_lines import add_line, read_lines
 from pliant.studies.common.parallel import BACKENDS, as_they_come
 from pliant.studies.common.reference_motions import Progress, silent
 
@@ -60,23 +59,12 @@ def effectivity(
     if progress is not None:
         require_function("effectivity.progress", progress)
     told, path = progress or silent, None if kept is None else require_path("effectivity.kept", kept)
-    rows = {row["seed"]: row for row in _read(path) if row["seed"] in set(wanted)}
+    rows = {row["seed"]: row for row in read_lines(path) if row["seed"] in set(wanted)}
     left = [k for k in wanted if k not in rows]
     told(1 - len(left) / len(wanted), f"{len(rows)} done before")
     for row in as_they_come("effectivity", trial, [(k,) for k in left], jobs, backend):
         rows[row["seed"]] = row
         if path is not None:
-            with path.open("a") as file:
-                file.write(json.dumps(row) + "\n")
+            add_line(path, row)
         told(len(rows) / len(wanted), f"seed {row['seed']}")
     return Effectivity(tuple(rows[k] for k in sorted(rows)))
-
-
-def _read(path: Path | None) -> list[Row]:
-    """Whole lines; one that was cut off leaves the file, and is done again."""
-    if path is None or not path.exists():
-        return []
-    *lines, rest = path.read_text().split("\n")
-    if rest:
-        atomic_files.write_text(path, "".join(line + "\n" for line in lines))
-    return [json.loads(line) for line in lines if line]

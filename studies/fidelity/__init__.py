@@ -2,7 +2,7 @@
 
 from .choice import Choice, choose
 from .mode_count import ModeCount, ModesNeeded, modes_needed
-from .speed_accuracy import Chart, chart
+from .speed_accuracy import Chart, Row
 from .stiffening import Stiffening, stiffening_needed
 
 __all__ = [
@@ -10,8 +10,8 @@ __all__ = [
     "Choice",
     "ModeCount",
     "ModesNeeded",
+    "Row",
     "Stiffening",
-    "chart",
     "choose",
     "modes_needed",
     "stiffening_needed",

@@ -1,9 +1,10 @@
 """Every picture, by what it shows, in one style. Importing the room loads no matplotlib."""
 
 from .controllers import controllers
+from .ladder import ladder, settings
 from .linear_models import eigenvalues, frozen
 from .motion import histories, stroboscopic, tip_path
-from .speed_accuracy import ladder, settings, speed_accuracy
+from .speed_accuracy import speed_accuracy
 from .stability import evidence
 from .style import inline, save
 

@@ -1,4 +1,4 @@
-"""The picture of controllers side by side."""
+"""The pictures of controllers: side by side, and how a policy was trained."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pliant.controllers.learning.evaluation import Evaluation
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.signals import index, names
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
@@ -68,4 +69,20 @@ def controllers(scene: Scene, contests: Sequence[Contest]) -> Figure:
     handles += [Line2D([], [], color=INK, ls=STYLES[i], label=f"on {name}") for i, name in enumerate(plants)]
     room = sum(len(str(handle.get_label())) + 7 for handle in handles) <= WIDE
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) if room else 2)
+    return figure
+
+
+@styled
+def learning_curve(scene: Scene, algorithm: str, curve: Sequence[Evaluation], lqr: float | None) -> Figure:
+    """Cost of the deterministic policy against training steps."""
+    figure, (axis,) = panels(1, height=3.0)
+    axis.plot([p.steps / 1e6 for p in curve], [p.cost for p in curve], marker=".", label=algorithm.upper())
+    if lqr is not None:
+        axis.axhline(lqr, color=COLOURS[1], label="LQR")
+        axis.axhline(2 * lqr, color=COLOURS[1], linestyle=":", label="twice LQR")
+    axis.set_yscale("log")
+    axis.set_xlabel("environment steps [million]")
+    axis.set_ylabel("cost of the scene as it is [-]")
+    axis.set_title(f"{scene.name}: {curve[-1].seconds:.0f} s of training")
+    axis.legend()
     return figure

@@ -1,178 +1,229 @@
-"""The pictures of the speed-accuracy chart and of the ladder of variants."""
+"""The picture of the speed-accuracy chart: one lane beside 1,024, and below it what failed and why.
+
+Colour     the variant: a hue for each kinematics, from light to dark as the ladder climbs
+Marker     the method; a rim where the stepper played it, hollow in single precision
+Band       what the reference is known to: errors in it are not told apart
+Line       the Pareto front of its panel; linear models at hand stand apart from it
+"""
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from pliant.plants.files.atomic_files import Together
-from pliant.studies.fidelity.choice import Choice
-from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY, Chart, Row
+from pliant.studies.common.formatting import measured
+from pliant.studies.fidelity.speed_accuracy import LANES, RUNS_AWAY, Chart, Row
 
 from . import style
-from .style import COLOURS, INK, MARKERS, QUIET, panels, styled
+from .failure_strip import draw_failures, strip_height
+from .style import COLOURS, INK, QUIET, styled
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-GOOD, FAIR, POOR = COLOURS[2], COLOURS[5], COLOURS[7]
+RAMPS = (("#8fc1f0", "#123f7d"), ("#f7b35c", "#a84a00"), ("#7ee0d8", "#00595a"), ("#e58fc6", "#6b0049"))
+METHOD_MARKERS = {
+    "dop853": "o",
+    "rk4": "s",
+    "rk8": "^",
+    "rosenbrock": "D",
+    "midpoint": "P",
+    "cvodes": "X",
+    "ltv": "*",
+    "linear": "h",
+    "reduced": "p",
+}
+METHOD_NAMES = {"ltv": "LTV along a motion", "linear": "linear, about the start", "reduced": "linear, half the states"}
+PEER_MARKERS = ("v", "<", ">", "d", "8", "1", "2", "3")
+PEER = "#6a6f76"
+FEW_DECADES = 60.0  # times: axes that are shorter have more labels
+WIDTH, HEIGHT = 11.0, 4.4  # [in], of the panels
+BELOW = 3.0  # times: how far into the band errors are told apart in the picture
+LEGEND = 0.165  # [in] of a line of the legend
+LONGEST_TITLE = 85  # characters of a line
 
 
 @styled
-def speed_accuracy(chart: Chart) -> Figure:
-    """Time a simulated second against error, colour the variant, marker the method, with the Pareto front."""
-    from matplotlib.lines import Line2D
+def speed_accuracy(chart: Chart, mark: Row | None = None) -> Figure:
+    """Error against time a simulated second and lane, with the fronts; `mark`: a row that is ringed as the chosen one.
 
-    figure, (ax,) = panels(1, height=4.6)
-    variants = list(dict.fromkeys(row.variant for row in chart.rows))
-    methods = list(dict.fromkeys(row.method for row in chart.rows))
-    colours = _colours(len(variants))
-    lowest = 1e-7 * chart.tolerance
-    highest = RUNS_AWAY * chart.tolerance
-    rows = [(min(max(r.error or 0.0, lowest), highest), (r.seconds or 0.0) * 1e3, r) for r in chart.measured]
-    for error, ms, row in rows:
-        colour = colours[variants.index(row.variant)]
-        marker = MARKERS[methods.index(row.method) % len(MARKERS)]
-        ax.plot(error, ms, marker, color=colour, mfc=colour if row.pareto else "none", ms=6, mew=1.1, ls="none")
-    front = sorted((error, ms) for error, ms, row in rows if row.pareto)
-    if front:
-        ax.step(*zip(*front), where="post", color=INK, lw=1.2, zorder=1)
-    ax.axvline(chart.tolerance, color=COLOURS[7], lw=1.2, ls="--")
-    if lowest < chart.reference.uncertainty < highest:
-        ax.axvspan(lowest, chart.reference.uncertainty, color=QUIET, alpha=0.15, lw=0, zorder=0)
-    aside: Any = {"ha": "right", "va": "top", "rotation": 90, "transform": ax.get_xaxis_transform()}
-    ax.text(chart.tolerance, 0.99, "tolerance ", color=COLOURS[7], **aside)
-    ax.set_xscale("log")
-    ax.set_yscale("log")
-    beyond = f", from {highest:g} {chart.unit} at the edge" if any(error == highest for error, _, _ in rows) else ""
-    against = f"from physics, {chart.reference.variant}"
-    ax.set_xlabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]{beyond}\n{against}")
-    ax.set_ylabel("wall time per simulated second [ms]")
-    ax.set_title(f"Speed against accuracy: {chart.scene}")
-    drawn = {row.variant for row in chart.measured} | {row.method for row in chart.measured}
-    by_variant = [
-        Line2D([], [], color=colours[i], marker="o", ls="none", label=v) for i, v in enumerate(variants) if v in drawn
-    ]
-    by_method = [
-        Line2D([], [], color=QUIET, mfc="none", marker=MARKERS[i % len(MARKERS)], ls="none", label=m)
-        for i, m in enumerate(methods)
-        if m in drawn
-    ]
-    by_method.append(Line2D([], [], color=INK, lw=1.2, label="Pareto front (filled)"))
-    if lowest < chart.reference.uncertainty < highest:
-        by_method.append(Line2D([], [], color=QUIET, alpha=0.3, lw=8, label="physics is not known better"))
-    figure.legend(handles=[*by_variant, *by_method], loc="outside right upper")
+    Measured rows have the ids row-0, row-1, .. of their places in `chart.rows`, peers peer-0, .. and failures fail-..
+    """
+    from matplotlib.figure import Figure
+
+    colours, (low, high) = variant_colours(chart.variants), _range(chart)
+    below, handles = strip_height(chart), _legend(chart, colours, low, mark)
+    above = max(HEIGHT, LEGEND * (len(handles) + 2) - below)
+    figure = Figure(figsize=(WIDTH, above + below), layout="constrained")
+    layout: Any = [["one", "many"], ["strip", "strip"]] if below else [["one", "many"]]
+    ratios = [above, below] if below else [above]
+    axes = figure.subplot_mosaic(layout, height_ratios=ratios, width_ratios=[1.25, 1.0])
+    for ax, lanes in zip((axes["one"], axes["many"]), LANES):
+        _panel(ax, chart, lanes, colours, (low, high), mark)
+    axes["one"].set_ylabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]")
+    axes["many"].tick_params(labelleft=False)
+    if below:
+        draw_failures(axes["strip"], chart, colours, METHOD_MARKERS)
+    figure.suptitle(_title(chart), x=0.01, ha="left", fontsize=10.0, fontweight="bold")
+    figure.legend(handles=handles, loc="outside right upper", handlelength=1.4)
     return figure
 
 
-def _colours(n: int) -> list[Any]:
-    """One for each variant: those of all pictures, or, of more variants, from dark to light as they grow dearer."""
-    if n <= len(COLOURS):
-        return list(COLOURS[:n])
-    from matplotlib import colormaps
-
-    return [colormaps["viridis"](0.95 * i / (n - 1)) for i in range(n)]
-
-
-def save(chart: Chart, path: str | Path, together: Together | None = None) -> None:
+def save(chart: Chart, path: str | Path, together: Together | None = None, mark: Row | None = None) -> None:
     """Draw a chart into a file, as its ending says. Errors and `together` as `style.save`."""
-    style.save(speed_accuracy(chart), path, together)
+    style.save(speed_accuracy(chart, mark), path, together)
 
 
-@styled
-def ladder(choice: Choice) -> Figure:
-    """Each rung's difference from physics, with the tolerance and how well physics is known."""
-    figure, (ax,) = panels(1, height=0.32 * len(choice.rungs) + 1.0)
-    rungs = choice.rungs
-    lowest, highest = 1e-4 * choice.tolerance, RUNS_AWAY * choice.tolerance
-    at = np.arange(len(rungs))
-    for i, rung in enumerate(rungs):
-        if rung.error is None:
-            ax.text(lowest, i, " not tried", color=QUIET, va="center")
+def variant_colours(labels: Sequence[str]) -> dict[str, str]:
+    """A colour for each variant: a hue for each word before the first comma, light to dark in the ladder's order.
+
+    A family of one that comes first, as the rigid plant, is drawn in ink.
+    """
+    families: dict[str, list[str]] = {}
+    for label in labels:
+        families.setdefault(label.partition(",")[0], []).append(label)
+    found: dict[str, str] = {}
+    left = list(RAMPS)
+    for k, members in enumerate(families.values()):
+        if k == 0 and len(members) == 1 and len(families) > 1:
+            found[members[0]] = INK
             continue
-        colour = COLOURS[2] if rung.chosen else COLOURS[0]
-        ax.barh(i, min(max(rung.error, lowest), highest), color=colour, height=0.55, alpha=0.85)
-    ax.plot([], [], "s", color=COLOURS[0], label="from physics")
-    ax.plot([], [], "s", color=COLOURS[2], label="the chosen one")
-    if lowest < choice.convergence < highest:
-        ax.axvspan(lowest, choice.convergence, color=QUIET, alpha=0.2, lw=0, label="physics is known to")
-    ax.axvline(choice.tolerance, color=COLOURS[7], ls="--", lw=1.2, label="tolerance")
-    ax.set_xscale("log")
-    ax.set_xlim(left=lowest)
-    ax.set_yticks(at, [r.variant for r in rungs])
-    ax.set_ylim(len(rungs) - 0.4, -0.6)
-    ax.grid(axis="y", visible=False)
-    beyond = f", from {highest:g} {choice.unit} at the edge" if any((r.error or 0.0) > highest for r in rungs) else ""
-    ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [{choice.unit}]{beyond}")
-    ax.set_title("The ladder, cheapest first")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    return figure
+        light, dark = left[0]
+        left = [*left[1:], left[0]]
+        for i, label in enumerate(members):
+            share = i / (len(members) - 1) if len(members) > 1 else 0.5
+            found[label] = _between(light, dark, share)
+    return found
 
 
-def _letter(row: Row) -> str:
-    """Why a setting has no result, in one letter."""
-    known = {
-        "Stability": "S",
-        "MassMatrix": "M",
-        "Integration": "D",
-        "too slow": "T",
-        "not run: dom": "-",
-        "not run: runs": "R",
+def _between(light: str, dark: str, share: float) -> str:
+    """A colour on the way, in hexadecimal."""
+    ends = [[int(text[i : i + 2], 16) for i in (1, 3, 5)] for text in (light, dark)]
+    return "#" + "".join(f"{round(a + share * (b - a)):02x}" for a, b in zip(*ends))
+
+
+def _range(chart: Chart) -> tuple[float, float]:
+    """Errors that the picture goes from and to; those beyond stand at the edge."""
+    band = chart.reference.uncertainty
+    told = [*(row.error for row in chart.measured), *(peer.error for peer in chart.peers)]
+    errors = [error for error in told if error]
+    lowest = max(min(errors, default=chart.tolerance), band / BELOW, 1e-9 * chart.tolerance)
+    highest = min(max([*errors, 3 * chart.tolerance]), RUNS_AWAY * chart.tolerance)
+    return lowest, highest
+
+
+def _panel(
+    ax: Axes, chart: Chart, lanes: int, colours: dict[str, str], ends: tuple[float, float], mark: Row | None
+) -> None:
+    low, high = ends
+    ax.set(xscale="log", yscale="log", ylim=(low / 1.8, high * 1.8))
+    if chart.reference.uncertainty > low / 1.8:
+        ax.axhspan(low / 2, chart.reference.uncertainty, color=QUIET, alpha=0.22, lw=0, zorder=0)
+    ax.axhline(chart.tolerance, color=COLOURS[7], lw=1.2, ls="--", zorder=1)
+    front = []
+    for i, row in enumerate(chart.rows):
+        if row.failure is not None or row.lanes != lanes:
+            continue
+        at = (row.seconds or 0.0) * 1e3, min(max(row.error or 0.0, low), high)
+        ax.plot(*at, **marker(row, colours[row.variant]), gid=f"row-{i}")
+        if row.pareto:
+            front.append(at)
+        if mark is not None and row.key == mark.key:
+            ax.plot(*at, "o", ms=14, mfc="none", mec=INK, mew=1.6, ls="none", zorder=5, gid="marked")
+    if front:
+        ax.step(*zip(*sorted(front)), where="post", color=INK, lw=1.1, zorder=1)
+    if lanes == 1:
+        ax.set_title("one motion", fontweight="normal")
+        _draw_peers(ax, chart, ends)
+    else:
+        ax.set_title(f"{lanes:,} motions at once, one thread", fontweight="normal")
+        if not front:
+            ax.text(0.5, 0.5, "none measured", transform=ax.transAxes, ha="center", color=QUIET)
+            ax.set_xlim(1e-3, 1.0)
+    ax.set_xlabel("wall time per simulated second [ms]" if lanes == 1 else "the same, per motion [ms]")
+    _readable(ax.xaxis)
+    _readable(ax.yaxis)
+
+
+def _draw_peers(ax: Axes, chart: Chart, ends: tuple[float, float]) -> None:
+    """Markers in grey, those of one program on a thin line."""
+    lines: dict[str, list[tuple[float, float]]] = {}
+    for i, peer in enumerate(chart.peers):
+        if peer.failure is None and peer.seconds is not None and peer.error is not None:
+            at = peer.seconds * 1e3, min(max(peer.error, ends[0]), ends[1])
+            lines.setdefault(peer.peer, []).append(at)
+            ax.plot(*at, _peer_marker(chart, peer.peer), color=PEER, ms=6, ls="none", gid=f"peer-{i}", zorder=2)
+    for points in lines.values():
+        ax.plot(*zip(*sorted(points)), color=PEER, lw=0.8, alpha=0.6, zorder=1)
+
+
+def _readable(axis: Axis) -> None:
+    """Labels at decades, or at 1, 2 and 5 of them where there are few; none in between."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    low, high = axis.get_view_interval()
+    if high < FEW_DECADES * low:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def marker(row: Row, colour: str) -> dict[str, Any]:
+    """How a row is drawn."""
+    rim = INK if row.path == "stepper" and row.precision == "double" else colour
+    return {
+        "marker": METHOD_MARKERS.get(row.method, "o"),
+        "color": colour,
+        "mec": rim,
+        "mfc": "none" if row.precision == "single" else colour,
+        "mew": 1.0 if row.path == "stepper" else 0.6,
+        "ms": 8.0 if row.method == "ltv" else 5.5,
+        "ls": "none",
+        "alpha": 1.0 if row.pareto else 0.75,
+        "zorder": 4 if row.pareto else 3,
     }
-    return next((v for k, v in known.items() if (row.failure or "").startswith(k)), "B")
 
 
-@styled
-def settings(chart: Chart) -> Figure:
-    """Every variant by every setting: within the tolerance, past it, or without a result and why."""
+def _peer_marker(chart: Chart, name: str) -> str:
+    names = list(dict.fromkeys(peer.peer for peer in chart.peers))
+    return PEER_MARKERS[names.index(name) % len(PEER_MARKERS)]
+
+
+def _title(chart: Chart) -> str:
+    known = measured(chart.reference.uncertainty, chart.unit)
+    told = f"{chart.scene}: speed against accuracy; errors from physics, {chart.reference.variant}, known to {known}"
+    return "\n".join(textwrap.wrap(told, LONGEST_TITLE))
+
+
+def _legend(chart: Chart, colours: dict[str, str], low: float, mark: Row | None) -> list[Any]:
+    """Only what is drawn, in the panels or the strip."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    variants = list(dict.fromkeys(row.variant for row in chart.rows))
-    methods = list(dict.fromkeys(row.method for row in chart.rows))
-    columns = sorted(
-        {(methods.index(r.method), -(r.step or r.rtol or 0.0), r.setting) for r in chart.rows},
-        key=lambda c: c[:2],
-    )
-    place = {label: i for i, (_, _, label) in enumerate(columns)}
-    figure, (ax,) = panels(1, height=0.3 * len(variants) + 1.7)
-    seen = set()
-    for row in chart.rows:
-        x, y = place[row.setting], variants.index(row.variant)
-        if row.failure is None:
-            colour = GOOD if (row.error or 0.0) <= chart.tolerance else FAIR
-            ax.plot(x, y, "s", color=colour, ms=10, alpha=0.85)
-            continue
-        letter = _letter(row)
-        seen.add(letter)
-        ax.text(x, y, letter, ha="center", va="center", color=POOR if letter in "SMD" else QUIET, fontsize=8)
-    for i in range(1, len(columns)):
-        if columns[i][0] != columns[i - 1][0]:
-            ax.axvline(i - 0.5, color=QUIET, lw=0.8)
-    ax.set_xticks(range(len(columns)), [label for _, _, label in columns], rotation=90, fontsize=7)
-    ax.set_yticks(range(len(variants)), variants)
-    ax.set_xlim(-0.7, len(columns) - 0.3)
-    ax.set_ylim(len(variants) - 0.4, -0.6)
-    ax.grid(visible=False)
-    ax.tick_params(length=0)
-    ax.set_title("Every setting")
-    meaning = {
-        "S": "S: past the stability limit",
-        "M": "M: mass matrix not definite",
-        "D": "D: diverged",
-        "R": "R: the model runs away",
-        "T": "T: too slow",
-        "-": "-: dominated, not run",
-        "B": "B: time budget spent",
-    }
-    handles: list[Artist] = [
-        Patch(color=GOOD, label="within the tolerance"),
-        Patch(color=FAIR, label="past the tolerance"),
-    ]
-    handles += [Line2D([], [], ls="none", label=text) for key, text in meaning.items() if key in seen]
-    handles.append(Line2D([], [], ls="none", label="blank: a coarser one is exact enough"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=1.2)
-    return figure
+    def entry(label: str, shape: str = "", **look: Any) -> Line2D:
+        return Line2D([], [], **{"marker": shape, "ls": "none", "color": QUIET, "label": label, **look})
+
+    rows = chart.measured
+    handles: list[Any] = [entry(variant, "o", color=colour) for variant, colour in colours.items()]
+    methods = [m for m in METHOD_MARKERS if any(r.method == m for r in chart.rows if not r.reason.endswith("not run"))]
+    handles += [entry(METHOD_NAMES.get(m, m), METHOD_MARKERS[m], ms=7 if m == "ltv" else 5.5) for m in methods]
+    if any(r.path == "stepper" and r.precision == "double" for r in rows):
+        handles.append(entry("by the stepper", "o", mec=INK, mew=1.1))
+    if any(r.precision == "single" for r in rows):
+        handles.append(entry("by it in single precision", "o", mfc="none", mew=1.1))
+    for name in dict.fromkeys(peer.peer for peer in chart.peers if peer.failure is None):
+        handles.append(entry(name, _peer_marker(chart, name), color=PEER, ms=6))
+    if any(r.pareto for r in rows):
+        handles.append(Line2D([], [], color=INK, lw=1.1, label="Pareto front"))
+    if mark is not None:
+        handles.append(entry("chosen", "o", ms=10, mfc="none", mec=INK, mew=1.6))
+    tolerance = f"tolerance, {measured(chart.tolerance, chart.unit)}"
+    handles.append(Line2D([], [], color=COLOURS[7], lw=1.2, ls="--", label=tolerance))
+    if chart.reference.uncertainty > low / 1.8:
+        handles.append(Patch(color=QUIET, alpha=0.22, lw=0, label="physics is not known better"))
+    return handles

@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 
 INK = "#20242a"  # text and lines; in the page it takes the page's text colour
 QUIET = "#8a9099"
-COLOURS = (
+COLOURS = (  # told apart by eyes that lack red, green or blue cones, on white and on black; see tests/studies/figures
     "#3b7dd8",
     "#e07b39",
-    "#2e9e6b",
-    "#c2477f",
-    "#8a63d2",
-    "#b8901c",
-    "#2a9db5",
-    "#d64545",
-    "#6f8a3a",
-    "#7c6f64",
+    "#0e7a55",
+    "#8e2f7a",
+    "#5a32b8",
+    "#e0b400",
+    "#45c3d0",
+    "#c4384e",
+    "#4f5d14",
+    "#9d8f86",
 )
 MARKERS = ("o", "s", "^", "D", "P", "X", "v")
 WIDTH = 8.0  # [in]

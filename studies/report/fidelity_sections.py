@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from pliant.studies.common.formatting import details, measured, paragraph, table
-from pliant.studies.fidelity.speed_accuracy import Row
+from pliant.studies.charts import page as chart_page
+from pliant.studies.common.formatting import measured, paragraph, table
 
 from .findings import Findings
 
@@ -18,7 +16,8 @@ def chart(found: Findings) -> str:
         "Each point is one variant by one method at one step. Error: largest difference of "
         f"{', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion (inputs held over each control "
         f"period) from physics: {ref.how}, known to {measured(ref.uncertainty, chart.unit)}. Time: integration only, "
-        f"after warm-up, median of up to three runs; {chart.machine['evaluation']}."
+        f"per lane, after warm-up, median of several runs; {chart.machine['evaluation']}. The stepper is called "
+        "once a control period, in one thread. The settings are under the pointer."
     )
     fast = chart.fastest()
     for variant, words in chart.outside:
@@ -36,28 +35,8 @@ def chart(found: Findings) -> str:
 
 
 def front(found: Findings) -> str:
-    """The tables: the Pareto front, all rows, what has no result."""
-    chart = found.chart
-
-    def line(row: Row) -> tuple[Any, ...]:
-        return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
-
-    head = (
-        "variant",
-        "method",
-        "ms per simulated second",
-        f"error [{chart.unit}]",
-        f"of it by the step [{chart.unit}]",
-    )
-    best = sorted((r for r in chart.measured if r.pareto), key=lambda r: r.error or 0.0)
-    marked = [i for i, r in enumerate(chart.measured) if r.pareto]
-    text = paragraph("The Pareto front:") + table(head, [line(r) for r in best])
-    everything = table(head, [line(r) for r in chart.measured], marked=marked)
-    text += details(f"All {len(chart.measured)} measured rows", everything)
-    if chart.failed:
-        reasons = table(("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed])
-        text += details(f"{len(chart.failed)} settings without a result, and why", reasons)
-    return text
+    """The tables: the Pareto fronts, all rows, what has no result."""
+    return chart_page.tables(found.chart)
 
 
 def choice(found: Findings) -> str:

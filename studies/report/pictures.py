@@ -8,7 +8,7 @@ import numpy as np
 
 from pliant.studies import figures
 from pliant.studies.figures import arm_outline
-from pliant.studies.figures.spacecraft import snapshots
+from pliant.studies.figures.motion import snapshots
 
 from .findings import Findings
 
@@ -44,7 +44,7 @@ def figures_of(found: Findings) -> dict[str, Figure]:
         drawn["closed_loop"] = figures.histories(scene, runs, title="LQR in closed loop")
     if any(contest.motion is not None for contest in found.contests):
         drawn["controllers"] = figures.controllers(scene, found.contests)
-    drawn["speed_accuracy"] = figures.speed_accuracy(found.chart)
+    drawn["speed_accuracy"] = figures.speed_accuracy(found.chart, mark=found.choice.integrator)
     drawn["settings"] = figures.settings(found.chart)
     drawn["ladder"] = figures.ladder(found.choice)
     return drawn

@@ -7,6 +7,7 @@ import json
 import numpy as np
 
 from pliant.plants.validity.ranges import in_words
+from pliant.studies.charts import page as chart_page
 from pliant.studies.common import operating_point
 from pliant.studies.common.formatting import measured, paragraph, pictures, table
 from pliant.studies.figures import arm_outline
@@ -38,7 +39,7 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
         (
             "Speed against accuracy",
             fidelity_sections.chart(found)
-            + drawn("speed_accuracy")
+            + (chart_page.interactive(found.chart, inlined["speed_accuracy"]) if "speed_accuracy" in inlined else "")
             + fidelity_sections.front(found)
             + drawn("settings"),
         ),

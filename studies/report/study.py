@@ -10,12 +10,12 @@ from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import names
+from pliant.studies.charts.measure import chart
 from pliant.studies.closed_loop.closed_loop import Loop, closed_loop, dearer
 from pliant.studies.closed_loop.comparison import compare
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.choice import choose
-from pliant.studies.fidelity.speed_accuracy import chart
 from pliant.studies.physics.physics_motion import physics_motion
 from pliant.studies.stability.judgement import judge
 
@@ -74,7 +74,7 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         loops=loops,
         judgement=judgement,
         contests=contests,
-        chart=measured,
+        chart=measured.holding(choice.integrator),
         choice=choice,
         scene_error=motions.difference(scene.plant, truth.outputs),
     )

@@ -11,6 +11,7 @@ from laws_at_hand import ARM, SCENE, SCENES, folder
 from pliant.controllers import LQR
 from pliant.plants import LinearModel
 from pliant.studies import chart, choose, report, scoreboard
+from pliant.studies.charts.gallery import gallery
 from pliant.studies.closed_loop.contestants import playable
 from pliant.studies.closed_loop.rollout import nominal, randomised, reading_noise, rollout
 from pliant.studies.common.reference_motions import Motions
@@ -54,6 +55,14 @@ class Played(Object):
         yield from ((what, value) for what, value in Object.bad(self) if what != "a function")
 
 
+class Asked(Flag):
+    """A flag, or a function that does what it asks for."""
+
+    def bad(self):
+        """All but functions."""
+        yield from ((what, value) for what, value in Flag.bad(self) if what != "a function")
+
+
 def built(a: float, b: float) -> LinearModel:
     """An oscillator."""
     return LinearModel.from_matrices([[0.0, 1.0], [-a, -b]], [[0.0], [1.0]])
@@ -86,6 +95,12 @@ def long_calls() -> list[Call]:
     """Of what takes seconds."""
     budget, motions = {"budget": Number(1.0, **POSITIVE)}, {"motions": Object(Motions(SCENE), none=True)}
     part = {"variants": Objects((ARM,), none=True), "methods": Names(("rk4",)), "prune": Flag(True)}
+    keeping = {"kept": Place(folder() / "rows.jsonl", none=True), "peers": Asked(False)}
+    every = {
+        "out": Place(folder() / "charts"),
+        "scenes": Names(("single-link-slew",), none=True),
+        "peers": Asked(False),
+    }
     tolerance = {"tolerance": Number(0.5, none=True, **POSITIVE), "measured": Object(_chart(), none=True)}
     counts = {
         "seeds": Count(1),
@@ -97,7 +112,8 @@ def long_calls() -> list[Call]:
     out = {"out": Place(folder() / "report"), "budget": Number(1.0, none=True, **POSITIVE)}
     sizes = {"tolerance": Number(0.5, **POSITIVE), "most": Count(2), "size": Number(0.5, **POSITIVE)}
     return [
-        Call("chart", chart, SCENES | budget | part | motions | TOLD, long=True),
+        Call("chart", chart, SCENES | budget | part | motions | keeping | TOLD, long=True),
+        Call("gallery", gallery, every | budget | TOLD, long=True),
         Call("choose", choose, SCENES | tolerance | motions | TOLD, long=True),
         Call("report", report, SCENES | out | TOLD, long=True),
         Call("scoreboard", scoreboard, who | counts | TOLD, long=True),
@@ -147,5 +163,9 @@ def map_calls() -> list[Call]:
         Call("StabilityMap.share", found.share, {"verdict": Choice("stable")}),
         Call("StabilityMap.save", found.save, {"table": Place(folder() / "map.json", none=True)}),
         Call("Chart.save", _chart().save, {"table": Place(folder() / "chart.json")}),
-        Call("Chart.fastest", _chart().fastest, {"tolerance": Number(0.5, none=True, low=0.0)}),
+        Call(
+            "Chart.fastest",
+            _chart().fastest,
+            {"tolerance": Number(0.5, none=True, low=0.0), "lanes": Choice(1)},
+        ),
     ]

@@ -75,8 +75,8 @@ NOT_MADE: dict[str, str] = {
     "envs.simulation": "compiled code: the environments make it anew",
     "studies.commands": "the command line",
     "studies.common.reference_motions": "a cache of this process",
+    "studies.charts": "in passing, inside a chart",
     "studies.physics.motion_nodes": "in passing, inside a choice",
     "studies.physics.physics_motion": "in passing, inside a choice",
     "studies.physics.quasi_linear": "in passing, inside a choice",
-    "studies.fidelity.speed_accuracy.Runner": "in passing, inside a chart",
 }

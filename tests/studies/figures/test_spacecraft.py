@@ -1,7 +1,7 @@
 """Pictures of a spacecraft at several times."""
 
 from pliant.envs import scenes
-from pliant.studies.figures.spacecraft import snapshots
+from pliant.studies.figures.motion import snapshots
 
 
 def test_snapshots_show_every_motion():

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from pliant.envs import scenes
-from pliant.studies.figures.training import learning_curve
+from pliant.studies.figures.controllers import learning_curve
 
 
 def test_costs_against_million_steps_beside_lqr():

@@ -1,0 +1,230 @@
+"""Speed against accuracy: every fidelity of a scene's plant by every path, method and step, within a budget."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pliant.envs.scenes.scene import Scene
+from pliant.plants import Plant
+from pliant.plants.core.argument_gates import (
+    require_all,
+    require_flag,
+    require_function,
+    require_instance,
+    require_names,
+    require_number,
+    require_path,
+    require_seconds,
+)
+from pliant.plants.integration.batch_stepper import compile_motions
+from pliant.studies import peers as other_programs
+from pliant.studies.common import machine
+from pliant.studies.common.reference_motions import Motions, Progress, share, silent
+from pliant.studies.fidelity.speed_accuracy import (
+    LINEAR,
+    METHODS,
+    PATHS,
+    PRECISIONS,
+    SPENT,
+    Chart,
+    Reference,
+    Row,
+    with_fronts,
+)
+from pliant.studies.peers.peer_rows import PeerRow
+from pliant.studies.physics.physics_motion import physics_motion
+
+from .kept_rows import KeptRows
+from .plan import parts, simulated
+from .runner import Runner
+
+COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
+PREPARED, MEASURED = 0.25, 0.95  # of the progress told
+Peers = Callable[..., Sequence[PeerRow]]
+
+
+def chart(
+    scene: Scene,
+    *,
+    budget: float = 15.0,
+    variants: Sequence[Plant] | None = None,
+    methods: Sequence[str] = METHODS,
+    prune: bool = True,
+    physics_tolerance: float | None = None,
+    motions: Motions | None = None,
+    kept: str | Path | None = None,
+    peers: bool | Peers = False,
+    progress: Progress | None = None,
+) -> Chart:
+    """Measure the rows of a scene within `budget` [s], each variant's first row before all others; see `plan`.
+
+    Before it begins physics is found, each variant's own motion converged, and its motions compiled where that pays. A
+    budget that does not buy each variant a row tells in `needed` which one would. `variants` (None: the plant's ladder)
+    are charted, and errors are against physics. A setting is not run when the time is spent, when it would take too
+    long, or when a measured row is faster and better than its variant can be at any step (`prune`); its row says so. A
+    setting finer than one whose error no longer matters has no row.
+
+    physics_tolerance: for which physics is sought, and so known to a few percent of it, where that can be had [the
+    outputs' unit]; None: the scene's tolerance.
+    kept: a file of JSON lines to which rows go as they are measured, and from which a second call goes on, with a
+    budget of its own. peers: also other programs on the same motion, see `pliant.studies.peers`, or what measures them.
+    ValueError for a budget that is not positive, an unknown method, or a file that keeps another scene's rows.
+
+    Example
+    -------
+    >>> found = chart(scenes.get("two-link-reach"), budget=15.0, kept="two-link-reach.jsonl")
+    >>> [(row.variant, row.setting, row.seconds, row.error) for row in found.front]
+    """
+    require_instance("chart.scene", scene, Scene)
+    budget = require_seconds("chart.budget", budget)
+    methods = require_names("chart.methods", methods, METHODS, "method")
+    if not methods:
+        raise ValueError(f"chart.methods = () must name at least one of {', '.join(METHODS)}")
+    if variants is not None and not (variants := require_all("chart.variants", variants, Plant)):
+        raise ValueError("chart.variants = () must hold at least one Plant")
+    prune = require_flag("chart.prune", prune)
+    sought = scene.tolerance if physics_tolerance is None else physics_tolerance
+    sought = require_number("chart.physics_tolerance", sought, "positive", scene.unit)
+    if motions is not None:
+        require_instance("chart.motions", motions, Motions)
+    if progress is not None:
+        require_function("chart.progress", progress)
+    wanted = _peers(peers)
+    told, motions = progress or silent, motions or Motions(scene)
+    told(0.0, "physics")
+    truth = physics_motion(motions, sought)
+    reference = Reference(truth.physics.label, truth.how, truth.uncertainty)
+    described = machine.describe()
+    path = None if kept is None else require_path("chart.kept", kept)
+    store = KeptRows(path, motions, f"{reference.variant}, for {sought:g} {scene.unit}", described)
+    plants = tuple(variants) if variants is not None else motions.ladder
+    runner = Runner(motions, truth.outputs, prune)
+    _prepare(motions, plants, budget, share(progress, 0.05, PREPARED))
+    by_label = {plant.label: plant for plant in plants}
+    for row in store.rows:
+        if row.variant in by_label and row.method in (*methods, *LINEAR):
+            runner.take(by_label[row.variant], row)
+    useful_first = sorted(plants, key=lambda plant: motions.difference(plant, truth.outputs) > scene.tolerance)
+    campaign = _Campaign(runner, store, budget, share(progress, PREPARED, MEASURED))
+    campaign.first_rows(useful_first, methods, scene.dt)
+    campaign.all_rows(useful_first, methods, scene.dt)
+    order = {plant.label: i for i, plant in enumerate(plants)}
+    rows = sorted(campaign.rows, key=lambda r: (order[r.variant], *_order(r)))
+    others = tuple(store.peers)
+    if wanted is not None and not others:
+        told(MEASURED, "other programs")
+        others = tuple(wanted(scene, truth.outputs, budget=budget, progress=share(progress, MEASURED, 1.0)))
+        for peer in others:
+            store.keep_peer(peer)
+    told(1.0, "chart")
+    return Chart(
+        scene=scene.name,
+        compare=scene.compare,
+        tolerance=scene.tolerance,
+        duration=scene.steps * scene.dt,
+        rows=with_fronts(rows),
+        reference=reference,
+        machine=described,
+        budget=budget,
+        unit=scene.unit,
+        outside=tuple((p.label, words) for p in plants if (words := motions.outside_so_far(p))),
+        peers=others if wanted is not None else (),
+        needed=campaign.needed,
+    )
+
+
+def _peers(asked: Any) -> Peers | None:
+    """What measures other programs, where they are asked for."""
+    if callable(asked):
+        found: Peers = asked
+        return found
+    if not require_flag("chart.peers", asked):
+        return None
+    measure: Peers | None = getattr(other_programs, "measure", None)
+    if measure is None:
+        raise ValueError("chart.peers = True: no other program is known here")
+    return measure
+
+
+def _prepare(motions: Motions, plants: Sequence[Plant], budget: float, progress: Progress) -> None:
+    """What every row of a variant rests on, before the budget begins."""
+    for i, plant in enumerate(plants):
+        progress(i / len(plants), f"{plant.label}, compiled")
+        compile_motions(plant, max(budget, COMPILING))
+        motions.outside(plant)  # converged, or what it failed by
+
+
+def _order(row: Row) -> tuple[Any, ...]:
+    methods = (*METHODS, *LINEAR)
+    return (
+        PATHS.index(row.path),
+        methods.index(row.method),
+        row.lanes,
+        PRECISIONS.index(row.precision),
+        -(row.step or row.rtol or 0.0),
+    )
+
+
+class _Campaign:
+    """The settings of one chart, part after part, each until its share of the budget is spent."""
+
+    def __init__(self, runner: Runner, store: KeptRows, budget: float, progress: Progress) -> None:
+        self.runner, self.store, self.budget, self.progress = runner, store, budget, progress
+        self.began = clock.perf_counter()
+        self.spent: list[Row] = []
+        self.needed: float | None = None
+
+    @property
+    def rows(self) -> list[Row]:
+        """Those measured, those that failed, those that there was no time for."""
+        return [*self.runner.rows.values(), *(r for r in self.spent if r.key not in self.runner.rows)]
+
+    def first_rows(self, plants: Sequence[Plant], methods: Sequence[str], dt: float) -> None:
+        """One measured row of each variant, by the first method that gives one."""
+        had = {row.variant for row in self.runner.done}
+        for i, plant in enumerate(plants):
+            for method in methods:
+                row = simulated(plant, method, 0, dt)
+                if plant.label in had or row is None:
+                    break
+                if not self._row(plant, row, self.budget if had else math.inf):
+                    self.spent.append(dataclasses.replace(row, failure=SPENT))
+                    break
+                had |= {r.variant for r in self.runner.done}
+            if self.needed is None and clock.perf_counter() - self.began > self.budget and i + 1 < len(plants):
+                self.needed = rounded_up(len(plants) / (i + 1) * (clock.perf_counter() - self.began))
+        if not self.spent:
+            self.needed = None
+
+    def all_rows(self, plants: Sequence[Plant], methods: Sequence[str], dt: float) -> None:
+        """Part after part; what a part had no time for comes last, where others leave any."""
+        left: list[tuple[Plant, Row]] = []
+        for part in parts(plants, methods, dt):
+            promising = sorted(part.settings, key=lambda setting: self.runner.beaten(setting[1]))
+            left += [(p, r) for p, r in promising if not self._row(p, r, part.until * self.budget)]
+        for plant, row in left:
+            if not self._row(plant, row, self.budget):
+                self.spent.append(dataclasses.replace(row, failure=SPENT))
+
+    def _row(self, plant: Plant, row: Row, until: float) -> bool:
+        """Whether the setting is settled: measured, failed, or of no use; False where its time is spent."""
+        self.progress((clock.perf_counter() - self.began) / self.budget, f"{plant.label}, {row.setting}")
+        found = self.runner.measure(plant, row, self.began + until)
+        if found is None:
+            return True
+        self.store.keep(found)
+        return found.failure != SPENT
+
+
+def rounded_up(seconds: float) -> float:
+    """To two digits, upwards, with a tenth to spare."""
+    seconds *= 1.1
+    digit = 10.0 ** (math.floor(math.log10(seconds)) - 1)
+    return float(np.ceil(seconds / digit) * digit)

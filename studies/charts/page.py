@@ -1,0 +1,156 @@
+"""A chart as one self-contained HTML page, with the settings under the pointer; and as page, picture and table at once.
+
+The markers of the picture carry ids (see `figures.speed_accuracy`); the page holds what is told of each by its id.
+"""
+
+from __future__ import annotations
+
+import json
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from pliant.plants.files.atomic_files import Together
+from pliant.studies.common.formatting import details, measured, number, paragraph, table
+from pliant.studies.common.html_page import asset, document, section
+from pliant.studies.fidelity.speed_accuracy import Chart, Row
+from pliant.studies.figures import style
+from pliant.studies.figures.speed_accuracy import speed_accuracy
+
+ENDINGS = (".html", ".png", ".json")
+MANY = 12  # settings of one marker that are named
+
+
+def script() -> str:
+    """What shows the settings under the pointer."""
+    return asset(__package__ or "", "chart.js")
+
+
+def interactive(chart: Chart, svg: str) -> str:
+    """The picture with what is told of each marker."""
+    packed = json.dumps(told(chart), separators=(",", ":")).replace("</", "<\\/")
+    return (
+        f'<div class="chart"><figure class="speed_accuracy">{svg}</figure><div class="tip" hidden></div>'
+        f'<script type="application/json">{packed}</script></div>\n'
+    )
+
+
+def told(chart: Chart) -> dict[str, dict[str, Any]]:
+    """{id of a marker: its variant and lines of text}."""
+    found: dict[str, dict[str, Any]] = {}
+    for i, row in enumerate(chart.rows):
+        if row.failure is None:
+            found[f"row-{i}"] = {"variant": row.variant, "lines": _lines(chart, row)}
+        elif not row.reason.endswith("not run"):
+            alike = [
+                r for r in chart.failed if (r.variant, r.method, r.reason) == (row.variant, row.method, row.reason)
+            ]
+            settings = [r.setting for r in alike]
+            more = [f"and {len(settings) - MANY} more"] if len(settings) > MANY else []
+            lines = [f"{row.variant}, {row.method}", *settings[:MANY], *more, str(row.failure)]
+            found[f"fail-{i}"] = {"variant": row.variant, "lines": lines}
+    for i, peer in enumerate(chart.peers):
+        if peer.failure is None:
+            lines = [
+                peer.peer,
+                peer.setting,
+                f"{number((peer.seconds or 0.0) * 1e3)} ms per simulated second",
+                f"error {measured(peer.error or 0.0, chart.unit)}",
+                f"{peer.searched} settings searched",
+            ]
+            found[f"peer-{i}"] = {"variant": "", "lines": lines}
+    return found
+
+
+def _lines(chart: Chart, row: Row) -> list[str]:
+    lanes = f", {row.lanes:,} lanes" if row.lanes > 1 else ""
+    lines = [
+        f"{row.variant} ({row.states} states)",
+        row.setting,
+        f"{number((row.seconds or 0.0) * 1e3)} ms per simulated second{lanes and ' and lane'}",
+        f"error {measured(row.error or 0.0, chart.unit)}",
+    ]
+    if row.step_error is not None:
+        lines.append(f"{measured(row.step_error, chart.unit)} of it by the step")
+    if row.made is not None:
+        lines.append(f"the model took {number(row.made * 1e3)} ms per simulated second to make")
+    if row.native is False and row.path != "linear":
+        lines.append("on the virtual machine")
+    return [*lines, "on the Pareto front"] if row.pareto else lines
+
+
+def sentence(chart: Chart) -> str:
+    """What the chart comes to: the fastest within the tolerance, one motion and many."""
+    said = []
+    for lanes, words in ((1, "one motion"), (1024, "1,024 at once")):
+        row = chart.fastest(lanes=lanes)
+        if row is not None:
+            speed = f"{number((row.seconds or 0.0) * 1e3)} ms per simulated second{' and motion' if lanes > 1 else ''}"
+            said.append(f"{words}: {row.variant} by {row.setting}, {speed}")
+    bound = measured(chart.tolerance, chart.unit)
+    if not said:
+        left = f"; {chart.not_run} settings were not run for want of time" if chart.not_run else ""
+        return f"Nothing that was measured is shown to keep {bound}{left}."
+    return f"The fastest within {bound} of physics. {'; '.join(s[0].upper() + s[1:] for s in said)}."
+
+
+def tables(chart: Chart) -> str:
+    """The front, all rows, other programs, what has no result."""
+
+    def line(row: Row) -> tuple[Any, ...]:
+        return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
+
+    head = (
+        "variant",
+        "method",
+        "ms per simulated second and lane",
+        f"error [{chart.unit}]",
+        f"of it by the step [{chart.unit}]",
+    )
+    text = paragraph("The Pareto front:") + table(head, [line(r) for r in chart.front])
+    if chart.peers:
+        other = ("program", "setting", "ms per simulated second", f"error [{chart.unit}]", "searched", "why not")
+        rows = [
+            (p.peer, p.setting, None if p.seconds is None else p.seconds * 1e3, p.error, p.searched, p.failure or "")
+            for p in chart.peers
+        ]
+        text += paragraph("Other programs on the same motion:") + table(other, rows)
+    marked = [i for i, r in enumerate(chart.measured) if r.pareto]
+    everything = table(head, [line(r) for r in chart.measured], marked=marked)
+    text += details(f"All {len(chart.measured)} measured rows", everything)
+    if chart.failed:
+        reasons = table(("variant", "method", "reason"), [(r.variant, r.setting, r.failure) for r in chart.failed])
+        text += details(f"{len(chart.failed)} settings without a result, and why", reasons)
+    return text
+
+
+def build(chart: Chart, svg: str, about: str = "") -> str:
+    """The page's text; `svg` is the picture."""
+    ref = chart.reference
+    known = measured(ref.uncertainty, chart.unit)
+    main = section("Speed against accuracy", paragraph(sentence(chart)) + interactive(chart, svg) + tables(chart))
+    main += section(
+        "What was measured",
+        paragraph(
+            f"Error: largest difference of {', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion, "
+            f"inputs held over each control period, from physics: {ref.how}, known to {known}. Time: wall time per "
+            "simulated second and lane, median of several runs after a warm-up. The stepper is called once a "
+            "control period, in one thread, and gives states; linear models are at hand, and what making them took is "
+            "told beside."
+        )
+        + "".join(paragraph(f"{v} leaves the range of its kinematics: {w}.", "warning") for v, w in chart.outside)
+        + table(("what", "value"), list(chart.machine.items())),
+    )
+    head = f"<h1>{escape(chart.scene)}</h1><p>{escape(about)}</p>"
+    return document(chart.scene, head, main, f"Made by Pliant {escape(chart.machine['pliant'])}.", (script(),))
+
+
+def save_all(chart: Chart, folder: Path, *, mark: Row | None = None, about: str = "") -> list[Path]:
+    """Page, picture and table in the folder, named after the scene, which take their places together. OSError."""
+    page, picture, data = (folder / f"{chart.scene}{ending}" for ending in ENDINGS)
+    figure = speed_accuracy(chart, mark)
+    with Together() as files:
+        style.save(figure, picture, files)
+        files.text(page, build(chart, style.inline(figure), about))
+        chart.save(data, files)
+    return [page, picture, data]
