@@ -17,6 +17,7 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.argument_gates import require_finite, require_function, require_instance, require_seconds
 from pliant.studies.common.reference_motions import Progress, silent
 
+from .elastica_rods import Rods
 from .exudyn_beams import Beams
 from .mujoco_chain import Chain
 from .peer_rows import PeerRow
@@ -24,7 +25,7 @@ from .planar_machine import Machine, NotModelledError, machine_of
 from .programs import Program, described
 from .search import Search
 
-PROGRAMS: tuple[Program, ...] = (Beams(), Chain())
+PROGRAMS: tuple[Program, ...] = (Beams(), Chain(), Rods())
 
 
 def measure(

@@ -19,7 +19,7 @@ import numpy as np
 from .planar_machine import Machine
 from .programs import BrokenDownError, Program, Setting
 
-SUBSTEPS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024, 2048)  # of a control period
+SUBSTEPS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024, 2048, 4096)  # of a control period
 ENOUGH = 0.1  # shorter steps are not tried where twice as short ones change less of the error ..
 FLOOR = 2e-3  # .. or it is below this share of the tolerance
 FAR = 30.0  # times the tolerance: steps are halved at least while the error is larger
@@ -48,6 +48,7 @@ class Search:
         self.program, self.machine, self.outputs, self.tolerance = program, machine, outputs, tolerance
         self.began, self.seconds, self.tried = time.perf_counter(), seconds, 0
         self.found: list[Found] = []
+        self.still = float(np.abs(outputs - outputs[0]).max())  # error of what does not move
 
     def front(self) -> list[Found]:
         """What no other setting beats, each timed several times; empty where no setting gives a motion."""
@@ -103,7 +104,7 @@ class Search:
         except BrokenDownError:
             return None
         error = float(np.abs(self.machine.outputs(*motion) - self.outputs).max())
-        if not np.isfinite(error):
+        if not error < self.still:
             return None
         found = Found(setting, seconds / self.machine.duration, error)
         self.found.append(found)

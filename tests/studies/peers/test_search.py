@@ -11,7 +11,7 @@ from pliant.studies.peers.programs import BrokenDownError, Player, Setting
 from pliant.studies.peers.search import FLOOR, Found, Search, best, settled
 
 MACHINE = machine_of(scenes.get("cantilever-drop"))
-OUTPUTS = np.zeros((MACHINE.steps + 1, 2))
+OUTPUTS = np.linspace([0.0, 0.0], [1.0, -2.0], MACHINE.steps + 1)
 
 
 class Known:
@@ -37,7 +37,7 @@ class Known:
             raise BrokenDownError("the steps are too long")
         error = 0.1 / setting.parts**2 + 0.1 / setting.substeps**2
         seconds = {"fast": 1e-5, "slow": 2e-5, "tuned": 0.5e-5}[setting.solver] * setting.parts * setting.substeps
-        tip = np.full((machine.steps + 1, 2), error)
+        tip = OUTPUTS + error
         return Player(lambda: ((tip, np.zeros(machine.steps + 1)), seconds), lambda: seconds)
 
 
@@ -65,7 +65,7 @@ def test_no_motion_no_rows():
 def test_an_error_that_does_not_matter_is_not_made_smaller():
     class Exact(Known):
         def player(self, machine, setting):
-            tip = np.full((machine.steps + 1, 2), 0.1 * FLOOR)
+            tip = OUTPUTS + 0.1 * FLOOR
             return Player(lambda: ((tip, np.zeros(machine.steps + 1)), 1e-3), lambda: 1e-3)
 
     search = Search(Exact(), MACHINE, OUTPUTS, 1.0, 60.0)
@@ -76,6 +76,11 @@ def test_an_error_that_does_not_matter_is_not_made_smaller():
 def test_settled_where_shorter_steps_change_nothing(errors, done):
     before, after = (Found(Setting(2, k), 1.0, e) for k, e in zip((4, 8), errors))
     assert settled(before, after) is done
+
+
+def test_what_is_worse_than_not_to_move_is_no_row():
+    search = Search(Known(), MACHINE, 1e-6 * OUTPUTS, 1e-3, 5.0)
+    assert search.front() == [] and search.tried > 0
 
 
 def test_best():
