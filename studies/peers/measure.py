@@ -24,8 +24,9 @@ from .peer_rows import PeerRow
 from .planar_machine import Machine, NotModelledError, machine_of
 from .programs import Program, described
 from .search import Search
+from .soromox_strains import Strains
 
-PROGRAMS: tuple[Program, ...] = (Beams(), Chain(), Rods())
+PROGRAMS: tuple[Program, ...] = (Beams(), Chain(), Rods(), Strains())
 
 
 def measure(
@@ -35,7 +36,8 @@ def measure(
 
     `outputs` (nt, n): the compared outputs of the reference at the scene's control times [their unit]. Wall time is
     that of the integration per simulated second on one core, the median of several runs after a first one; building,
-    assembling and compiling a model are left out. `budget` [s] of searching, shared among the programs.
+    assembling and compiling a model are left out. `budget` [s] of searching, shared among the programs; what takes long
+    to compile comes on top (SoRoMoX: half a minute a model).
     ValueError for outputs of another shape or not finite, and for a budget that is not positive.
 
     >>> from pliant.envs import scenes

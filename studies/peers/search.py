@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 
 from .planar_machine import Machine
-from .programs import BrokenDownError, Program, Setting
+from .programs import BrokenDownError, Player, Program, Setting
 
 SUBSTEPS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024, 2048, 4096)  # of a control period
 ENOUGH = 0.1  # shorter steps are not tried where twice as short ones change less of the error ..
 FLOOR = 2e-3  # .. or it is below this share of the tolerance
 FAR = 30.0  # times the tolerance: steps are halved at least while the error is larger
+COMPILED = 2.0  # [s] of building a model: more is compiling, which does not count
 SLOW = 3.0  # [s] a run expected to take longer is not made
 SHARES = 0.55, 0.8  # of the time: when the first search ends, and the one beside its front
 WORTH = 0.8  # a slower row has at most this share of the faster one's error
@@ -100,7 +101,7 @@ class Search:
     def _try(self, setting: Setting) -> Found | None:
         self.tried += 1
         try:
-            motion, seconds = self.program.player(self.machine, setting).play()
+            motion, seconds = self._player(setting).play()
         except BrokenDownError:
             return None
         error = float(np.abs(self.machine.outputs(*motion) - self.outputs).max())
@@ -110,10 +111,17 @@ class Search:
         self.found.append(found)
         return found
 
+    def _player(self, setting: Setting) -> Player:
+        begin = time.perf_counter()
+        player = self.program.player(self.machine, setting)
+        if (spent := time.perf_counter() - begin) > COMPILED:
+            self.began += spent
+        return player
+
     def _timed(self, at: Found) -> Found:
         """With the median of several more runs; fewer where the time is spent."""
         times: list[float] = []
-        player = self.program.player(self.machine, at.setting)
+        player = self._player(at.setting)
         player.seconds()
         while len(times) < (REPEATS if self._left(1.0) > 0 else 1):
             times.append(player.seconds() / self.machine.duration)
