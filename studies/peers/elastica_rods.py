@@ -139,7 +139,7 @@ class _Rod:
         for i, link in enumerate(machine.links):
             couple[i * n : (i + 1) * n - 1] *= link.damping
 
-        class Load(self.ea.NoForces):
+        class Load(self.ea.NoForces):  # type: ignore[name-defined]
             def apply_torques(self, system: Any, time: float = 0.0) -> None:
                 torques, turning = system.external_torques[ACROSS], system.omega_collection[ACROSS]
                 for i in motors:
@@ -161,7 +161,7 @@ class _Rod:
         own, machine, free = self, self.machine, self.machine.root == "torque"
         angle, rate = machine.root_motion
 
-        class Root(self.ea.ConstraintBase):
+        class Root(self.ea.ConstraintBase):  # type: ignore[name-defined]
             def constrain_values(self, system: Any, time: float) -> None:
                 system.position_collection[:, 0] = 0.0
                 if not free:

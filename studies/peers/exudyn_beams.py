@@ -123,11 +123,14 @@ class System:
                 self.first = nodes[0]
         self.tip = before
         if self.watched:
-            kind = self.exu.OutputVariableType.Position
-            sensor = _item("SensorNode")
-            self.seen = self.mbs.AddSensor(sensor(nodeNumber=self.tip, outputVariableType=kind, storeInternal=True))
-            kind = self.exu.OutputVariableType.Rotation
-            self.turned = self.mbs.AddSensor(sensor(nodeNumber=self.first, outputVariableType=kind, storeInternal=True))
+            kinds = self.exu.OutputVariableType
+            self.seen = self._sensor(self.tip, kinds.Position)
+            self.moving = self._sensor(self.tip, kinds.Velocity)
+            self.turned = self._sensor(self.first, kinds.Rotation)
+
+    def _sensor(self, node: int, kind: Any) -> int:
+        sensor = _item("SensorNode")(nodeNumber=node, outputVariableType=kind, storeInternal=True)
+        return self.mbs.AddSensor(sensor)
 
     def _element(self, link: Any, nodes: list[int]) -> None:
         beam = _item("ObjectBeamGeometricallyExact2D")(
@@ -253,10 +256,15 @@ class System:
 
     def motion(self) -> Motion:
         """What the sensors saw."""
-        tip = np.asarray(self.mbs.GetSensorStoredData(self.seen))
-        turned = np.asarray(self.mbs.GetSensorStoredData(self.turned))
-        k = self.setting.substeps
-        return tip[::k, 1:3], turned[::k, -1]
+        return self._stored(self.seen)[:, 1:3], self._stored(self.turned)[:, -1]
+
+    def tip_rate(self) -> np.ndarray:
+        """(nt, 2) [m/s]"""
+        return self._stored(self.moving)[:, 1:3]
+
+    def _stored(self, sensor: int) -> np.ndarray:
+        """Time, then the values, at the control times."""
+        return np.asarray(self.mbs.GetSensorStoredData(sensor))[:: self.setting.substeps]
 
 
 def _item(name: str) -> Any:

@@ -63,17 +63,17 @@ def compiled(machine: Machine, parts: int) -> tuple[Callable[[float], np.ndarray
     from jax import numpy as jnp
 
     with jax.enable_x64(True):  # single precision is JAX's default
-        robot, length = _robot(machine, parts), machine.links[0].length
+        model, length = robot(machine, parts), machine.links[0].length
         times = jnp.asarray(machine.dt * np.arange(machine.steps + 1))
 
         def rollout(step: Any) -> Any:
             from soromox.systems import SystemState
 
             start = SystemState(t=jnp.asarray(0.0), y=jnp.zeros(2 * parts))
-            return robot.rollout_to(start, t1=times[-1], solver_dt=step, save_ts=times).y[:, :parts]
+            return model.rollout_to(start, t1=times[-1], solver_dt=step, save_ts=times).y[:, :parts]
 
         played = jax.jit(rollout)
-        placed = jax.jit(jax.vmap(lambda q: robot.forward_kinematics(q, jnp.asarray(length))[1:]))
+        placed = jax.jit(jax.vmap(lambda q: model.forward_kinematics(q, jnp.asarray(length))[1:]))
         played(machine.dt).block_until_ready()
 
     def run(step: float) -> np.ndarray:
@@ -87,7 +87,8 @@ def compiled(machine: Machine, parts: int) -> tuple[Callable[[float], np.ndarray
     return run, tips
 
 
-def _robot(machine: Machine, parts: int) -> Any:
+def robot(machine: Machine, parts: int) -> Any:
+    """SoRoMoX's model of the clamped beam, in the precision that JAX is set to."""
     from jax import numpy as jnp
     from soromox.systems import LinkSpec, PlanarPCS, PlanarPCSStructure
 
