@@ -118,10 +118,10 @@ class System:
             self._body(nodes[0], 0.0, machine.hub_inertia[i])
             load = (machine.joint_mass, 0.0) if i < last else (machine.payload.mass, machine.payload.inertia_z)
             self._body(nodes[-1], *load)
-            at, before = at + link.length * along, nodes[-1]
-            if i == 0:
+            if before is None:
                 self.first = nodes[0]
-        self.tip = before
+            at, before = at + link.length * along, nodes[-1]
+            self.tip = nodes[-1]
         if self.watched:
             kinds = self.exu.OutputVariableType
             self.seen = self._sensor(self.tip, kinds.Position)
