@@ -19,6 +19,7 @@ from pliant.studies.common.reference_motions import Progress, silent
 
 from .elastica_rods import Rods
 from .exudyn_beams import Beams
+from .mujoco_cable import Cable
 from .mujoco_chain import Chain
 from .peer_rows import PeerRow
 from .planar_machine import Machine, NotModelledError, machine_of
@@ -26,7 +27,7 @@ from .programs import Program, described
 from .search import Search
 from .soromox_strains import Strains
 
-PROGRAMS: tuple[Program, ...] = (Beams(), Chain(), Rods(), Strains())
+PROGRAMS: tuple[Program, ...] = (Beams(), Chain(), Cable(), Rods(), Strains())
 
 
 def measure(

@@ -1,4 +1,4 @@
-"""MuJoCo: each link a chain of rigid segments on sprung hinges, since it has no beam that does not stretch.
+"""MuJoCo: each link a chain of rigid segments on sprung hinges, since it has no beam with joints.
 
 A root that is turned as prescribed carries an armature so large that the links do not move it.
 """
@@ -6,11 +6,12 @@ A root that is turned as prescribed carries an armature so large that the links 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 
 from .planar_machine import Machine
-from .programs import BrokenDownError, Player, Setting
+from .programs import BrokenDownError, Motion, Player, Setting
 from .rigid_segments import Segment, segments, tips
 
 INTEGRATORS = "RK4", "implicitfast", "discrete", "Euler"
@@ -37,39 +38,53 @@ class Chain:
         return ()
 
     def player(self, machine: Machine, setting: Setting) -> Player:
-        import mujoco
-        from mujoco import rollout
-
         chain = segments(machine, setting.parts)
-        model = mujoco.MjModel.from_xml_string(xml(machine, chain, setting))
-        data = mujoco.MjData(model)
         angles = [a - b for a, b in zip(machine.angles, (0.0, *machine.angles))]
-        moving = chain if machine.root != "clamped" else chain[1:]
-        at = [i for i, s in enumerate(moving) if s.driven]
-        data.qpos[at] = angles[len(angles) - len(at) :]
-        kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
-        start = np.zeros((1, mujoco.mj_stateSize(model, kind)))
-        mujoco.mj_getState(model, data, start[0], kind)
-        control = np.repeat(machine.held, setting.substeps, axis=0)[None, :, : model.nu]
-        engine = rollout.Rollout(nthread=0)
-        out = np.zeros((1, machine.steps * setting.substeps, start.shape[1]))
+        start = np.zeros(len(chain))
+        start[[i for i, s in enumerate(chain) if s.driven]] = angles
 
-        def play() -> tuple[tuple[np.ndarray, np.ndarray], float]:
-            said: list[str] = []
-            before = mujoco.get_mju_user_warning()
-            mujoco.set_mju_user_warning(said.append)  # else it prints, starts anew, and goes on
-            begin = time.perf_counter()
-            engine.rollout(model, [data], start, control, nstep=out.shape[1], state=out)
-            seconds = time.perf_counter() - begin
-            mujoco.set_mju_user_warning(before)
-            kept = np.concatenate([start, out[0, setting.substeps - 1 :: setting.substeps]])[:, 1 : 1 + model.nq]
-            if said or not np.abs(kept).max() < 1e3:
-                raise BrokenDownError("the steps are too long")
+        def motion(q: np.ndarray) -> Motion:
             if machine.root == "clamped":
-                kept = np.concatenate([np.full((len(kept), 1), machine.angles[0]), kept], axis=1)
-            return (tips(chain, kept), kept[:, 0]), seconds
+                q = np.concatenate([np.full((len(q), 1), machine.angles[0]), q], axis=1)
+            return tips(chain, q), q[:, 0]
 
-        return Player(play, lambda: play()[1])
+        return rollout_of(machine, setting, xml(machine, chain, setting), tuple(start), motion)
+
+
+def rollout_of(
+    machine: Machine, setting: Setting, text: str, start: tuple[float, ...], motion: Callable[[np.ndarray], Motion]
+) -> Player:
+    """mujoco.rollout of a model from its first coordinates, which a clamped root has none of; `motion` reads the
+    coordinates (nt, n) at the control times.
+    """
+    import mujoco
+    from mujoco import rollout
+
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    first = start if machine.root != "clamped" else start[1:]
+    data.qpos[: len(first)] = first
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    begun = np.zeros((1, mujoco.mj_stateSize(model, kind)))
+    mujoco.mj_getState(model, data, begun[0], kind)
+    control = np.repeat(machine.held, setting.substeps, axis=0)[None, :, : model.nu]
+    engine = rollout.Rollout(nthread=0)
+    out = np.zeros((1, machine.steps * setting.substeps, begun.shape[1]))
+
+    def play() -> tuple[Motion, float]:
+        said: list[str] = []
+        before = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(said.append)  # else it prints, starts anew, and goes on
+        begin = time.perf_counter()
+        engine.rollout(model, [data], begun, control, nstep=out.shape[1], state=out)
+        seconds = time.perf_counter() - begin
+        mujoco.set_mju_user_warning(before)
+        kept = np.concatenate([begun, out[0, setting.substeps - 1 :: setting.substeps]])[:, 1 : 1 + model.nq]
+        if said or not np.abs(kept).max() < 1e3:
+            raise BrokenDownError("the steps are too long")
+        return motion(kept), seconds
+
+    return Player(play, lambda: play()[1])
 
 
 def xml(machine: Machine, chain: tuple[Segment, ...], setting: Setting) -> str:
