@@ -19,6 +19,7 @@ import numpy as np
 from pliant.plants.core import parameters
 from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.validity.ranges import Range
 
@@ -51,6 +52,11 @@ class PhysicsContract(Declaration):
     def unmodelled(self) -> tuple[str, ...]:
         """What even `physics` leaves out, in words. Default: what every variant of the ladder does."""
         return ("what every variant of its ladder leaves out",)
+
+    @property
+    def planar_chain(self) -> PlanarChain | str:
+        """The machine as links in a plane, which other programs know too; or why it is none, in words."""
+        return "its machine is not told as a planar chain of beams"
 
     @property
     def newton(self) -> Self:

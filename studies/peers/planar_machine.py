@@ -14,10 +14,12 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import Beam, LargeDeflectionBeam, Payload, SingleLinkArm, TwoLinkArm
+from pliant.plants import Beam, Payload
+from pliant.plants.core.signals import index
 
 Array = np.ndarray
 STRAIGHT = 1e-9  # largest start of a coordinate that bends, relative to 1 m or 1 rad
+ALIKE = "links", "root", "hub_inertia", "friction", "joint_mass", "payload", "gravity", "sheared"  # of a chain
 READ = ("tip_x", "tip_y", "tip_u", "tip_v", "tip_deflection", "hub_angle", "theta1")  # compared outputs that are known
 
 
@@ -75,74 +77,21 @@ class Machine:
 
 def machine_of(scene: Scene) -> Machine:
     """Of a scene's physics. NotModelledError with the reason where no program here models it."""
-    plant = scene.plant
-    if type(plant) not in (LargeDeflectionBeam, SingleLinkArm, TwoLinkArm):
-        raise NotModelledError(WITHOUT.get(type(plant).__name__, "no planar chain of beams"))
-    own: Any = plant.physics().nominal
-    unknown = [name for name in scene.compare if name not in READ]
-    if unknown:
+    plant: Any = scene.plant.physics().nominal
+    chain = plant.planar_chain
+    if isinstance(chain, str):
+        raise NotModelledError(chain)
+    if unknown := [name for name in scene.compare if name not in READ]:
         raise NotModelledError(f"compares {', '.join(unknown)}, which the models here do not give")
-    if any(own.payload.offset[:2]):
+    if any(chain.payload.offset[:2]):
         raise NotModelledError("the payload's mass centre is off the tip")
-    x = scene.with_plant(plant.physics()).initial[0]
-    held = np.array([scene.nominal_input(t) for t in scene.times[:-1]])
-    turns = tuple(i for i, s in enumerate(own.coordinates) if s.name in ("hub_angle", "theta1", "theta2"))
-    bent = np.delete(x, turns)
-    if np.abs(bent).max() > STRAIGHT:
+    x, held = scene.with_plant(plant).initial[0], np.array([scene.nominal_input(t) for t in scene.times[:-1]])
+    turns = [index(plant.states, name, "state") for name in chain.turning]
+    if np.abs(np.delete(x, turns)).max() > STRAIGHT:
         raise NotModelledError("does not start straight and at rest")
-    common: dict[str, Any] = {
-        "payload": own.payload,
-        "held": held,
-        "dt": scene.dt,
-        "compare": scene.compare,
-        "angles": tuple(np.cumsum(x[list(turns)])) or (0.0,),
-    }
-    if isinstance(own, LargeDeflectionBeam):
-        return _beam(own, common)
-    if isinstance(own, SingleLinkArm):
-        if own.hub_radius:
-            raise NotModelledError("the link's root is off the hub's axis")
-        return Machine(
-            links=(own.link,),
-            root=own.drive,
-            hub_inertia=(own.hub_inertia,),
-            friction=(own.hub_friction,),
-            joint_mass=0.0,
-            gravity=(0.0, -own.gravity),
-            sheared=True,
-            **common,
-        )
-    return Machine(
-        links=(own.link1, own.link2),
-        root="torque",
-        hub_inertia=own.hub_inertia,
-        friction=own.joint_friction,
-        joint_mass=own.joint_mass,
-        gravity=(0.0, -own.gravity),
-        sheared=True,
-        **common,
-    )
-
-
-def _beam(own: LargeDeflectionBeam, common: dict[str, Any]) -> Machine:
-    if not own.planar or own.root == "hinged":
-        raise NotModelledError(f"the models here are planar, clamped or driven: planar = {own.planar}, {own.root}")
-    if own.root == "clamped" and np.any(common["held"]):
+    if chain.root == "clamped" and np.any(held):
         raise NotModelledError("a force pulls the tip; the models here are driven at their joints")
+    angles = tuple(float(a) for a in np.cumsum(x[turns])) or (0.0,)
     return Machine(
-        links=(own.beam,),
-        root="clamped" if own.root == "clamped" else "motion",
-        hub_inertia=(0.0,),
-        friction=(0.0,),
-        joint_mass=0.0,
-        gravity=own.gravity[:2],
-        sheared=False,
-        **common,
+        **{name: getattr(chain, name) for name in ALIKE}, angles=angles, held=held, dt=scene.dt, compare=scene.compare
     )
-
-
-WITHOUT = {
-    "FlexibleSpacecraft": "a free hub in space with panels of modal data: no planar chain of beams, and beams are what "
-    "these programs know",
-    "SliderCrank": "its rod hangs between a crank and a slider: a closed loop, which the models here are not",
-}
