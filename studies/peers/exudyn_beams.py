@@ -76,9 +76,9 @@ class Beams:
 
 
 def library() -> Any:
-    """Exudyn's fast module, without range checks; it says so on stdout, which belongs to the table."""
+    """Exudyn's fast module, without range checks; what it says of that on stdout is kept from there."""
     sys.exudynFast = True  # type: ignore[attr-defined]
-    with contextlib.redirect_stdout(sys.stderr):
+    with contextlib.redirect_stdout(io.StringIO()):
         import exudyn as exu
     return exu
 
