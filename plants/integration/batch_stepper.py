@@ -24,6 +24,7 @@ from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
 from pliant.plants.native.thread_pool import available
+from pliant.plants.rosenbrock.plant_functions import rate_function
 from pliant.plants.rounding.agreement import Reference, Trial, of_function
 from pliant.plants.rounding.extended_evaluation import mover
 
@@ -32,11 +33,6 @@ from .step_guard import StepGuard, sound
 from .step_maps import METHODS, step_map, stepper
 
 POWERS, SMALL, LONGEST_TRIED = 6, 1e-6, 0.1  # finite differences that find the fastest mode, their size; a step [s]
-
-
-def rate_function(plant: PlantLike) -> ca.Function:
-    """(t, x, u, w, p) -> dx/dt as one SX function."""
-    return ca.Function("rate", list(plant.symbols), [ca.densify(ca.cse([plant.expressions[0]])[0])])
 
 
 def step_reference(plant: PlantLike, method: str = "rk4", numeric: Callable[..., Any] = NumericFunction) -> Reference:

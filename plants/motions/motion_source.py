@@ -13,7 +13,7 @@ takes them, `ahead` numbers a step. Returns 0, or 1 where a step has no finite r
 
     long adaptive(last, most, restart, t, u, w, p, x, s, now, at)
 
-does the same by the pair's own steps, which end on every one of the times: dormand_prince.py says how they are chosen.
+does the same by the pair's own steps, which end on every one of the times: adaptive_steps.py says how they are chosen.
 With `restart` each period begins with a step within it. Of s and now see below. Returns 0; 1 after too many steps, 2
 with too small a step, the state of both in row k + 1; 3 after `most` steps.
 """

@@ -52,11 +52,29 @@ typedef const T (*restrict in_t)[W];
 """
 
 
+def _vector(dtype: np.dtype, lanes: int) -> tuple[int, str]:
+    """Lanes of a vector of the machine, at most `lanes`, and what makes its type of a number's."""
+    vector = min(lanes, max(1, compiler.toolchain().width // (8 * dtype.itemsize)))
+    return vector, f"__attribute__((vector_size({vector * dtype.itemsize}), may_alias))" if vector > 1 else ""
+
+
+def other_lanes(dtype: np.dtype, lanes: int | None = None) -> str:
+    """What follows is for as many lanes, after a `head` for another number of them."""
+    width = LANES[dtype] if lanes is None else lanes
+    vector, aligned = _vector(dtype, width)
+    return f"""typedef T OTHER {aligned};
+#define V OTHER
+#undef W
+#define W {width}
+#undef VL
+#define VL {vector}
+"""
+
+
 def head(dtype: np.dtype, lanes: int | None = None) -> str:
     """What every kernel starts with; `lanes` = 1 is for one state at a time."""
     single, width = dtype == np.float32, LANES[dtype] if lanes is None else lanes
-    vector = min(width, max(1, compiler.toolchain().width // (8 * dtype.itemsize)))
-    aligned = f"__attribute__((vector_size({vector * dtype.itemsize}), may_alias))" if vector > 1 else ""
+    vector, aligned = _vector(dtype, width)
     return _HEAD.format(
         real="float" if single else "double",
         word="uint32_t" if single else "uint64_t",
