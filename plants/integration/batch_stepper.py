@@ -24,6 +24,8 @@ from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
 from pliant.plants.native.thread_pool import available
+from pliant.plants.rosenbrock.adaptive import METHOD as RODAS
+from pliant.plants.rosenbrock.library import adaptive_kernel
 from pliant.plants.rosenbrock.plant_functions import rate_function
 from pliant.plants.rounding.agreement import Reference, Trial, of_function
 from pliant.plants.rounding.extended_evaluation import mover
@@ -148,9 +150,11 @@ def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | No
     )
 
 
-def compile_motions(plant: PlantLike, coming: float) -> bool:
-    """Compile what `simulate` plays explicit methods by, where `coming` seconds of motions pay; whether it is there."""
-    kernel = motion_kernel(plant, motion_source.EXPLICIT[0])
+def compile_motions(plant: PlantLike, coming: float, method: str = motion_source.EXPLICIT[0]) -> bool:
+    """Compile what `simulate` plays a method by, all explicit ones together, where `coming` seconds of motions pay;
+    whether it is there.
+    """
+    kernel: OnDemand[Any] | None = adaptive_kernel(plant) if method == RODAS else motion_kernel(plant, method)
     return kernel is not None and kernel.library(coming) is not None
 
 

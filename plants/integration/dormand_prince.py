@@ -99,10 +99,12 @@ def march(
     first: float,
     audit: bool,
     report: Callable[[float], None] | None = None,
+    before: int = 0,
 ) -> tuple[np.ndarray, int, float]:
     """States at `times` (nt, nz), the number of steps tried, and the last step, to start the next call with.
 
-    The input is `law(times)` (times * nu,), or `held` (nu,) where that is None. Steps end on every one of the times.
+    The input is `law(times)` (times * nu,), or `held` (nu,) where that is None. Steps end on every one of the times;
+    `before` were tried earlier in the motion.
     """
     step, c = step_function(plant, audit), fractions()
     us = np.tile(held, STAGES)
@@ -118,7 +120,7 @@ def march(
                 us = law(t + c * trial)
             new, e5, e3 = step(t, z, us, w, p, trial)
             tried += 1
-            if tried > adaptive_steps.MOST_STEPS:
+            if before + tried > adaptive_steps.MOST_STEPS:
                 raise adaptive_steps.too_many_steps(t, z[: plant.nx], trial)
             scale = atol + rtol * np.maximum(np.abs(z), np.abs(new))
             s5, s3 = (e5 / scale) @ (e5 / scale), (e3 / scale) @ (e3 / scale)

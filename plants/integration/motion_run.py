@@ -19,7 +19,7 @@ from pliant.plants.motions.compile_rule import OnDemand
 from pliant.plants.motions.held_inputs import HeldInput
 from pliant.plants.motions.motion_library import A_CALL, LONG
 from pliant.plants.motions.motion_source import PAIR
-from pliant.plants.rosenbrock.adaptive import RosenbrockMotion
+from pliant.plants.rosenbrock.adaptive import RosenbrockMotion, next_jumps
 from pliant.plants.rosenbrock.library import adaptive_kernel
 
 from . import dormand_prince
@@ -225,21 +225,21 @@ class PairRun(MotionRun):
         times, function = self.t[k : end + 1], None if self.drive.law is None else self.drive.at
         self.first = self.first_step(k, z[k]) if self.first is None else self.first
         first = self.first if self.drive.smooth else min(self.first, times[-1] - times[0])
-        options: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol, "first": first, "audit": self.audit}
+        options: dict[str, Any] = {"rtol": self.rtol, "atol": self.atol, "first": first, "before": self.steps}
         given = (times, z[k], self.drive.samples[k], function, self.w, self.p)
         with np.errstate(all="ignore"):
-            found = dormand_prince.march(self.plant, *given, report=self.progress, **options)
+            found = dormand_prince.march(self.plant, *given, audit=self.audit, report=self.progress, **options)
         z[k : end + 1], tried, self.first = found
         self.steps, self.reached = self.steps + tried, end
 
     def natively(self, z: Array) -> None:
         k = self.reached
-        self.first = self.first_step(k, z[k]) if self.first is None else self.first
         arrays = (np.ascontiguousarray(self.t), self.drive.samples, self.w, self.p, z)
         motion = self.library.adapted(arrays, (self.rtol, self.atol, *adaptive_steps.limits()))
-        status = motion.march(k, self.ahead(), self.first, restart=not self.drive.smooth)
-        self.reached, self.first = motion.reached, motion.step
-        self.steps, self.native = self.steps + motion.tried, self.native + motion.tried
+        before, self.first = self.steps, self.first_step(k, z[k]) if self.first is None else self.first
+        status = motion.march(k, self.ahead(), self.first, before, restart=not self.drive.smooth)
+        self.reached, self.first, self.steps = motion.reached, motion.step, motion.tried
+        self.native += self.steps - before
         if status:
             last = z[self.reached + 1]
             raise adaptive_steps.stopped(status, motion.time, last, motion.step, motion.trial, self.method)
@@ -250,8 +250,12 @@ class RosenbrockRun(MotionRun):
 
     def prepare(self) -> None:
         drive, law = self.drive, None if self.drive.law is None else self.drive.at
+        if drive.controller is not None:  # nobody knows what it will say
+            ends = np.arange(1, self.intervals + 1)
+        else:
+            ends = next_jumps(drive.samples if law is None else np.zeros((self.intervals + 1, 1)))
         given = self.plant, self.t, drive.samples, law, self.w, self.p
-        self.motion = RosenbrockMotion(*given, rtol=self.rtol, atol=self.atol, jumps=not drive.smooth)
+        self.motion = RosenbrockMotion(*given, rtol=self.rtol, atol=self.atol, ends=ends)
         if law is None:
             self.kernel, self.evaluations = adaptive_kernel(self.plant), len(self.motion.tableau.d)
 

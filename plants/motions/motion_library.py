@@ -133,12 +133,13 @@ class AdaptiveMotion:
         self._function, self._now, self._at = function, np.zeros(3), np.zeros(3, dtype=LONG)
         self._arrays = (*arrays, self._now, self._at)
 
-    def march(self, first: int, last: int, step: float, *, restart: bool) -> int:
-        """From the time of row `first` to that of `last`, begun with `step`, each period anew with `restart`.
+    def march(self, first: int, last: int, step: float, tried: int = 0, *, restart: bool) -> int:
+        """From the time of row `first` to that of `last`, begun with `step`, each period anew with `restart`; `tried`
+        steps were before.
 
         0, or why it stopped: adaptive_steps.TOO_MANY, or TOO_SMALL a one.
         """
-        self._now[1], self._at[:] = step, (first, 0, 0)
+        self._now[1], self._at[:] = step, (first, 0, tried)
         places, status = [_place(a) for a in self._arrays], PAUSED
         while status == PAUSED:
             status = int(self._function(last, A_CALL, restart, *places))

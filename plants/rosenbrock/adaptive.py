@@ -1,8 +1,8 @@
 """Adaptive linearly implicit integration: Rodas5P with the plant's exact Jacobian and dense output at the asked times.
 
 L-stable: modes that are too fast to be resolved within the tolerance are damped, and cost nothing once they are at
-rest. Inputs that jump, held over each period, end steps on every time; under others only the end of the motion does,
-and what lies between comes from the stages (Hairer and Wanner, "Solving Ordinary Differential Equations II", IV.7).
+rest. Steps end where a held input jumps and at the end of the motion; what lies between comes from the stages (Hairer
+and Wanner, "Solving Ordinary Differential Equations II", IV.7).
 In native code where that is at hand or pays, with the same numbers to rounding.
 """
 
@@ -30,13 +30,20 @@ METHOD = "rodas5p"
 LAW_AT = (0, 1, 2, 3, 5)  # stages through whose inputs the polynomial goes that gives du/dt of a function of time
 
 
+def next_jumps(u: Array) -> Array:
+    """The row (nt - 1,) at which inputs u (nt, nu), held over each period, change next; the last where they do not."""
+    last = len(u) - 1
+    changes = np.append(np.flatnonzero((u[1:last] != u[: last - 1]).any(axis=1)) + 1, last)
+    return changes[np.searchsorted(changes, np.arange(last), side="right")]
+
+
 class AdaptiveLibrary:
     """`adaptive` of adaptive_source.py in a loaded library."""
 
     def __init__(self, path: Path) -> None:
         (function,) = shared_library.functions(path, "adaptive")
         count, pointer = ctypes.c_long, ctypes.c_void_p
-        function.argtypes = [count, count, count, *[pointer] * 8]
+        function.argtypes = [count, count, *[pointer] * 9]
         function.restype = count
         self.adaptive: Any = function
 
@@ -55,8 +62,8 @@ def input_slope(tableau: RosenbrockTableau) -> Array:
 class RosenbrockMotion:
     """One motion of a plant at the times t (nt,) [s]: the `state` (nx,) at `time`, at or past `row`, the last there is.
 
-    u (nt, nu): rows held over each period, with `jumps`; else row 0 all the while, or law(times) (times * nu,).
-    `steps` counts those that were tried.
+    u (nt, nu): rows held over each period, or law(times) (times * nu,). ends (nt - 1,): the row at whose time the input
+    of each period jumps next. `steps` counts those that were tried.
     """
 
     def __init__(
@@ -70,12 +77,13 @@ class RosenbrockMotion:
         *,
         rtol: float,
         atol: float,
-        jumps: bool,
+        ends: Array,
     ) -> None:
         self.plant, self.t, self.u, self.law, self.w, self.p = plant, t, u, law, w, p
-        self.rtol, self.atol, self.jumps = rtol, atol, jumps
+        self.rtol, self.atol, self.ends = rtol, atol, np.ascontiguousarray(ends, dtype=LONG)
         self.tableau = rodas5p()
         self.steps = self.row = 0
+        self.begun = False  # whether a step has been taken since the input jumped last
         self.time = self.step = self.trial = 0.0
         self.state = np.zeros(plant.nx)
 
@@ -85,12 +93,13 @@ class RosenbrockMotion:
 
     def march(self, x: Array, last: int, report: Callable[[float], None] | None = None) -> None:
         """Fill the next rows of x (nt, nx) until `last` is there; more may come with it."""
-        begun, fresh = False, False
+        fresh = False
         while (k := self.row) < last:
-            end = float(self.t[k + 1 if self.jumps else -1])
-            if self.jumps and not begun:
+            jump = int(self.ends[k])
+            end = float(self.t[jump])
+            if not self.begun:
                 self.step = min(self.step, end - self.time)
-            begun = True
+            self.begun = True
             ends = self.time + self.step >= end * (1 - 1e-15) or end - self.time - self.step < 1e-3 * self.step
             self.trial = h = end - self.time if ends else self.step
             self.steps += 1
@@ -107,11 +116,11 @@ class RosenbrockMotion:
             if error < 1.0 and self.t[k + 1] < reached:
                 error = float(np.maximum(error, np.sqrt(np.mean((self._defect(k, h, stages) / scale) ** 2))))
             if error < 1.0 and np.isfinite(after).all():
-                self.row = int(np.searchsorted(self.t, reached, side="right")) - 1
+                self.row = k + int(np.searchsorted(self.t[k + 1 : jump + 1], reached, side="right"))
                 for row in range(k + 1, self.row + 1):
                     at = (self.t[row] - self.time) / h
                     x[row] = after if self.t[row] == reached else self.state + self.tableau.along(at) @ stages
-                self.time, self.state, fresh, begun = reached, after, False, self.row == k
+                self.time, self.state, fresh, self.begun = reached, after, False, self.row < jump
                 grown = h * min(GROW, SAFETY * error**power if error > 0 else GROW)
                 self.step = max(self.step, grown) if ends else grown
                 if report is not None and self.row > k:
@@ -125,7 +134,7 @@ class RosenbrockMotion:
         """At fractions of a step, (len(at), nu)."""
         if self.law is not None:
             return self.law(self.time + at * h).reshape(len(at), -1)
-        return np.tile(self.u[k if self.jumps else 0], (len(at), 1))
+        return np.tile(self.u[k], (len(at), 1))
 
     def _linearise(self, u: Array) -> None:
         """df/dx, df/du and df/dt where the step begins."""
@@ -165,12 +174,12 @@ class RosenbrockMotion:
         """The same in native code."""
         limits = np.array([self.rtol, self.atol, *adaptive_steps.limits()], dtype=float)
         now = np.concatenate([[self.time, self.step, self.trial], self.state])
-        at = np.array([self.row, 0, self.steps, len(self.t)], dtype=LONG)
-        given = (np.ascontiguousarray(self.t), self.u, self.w, self.p, x, limits, now, at)
+        at = np.array([self.row, self.begun, self.steps], dtype=LONG)
+        given = (self.ends, np.ascontiguousarray(self.t), self.u, self.w, self.p, x, limits, now, at)
         places, status = [_place(a) for a in given], PAUSED
         while status == PAUSED:
-            status = int(library.adaptive(last, A_CALL, self.jumps, *places))
+            status = int(library.adaptive(last, A_CALL, *places))
         (self.time, self.step, self.trial), self.state = now[:3].tolist(), now[3:]
-        self.row, self.steps = int(at[0]), int(at[2])
+        self.row, self.begun, self.steps = int(at[0]), bool(at[1]), int(at[2])
         if status:
             raise adaptive_steps.stopped(status, self.time, self.state, self.step, self.trial, METHOD)

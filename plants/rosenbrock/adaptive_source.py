@@ -1,12 +1,12 @@
 """C source of a whole motion of one state by a linearly implicit method's own steps, rows filled by dense output.
 
-    long adaptive(last, most, restart, t, u, w, p, x, s, now, at)
+    long adaptive(last, most, ends, t, u, w, p, x, s, now, at)
 
-t (nt,) [s]; u (nt, nu), a row held over each period; x (nt, nx), row 0 given. From `now` and `at` it goes on until row
-`last` is there, or for `most` steps, and leaves its place there: now = {time, step, step tried last, state (nx,) at
-that time}, at = {last row that is there, whether its period has begun, steps tried, rows}. With `restart` each period
-begins with a step within it and ends with one that ends on its end, for the input jumps there; else the input is row
-0's all the while, steps end on the last time alone, and rows beyond `last` may come with it.
+t (nt,) [s]; u (nt, nu), a row held over each period; x (nt, nx), row 0 given; ends (nt - 1,) the row at whose time the
+input of each period jumps next. From `now` and `at` it goes on until row `last` is there, or for `most` steps, and
+leaves its place there: now = {time, step, step tried last, state (nx,) at that time}, at = {last row that is there,
+whether its input has been taken before, steps tried}. After a jump comes a step within what follows, and steps end on
+jumps; rows beyond `last`, before the next jump, may come with it.
 s = {rtol, atol, largest factor of a step, smallest, safety, smallest step, most steps}.
 Returns 0; 1 after too many steps, 2 with too small a step; 3 after `most` steps. Steps are chosen as the explicit
 pair's are: plants/motions/adaptive_steps.py.
@@ -31,30 +31,30 @@ static T in_tolerances(const T *error, const T *before, const T *after, const do
   }}
   return SQRT(sum / NX);
 }}
-long adaptive(long last, long most, long restart, const double *t, const double *u, const double *w, const double *p,
-              double *x, const double *s, double *now, long *at) {{
+long adaptive(long last, long most, const long *ends, const double *t, const double *u, const double *w,
+              const double *p, double *x, const double *s, double *now, long *at) {{
   T z[LD] ALIGNED, after[LD] ALIGNED, k[{stages}][LD] ALIGNED, J[NX][LD] ALIGNED, d[LD] ALIGNED;
   struct factors factors;
   T time = now[0], h = now[1], trial = now[2];
   long j = at[0], tried = at[2], status = 0;
-  const long rows = at[3];
   memset(z, 0, sizeof z);
   memcpy(z, now + 3, sizeof(T) * NX);
   for (int fresh = 0; j < last && !status;) {{
-    const T end = t[restart ? j + 1 : rows - 1];
-    const double *const held = u + (restart ? j : 0) * NU;
-    if (!at[1] && restart && h > end - time) h = end - time;
+    const long jump = ends[j];
+    const T end = t[jump];
+    const double *const held = u + j * NU;
+    if (!at[1] && h > end - time) h = end - time;
     at[1] = 1;
     if (most-- <= 0) {{ status = 3; break; }}
-    const int ends = time + h >= end * (1 - 1e-15) || end - time - h < 1e-3 * h;
-    trial = ends ? end - time : h;
+    const int jumps = time + h >= end * (1 - 1e-15) || end - time - h < 1e-3 * h;
+    trial = jumps ? end - time : h;
     if (tried >= (long)s[6]) {{ tried++; status = 1; break; }}
     if (!fresh) slopes(time, z, held, w, p, J), fresh = 1;
     stages_{name}(z, time, held, w, p, trial, (const T (*)[LD])J, &factors, k, after);
     tried++;
     T error = in_tolerances(k[{stages} - 1], z, after, s);
     int sound = is_sound(error) && all_sound(after);
-    const T reached = ends ? end : time + trial;
+    const T reached = jumps ? end : time + trial;
     if (sound && error < 1 && t[j + 1] < reached) {{
       defect_{name}(z, time, held, w, p, trial, &factors, (const T (*)[LD])k, d);
       const T between = in_tolerances(d, z, after, s);
@@ -64,14 +64,13 @@ long adaptive(long last, long most, long restart, const double *t, const double 
     T factor = sound && error > 0 ? s[4] * POW(error, {power}) : s[2];
     if (sound && error < 1) {{
       if (factor > s[2]) factor = s[2];
-      for (; j + 1 < rows && t[j + 1] <= reached; j++) {{
+      for (; j < jump && t[j + 1] <= reached; j++) {{
         if (t[j + 1] == reached) memcpy(x + (j + 1) * NX, after, sizeof(T) * NX);
         else between_{name}(z, (const T (*)[LD])k, (t[j + 1] - time) / trial, x + (j + 1) * NX);
-        if (restart) at[1] = 0;
       }}
-      time = reached, fresh = 0;
+      time = reached, fresh = 0, at[1] = j < jump;
       memcpy(z, after, sizeof z);
-      h = ends && h > trial * factor ? h : trial * factor;
+      h = jumps && h > trial * factor ? h : trial * factor;
       continue;
     }}
     h = trial * (sound && factor > s[3] ? factor : s[3]);

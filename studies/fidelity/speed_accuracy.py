@@ -41,8 +41,14 @@ from pliant.studies.common.reference_motions import Motions, Progress, silent
 from .physics_motion import physics_motion
 
 SUBSTEPS = (1, 2, 5, 10, 20, 50)  # fixed steps a control period
-TOLERANCES = {"dop853": (1e-3, 1e-5, 1e-7, 1e-9), "cvodes": (1e-4, 1e-6, 1e-8)}
-METHODS = ("dop853", "rk4", "rk8", "rosenbrock", "midpoint", "cvodes")
+TOLERANCES = {
+    "dop853": (1e-3, 1e-5, 1e-7, 1e-9),
+    "rodas5p": (1e-3, 1e-5, 1e-7),
+    "cvodes": (1e-4, 1e-6, 1e-8),
+}
+METHODS = ("dop853", "rk4", "rk8", "rodas5p", "rosenbrock", "midpoint", "cvodes")
+ROOTS = {"rodas5p": 5}  # the root of a tolerance by which steps become shorter; else the eighth
+COMPILED = ("rk4", "rodas5p")  # which stands for all explicit methods, and what has a library of its own
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
 FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
@@ -186,7 +192,9 @@ def chart(
     plants = tuple(variants) if variants is not None else motions.ladder
     for i, plant in enumerate(plants):
         told(0.2 * i / len(plants), f"{plant.label}, compiled")
-        compile_motions(plant, budget)
+        for method in COMPILED:
+            if method in methods:
+                compile_motions(plant, budget, method)
     began = clock.perf_counter()
     runner = Runner(motions, truth.outputs, began + budget, prune)
     rows: list[Row] = []
@@ -240,7 +248,7 @@ class Runner:
         if method in TOLERANCES:
             rtol = TOLERANCES[method][level]
             row = Row(plant.label, plant.nx, method, None, rtol)
-            options, work = {"rtol": rtol, "atol": rtol / 100}, rtol ** (-1 / 8)
+            options, work = {"rtol": rtol, "atol": rtol / 100}, rtol ** (-1 / ROOTS.get(method, 8))
         else:
             step = self.motions.scene.dt / SUBSTEPS[level]
             row = Row(plant.label, plant.nx, method, step, None)

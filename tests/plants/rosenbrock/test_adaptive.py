@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from pliant.plants import IntegrationError, SingleLinkArm
 from pliant.plants.motions import adaptive_steps
-from pliant.plants.rosenbrock.adaptive import LAW_AT, RosenbrockMotion, input_slope
+from pliant.plants.rosenbrock.adaptive import LAW_AT, RosenbrockMotion, input_slope, next_jumps
 from pliant.plants.rosenbrock.tableaux import rodas5p
 
 P = np.zeros(0)
@@ -21,10 +21,10 @@ def on_the_virtual_machine(monkeypatch):
     monkeypatch.setenv("PLIANT_NATIVE", "0")
 
 
-def motion(plant, tolerance=1e-9, law=None, jumps=False, times=TIMES, u=None):
+def motion(plant, tolerance=1e-9, law=None, times=TIMES, u=None, ends=None):
     held = np.zeros((len(times), plant.nu)) if u is None else u
-    made = RosenbrockMotion(plant, times, held, law, np.zeros(plant.nw), P, rtol=tolerance, atol=tolerance, jumps=jumps)
-    return made
+    ends = next_jumps(held) if ends is None else ends
+    return RosenbrockMotion(plant, times, held, law, np.zeros(plant.nw), P, rtol=tolerance, atol=tolerance, ends=ends)
 
 
 def run(plant, x0, first=0.01, **options):
@@ -52,7 +52,8 @@ def test_the_order_is_five_on_an_arm():
     errors = []
     for count in (8, 16, 32):
         times = np.linspace(0.0, 0.02, count + 1)
-        x, made = run(arm, x0, first=1.0, tolerance=1e9, jumps=True, times=times, u=np.tile(push, (count + 1, 1)))
+        each = {"times": times, "ends": np.arange(1, count + 1), "u": np.tile(push, (count + 1, 1))}
+        x, made = run(arm, x0, first=1.0, tolerance=1e9, **each)
         assert made.steps == count
         errors.append(np.abs((x[-1] - exact) / np.abs(exact).max()).max())
     slopes = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -71,8 +72,20 @@ def test_steps_end_where_an_input_jumps():
     """x'' = u from rest: x' = sum u dt, exactly."""
     plant, t = Oscillator(omega=1e-9), np.array([0.0, 0.1, 0.15, 0.4])
     u = np.array([[1.0], [-2.0], [3.0], [9.0]])
-    x, _ = run(plant, [0.0, 0.0], first=1.0, jumps=True, times=t, u=u)
+    x, _ = run(plant, [0.0, 0.0], first=1.0, times=t, u=u)
     np.testing.assert_allclose(x[:, 1], [0.0, 0.1, 0.0, 0.75], atol=1e-14)
+
+
+def test_an_input_that_stays_is_no_jump(vibration):
+    """Rows 0, 1 | 2, 3, 4 | 5: steps end on rows 2 and 5, and on the last; the last row's own input is never held."""
+    u = np.array([[1.0], [1.0], [2.0], [2.0], [2.0], [0.0], [0.0], [3.0]])
+    assert next_jumps(u).tolist() == [2, 2, 5, 5, 5, 7, 7]
+    assert next_jumps(u[:2]).tolist() == [1] and next_jumps(np.zeros((4, 0))).tolist() == [3, 3, 3]
+    held = np.where(np.arange(401) < 200, 1.0, -1.0)[:, None]
+    x, made = run(vibration, [0.0, 0.0], times=np.linspace(0.0, 4.0, 401), u=held)
+    assert made.steps < 300
+    t = made.t[:201]
+    np.testing.assert_allclose(x[:201, 0], (1 - np.cos(3 * t)) / 9, atol=1e-8)
 
 
 def test_an_input_of_time_has_its_slope_from_the_stages(vibration):
