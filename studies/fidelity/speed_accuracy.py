@@ -41,11 +41,7 @@ from pliant.studies.common.reference_motions import Motions, Progress, silent
 from .physics_motion import physics_motion
 
 SUBSTEPS = (1, 2, 5, 10, 20, 50)  # fixed steps a control period
-TOLERANCES = {
-    "dop853": (1e-3, 1e-5, 1e-7, 1e-9),
-    "rodas5p": (1e-3, 1e-5, 1e-7),
-    "cvodes": (1e-4, 1e-6, 1e-8),
-}
+TOLERANCES = {"dop853": (1e-3, 1e-5, 1e-7, 1e-9), "rodas5p": (1e-3, 1e-5, 1e-7), "cvodes": (1e-4, 1e-6, 1e-8)}
 METHODS = ("dop853", "rk4", "rk8", "rodas5p", "rosenbrock", "midpoint", "cvodes")
 ROOTS = {"rodas5p": 5}  # the root of a tolerance by which steps become shorter; else the eighth
 COMPILED = ("rk4", "rodas5p")  # which stands for all explicit methods, and what has a library of its own
