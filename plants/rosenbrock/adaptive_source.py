@@ -49,8 +49,8 @@ long adaptive(long last, long most, const long *ends, const double *t, const dou
     const int jumps = time + h >= end * (1 - 1e-15) || end - time - h < 1e-3 * h;
     trial = jumps ? end - time : h;
     if (tried >= (long)s[6]) {{ tried++; status = 1; break; }}
-    if (!fresh) slopes(time, z, held, w, p, J), fresh = 1;
-    stages_{name}(z, time, held, w, p, trial, (const T (*)[LD])J, &factors, k, after);
+    if (!fresh) slopes(time, z, held, w, p, 0, J), fresh = 1;
+    stages_{name}(z, time, held, 0, w, p, trial, (const T (*)[LD])J, &factors, k, after);
     tried++;
     T error = in_tolerances(k[{stages} - 1], z, after, s);
     int sound = is_sound(error) && all_sound(after);

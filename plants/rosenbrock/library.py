@@ -23,7 +23,7 @@ from pliant.plants.rounding.extended_evaluation import mover
 
 from . import adaptive_source, plant_functions, step_source, tableaux
 from .adaptive import METHOD, AdaptiveLibrary
-from .tableaux import rodas5p
+from .tableaux import RosenbrockTableau, rodas3, rodas5p
 
 Array = np.ndarray
 LONGEST_TRIED, FASTER = 0.1, 2.0  # [s] a step, and how much longer than the fastest mode's time it may be
@@ -62,16 +62,16 @@ def trials(plant: PlantLike, directional: ca.Function) -> list[Trial]:
             partial(step_reference, rate),
             partial(linearised_points, plant),
             (h, MIDDLE),
-            entry=f"step_{METHOD}",
+            entry=f"compared_{METHOD}",
         ),
     ]
 
 
 def directed_points(plant: PlantLike, rng: np.random.Generator) -> list[Array]:
-    """Points with directions (dt, dx) of all sizes up to 1."""
+    """Points with directions (dt, dx, du) of all sizes up to 1."""
     points = random_points(plant, rng)
     n = points[0].shape[1]
-    return [*points, rng.uniform(-1.0, 1.0, (1, n)), rng.uniform(-1.0, 1.0, (plant.nx, n))]
+    return [*points, *(rng.uniform(-1.0, 1.0, (size, n)) for size in (1, plant.nx, plant.nu))]
 
 
 def linearised_points(plant: PlantLike, rng: np.random.Generator) -> list[Array]:
@@ -99,27 +99,62 @@ def step_reference(rate: ca.Function, numeric: Callable[..., Any] = NumericFunct
 
     def reference(t: Array, x: Array, u: Array, w: Array, p: Array, J: Array, scalars: Any, _: int) -> Sequence[Array]:
         nx, (h, middle) = x.shape[1], scalars
-        slopes, y = J.reshape(len(x), nx, nx + 1), x
-        shift, each = (moved(np.full((len(x), 1, 1), 1 / part, dtype=x.dtype)) for part in (tableau.gamma * h, h))
-        solve = _solver(-slopes[:, :, :nx] + np.eye(nx) * shift, moved)
-        k: list[Array] = []
-
-        def added(start: Array, coefficients: Array, times: Any = 1.0) -> Array:
-            for a, stage in zip(coefficients, k):
-                start = start if a == 0 else moved(start + moved(moved(a * times * stage)))
-            return start
-
-        for i, alpha in enumerate(tableau.alpha):
-            y = added(x, tableau.A[i])
-            r = f(t + float(alpha) * h, y, u, w, p, batch=len(x))[0]
-            r = added(r, tableau.C[i], each[:, 0])
-            k.append(solve(moved(r + h * tableau.d[i] * slopes[:, :, nx])))
-        at, c = added(x, tableau.along(tableau.worst)), tableau.worst
-        rate = f(t + c * h, at, u, w, p, batch=len(x))[0]
-        defect = solve(added(rate, -tableau.slope_along(c), each[:, 0]))
-        return [moved(y + k[-1]), k[-1], added(x, tableau.along(middle)), defect]
+        step = _Step(tableau, lambda at, y: f(at, y, u, w, p, batch=len(x))[0], moved, J.reshape(len(x), nx, nx + 1), h)
+        after, k = step.taken(t, x)
+        c = tableau.worst
+        rate = step.rate(t + c * h, step.added(x, tableau.along(c), k))
+        defect = step.solve(step.added(rate, -tableau.slope_along(c), k, step.each))
+        return [after, k[-1], step.added(x, tableau.along(middle), k), defect]
 
     return reference
+
+
+def fixed_reference(plant: PlantLike, numeric: Callable[..., Any] = NumericFunction) -> Reference:
+    """(t, x, u, w, p) -> the state after count steps of scalars[0] by RODAS3, the input held."""
+    f, moved = numeric(plant_functions.rate_function(plant)), mover(numeric, apart=True)
+    whole, tableau = numeric(plant_functions.whole_slopes(plant), matrices=True), rodas3()
+
+    def reference(t: Array, x: Array, u: Array, w: Array, p: Array, scalars: Any, count: int) -> Sequence[Array]:
+        for _ in range(count):
+            slopes = np.concatenate(whole(t, x, u, w, p, batch=len(x)), axis=2)
+            step = _Step(tableau, lambda at, y: f(at, y, u, w, p, batch=len(y))[0], moved, slopes, scalars[0])
+            x, t = step.taken(t, x)[0], t + scalars[0]
+        return [x]
+
+    return reference
+
+
+class _Step:
+    """A step of h [s] of many states (B, nx) from slopes (B, nx, nx + 1), each operation rounded as `moved` has it."""
+
+    def __init__(
+        self,
+        tableau: RosenbrockTableau,
+        rate: Callable[[Array, Array], Array],
+        moved: Callable[[Array], Array],
+        slopes: Array,
+        h: float,
+    ) -> None:
+        self.tableau, self.rate, self.moved, self.h = tableau, rate, moved, h
+        shape, nx = (len(slopes), 1, 1), slopes.shape[1]
+        shift, each = (moved(np.full(shape, 1 / part, dtype=slopes.dtype)) for part in (tableau.gamma * h, h))
+        self.solve = _solver(-slopes[:, :, :nx] + np.eye(nx) * shift, moved)
+        self.drift, self.each = slopes[:, :, nx], each[:, 0]
+
+    def added(self, start: Array, coefficients: Array, k: Sequence[Array], times: Any = 1.0) -> Array:
+        """start + sum of the stages with their coefficients."""
+        for a, stage in zip(coefficients, k):
+            start = start if a == 0 else self.moved(start + self.moved(self.moved(a * times * stage)))
+        return start
+
+    def taken(self, t: Array, x: Array) -> tuple[Array, list[Array]]:
+        """The state after it, and the stages."""
+        tableau, k, y = self.tableau, [], x
+        for i, alpha in enumerate(tableau.alpha):
+            y = self.added(x, tableau.A[i], k)
+            r = self.added(self.rate(t + float(alpha) * self.h, y), tableau.C[i], k, self.each)
+            k.append(self.solve(self.moved(r + self.h * tableau.d[i] * self.drift)))
+        return self.moved(y + k[-1]), k
 
 
 def _solver(W: Array, moved: Callable[[Array], Array]) -> Callable[[Array], Array]:

@@ -4,13 +4,17 @@ The Jacobian is exact: the change of the rates along W unit directions at once, 
 df/dt is one more where the rates depend on time. What solves is loops, not straight line, so that it is compiled in no
 time at any size: rows of LD numbers, whole vectors, factored by rows with partial pivoting.
 
-    slopes(t, x, u, w, p, J)                       J (NX, LD): df/dx, and df/dt in column NX
-    stages_M(x, t, u, w, p, h, J, F, k, after)     factors F of W, k (stages, LD), after (LD)
-    between_M(x, k, c, at)                         the state at the fraction c of the step, at (NX)
-    defect_M(x, t, u, w, p, h, F, k, d)            how far dense output is off where it errs most: d (LD)
+    slopes(t, x, u, w, p, change, J)                     J (NX, LD): df/dx, and df/dt in column NX, the inputs
+                                                         changing by `change` (nu,) a second where that is not 0
+    stages_M(x, t, u, ahead, w, p, h, J, F, k, after)    factors F of W, k (stages, LD), after (LD); u: the inputs
+                                                         of stages, `ahead` numbers after one another
+    between_M(x, k, c, at)                               the state at the fraction c of the step, at (NX)
+    defect_M(x, t, u, w, p, h, F, k, d)                  how far dense output is off where it errs most: d (LD)
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
@@ -29,31 +33,36 @@ static void rhs(T t, const T *x, const T *u, const T *w, const T *p, T *restrict
 """
 
 _SLOPES = """
-#define COLUMNS (NX + {timed})
+#define TIMED {timed}
 #define LD ((NX + W) / W * W)
 #define SPREAD(block, from, count) \\
   for (int k = 0; k < (count); k++) for (int l = 0; l < W; l++) block[k][l] = (from)[k]
-static void slopes(T t, const T *x, const T *u, const T *w, const T *p, T (*restrict J)[LD]) {{
+static void slopes(T t, const T *x, const T *u, const T *w, const T *p, const T *change, T (*restrict J)[LD]) {{
   BLOCK(t_, 1); BLOCK(x_, NX); BLOCK(u_, NU); BLOCK(w_, NW); BLOCK(p_, NP); BLOCK(dt, 1); BLOCK(dx, NX); BLOCK(d, NX);
+  BLOCK(du, NU);
+  const int columns = NX + (TIMED || change);
   SPREAD(t_, &t, 1); SPREAD(x_, x, NX); SPREAD(u_, u, NU); SPREAD(w_, w, NW); SPREAD(p_, p, NP);
   memset(J, 0, sizeof(T) * NX * LD);
-  for (int c = 0; c < COLUMNS; c += W) {{
+  for (int c = 0; c < columns; c += W) {{
     memset(dx, 0, sizeof dx);
     for (int l = 0; l < W; l++) {{
       dt[0][l] = c + l == NX;
+      for (int k = 0; k < NU; k++) du[k][l] = change && c + l == NX ? change[k] : 0;
       if (c + l < NX) dx[c + l][l] = 1;
     }}
     directional((const T (*)[W])t_, (const T (*)[W])x_, (const T (*)[W])u_, (const T (*)[W])w_, (const T (*)[W])p_,
-                (const T (*)[W])dt, (const T (*)[W])dx, d);
+                (const T (*)[W])dt, (const T (*)[W])dx, (const T (*)[W])du, d);
     for (int k = 0; k < NX; k++) memcpy(J[k] + c, d[k], sizeof d[k]);
   }}
 }}
 ENTRY(directions) {{
   BLOCK(t, 1); BLOCK(x, NX); BLOCK(u, NU); BLOCK(w, NW); BLOCK(p, NP); BLOCK(dt, 1); BLOCK(dx, NX); BLOCK(d, NX);
+  BLOCK(du, NU);
   EACH_BLOCK {{
     LOAD(t, 0, 1); LOAD(x, 1, NX); LOAD(u, 2, NU); LOAD(w, 3, NW); LOAD(p, 4, NP); LOAD(dt, 5, 1); LOAD(dx, 6, NX);
+    LOAD(du, 7, NU);
     directional((const T (*)[W])t, (const T (*)[W])x, (const T (*)[W])u, (const T (*)[W])w, (const T (*)[W])p,
-                (const T (*)[W])dt, (const T (*)[W])dx, d);
+                (const T (*)[W])dt, (const T (*)[W])dx, (const T (*)[W])du, d);
     STORE(d, 0, NX);
   }}
 }}
@@ -109,7 +118,7 @@ static void solved(const struct factors *restrict f, const T *restrict r, T *res
 
 # What follows has one state, and takes its lanes as they come.
 _COMPARED = """
-ENTRY(step_{name}) {{
+ENTRY(compared_{name}) {{
   T t, x[LD] ALIGNED, u[NU + 1], w[NW + 1], p[NP + 1], J[NX][LD] ALIGNED, k[{stages}][LD] ALIGNED, after[LD] ALIGNED;
   T at[LD] ALIGNED, defect[LD] ALIGNED;
   struct factors factors;
@@ -121,7 +130,7 @@ ENTRY(step_{name}) {{
     for (int i = 0; i < NW; i++) w[i] = in[3][i * ld + b];
     for (int i = 0; i < NP; i++) p[i] = in[4][i * ld + b];
     for (int i = 0; i < NX; i++) for (int j = 0; j <= NX; j++) J[i][j] = in[5][(i * (NX + 1) + j) * ld + b];
-    stages_{name}(x, t, u, w, p, (T)s[0], (const T (*)[LD])J, &factors, k, after);
+    stages_{name}(x, t, u, 0, w, p, (T)s[0], (const T (*)[LD])J, &factors, k, after);
     between_{name}(x, (const T (*)[LD])k, (T)s[1], at);
     defect_{name}(x, t, u, w, p, (T)s[0], &factors, (const T (*)[LD])k, defect);
     for (int i = 0; i < NX; i++) {{
@@ -138,11 +147,12 @@ def _sum(coefficients: np.ndarray, over: str = "") -> str:
     return " + ".join(f"{literal(float(a))}{over} * k[{j}][i]" for j, a in enumerate(coefficients) if a != 0)
 
 
-def _stages(name: str, tableau: RosenbrockTableau) -> str:
+def _stages(name: str, tableau: RosenbrockTableau, input_times: Sequence[float]) -> str:
     count, each = len(tableau.d), "  LANES for (int i = 0; i < LD; i++) "
     given = "const T *restrict x, T t, const T *u, const T *w, const T *p, T h"
     lines = [
-        f"static void stages_{name}({given}, const T (*restrict J)[LD], struct factors *restrict factors,",
+        f"static void stages_{name}({given.replace('*u', '*u, long ahead')}, const T (*restrict J)[LD],",
+        "  struct factors *restrict factors,",
         "  T (*restrict k)[LD], T *restrict after) {",
         "  T a[NX][LD] ALIGNED, y[LD] ALIGNED, f[LD] ALIGNED, r[LD] ALIGNED;",
         f"  const T shift = 1 / ({literal(tableau.gamma)} * h), each = 1 / h;",
@@ -159,11 +169,13 @@ def _stages(name: str, tableau: RosenbrockTableau) -> str:
         if ahead and not known:
             lines.append(f"{each}y[i] = x[i] + {ahead};")
         if not known:
-            lines.append(f"  rhs(t + {literal(float(tableau.alpha[i]))} * h, {'y' if ahead else 'x'}, u, w, p, f);")
+            alpha = float(tableau.alpha[i])
+            u = f"u + {list(input_times).index(alpha)} * ahead" if alpha in input_times else "u"
+            lines.append(f"  rhs(t + {literal(alpha)} * h, {'y' if ahead else 'x'}, {u}, w, p, f);")
         lines.append(f"{each}r[i] = f[i]" + "".join(f" + {s}" for s in [_sum(tableau.C[i], " * each")] if s) + ";")
         if tableau.d[i] != 0:
             part = f"h * {literal(float(tableau.d[i]))}"
-            lines.append(f"  if (COLUMNS > NX) for (int i = 0; i < NX; i++) r[i] += {part} * J[i][NX];")
+            lines.append(f"  for (int i = 0; i < NX; i++) r[i] += {part} * J[i][NX];")
         lines.append(f"  solved(factors, r, k[{i}]);")
     lines += [f"{each}after[i] = y[i] + k[{count - 1}][i];", "}"]
     lines += [f"static void between_{name}(const T *restrict x, const T (*restrict k)[LD], T c, T *restrict at) {{"]
@@ -186,8 +198,19 @@ def _stages(name: str, tableau: RosenbrockTableau) -> str:
     return "\n".join(lines)
 
 
-def written(name: str, tableau: RosenbrockTableau, rate: ca.Function, directional: ca.Function, *, timed: bool) -> str:
-    """All of it, after kernel_templates.head of one lane; `timed`: the rates depend on time."""
+def written(
+    name: str,
+    tableau: RosenbrockTableau,
+    rate: ca.Function,
+    directional: ca.Function,
+    *,
+    timed: bool,
+    input_times: Sequence[float] = (0.0,),
+) -> str:
+    """All of it, after kernel_templates.head of one lane; `timed`: the rates depend on time.
+
+    input_times: fractions of a step at which inputs are given, for stages that stand there; others take the first.
+    """
     sizes = {f"N{symbol}": rate.nnz_in(k) for k, symbol in enumerate("TXUWP")}
     return "\n".join(
         [
@@ -199,7 +222,7 @@ def written(name: str, tableau: RosenbrockTableau, rate: ca.Function, directiona
             block_function("directional", directional),
             _SLOPES.format(timed=int(timed)),
             _FACTORS,
-            _stages(name, tableau),
+            _stages(name, tableau, input_times),
             _COMPARED.format(name=name, stages=len(tableau.d)),
         ]
     )

@@ -121,7 +121,7 @@ def test_a_pivot_of_zero_is_exchanged(tmp_path):
     J = np.array([[shift, 1.0, 0.0], [-9.0, 0.0, 0.0]]).reshape(-1, 1)
     given = [np.zeros((1, 1)), np.ones((2, 1)), np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((0, 1)), J]
     found = [np.zeros((2, 1)) for _ in range(4)]
-    kernel_loader.Kernel(path, np.dtype(float), 1, "step_rodas5p")(given, found, (h, 0.4))
+    kernel_loader.Kernel(path, np.dtype(float), 1, "compared_rodas5p")(given, found, (h, 0.4))
     wanted = library.step_reference(plant_functions.rate_function(plant))(*[a.T for a in given], (h, 0.4), 1)
     for have, want in zip(found, wanted):
         np.testing.assert_allclose(have.T, want, rtol=1e-9)

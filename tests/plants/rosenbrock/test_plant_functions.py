@@ -23,7 +23,7 @@ def test_time_counts_where_the_rates_depend_on_it():
     plant = Scalar(rate=-2.0)
     assert plant_functions.changing_in_time(plant) and not plant_functions.changing_in_time(ARM)
     assert plant_functions.slopes(plant)(0.3, [1.0], [], [], [])[1] == pytest.approx(np.cos(0.3))
-    change = NumericFunction(plant_functions.directional_function(plant))(0.3, [1.0], [], [], [], 2.0, [5.0])[0]
+    change = NumericFunction(plant_functions.directional_function(plant))(0.3, [1.0], [], [], [], 2.0, [5.0], [])[0]
     assert change == pytest.approx(2 * np.cos(0.3) - 10.0)
 
 
@@ -31,7 +31,7 @@ def test_a_direction_is_the_jacobian_times_it_and_the_central_difference():
     rng = np.random.default_rng(3)
     x, v = 0.05 * rng.normal(size=ARM.nx), rng.normal(size=ARM.nx)
     given = (0.0, x, np.ones(ARM.nu), np.zeros(ARM.nw), [])
-    along = NumericFunction(plant_functions.directional_function(ARM))(*given, 0.0, v)[0]
+    along = NumericFunction(plant_functions.directional_function(ARM))(*given, 0.0, v, np.zeros(ARM.nu))[0]
     A = plant_functions.slopes(ARM)(*given)[0][:, : ARM.nx]
     np.testing.assert_allclose(along, A @ v, rtol=1e-10, atol=1e-10 * np.abs(A @ v).max())
     h = 1e-5

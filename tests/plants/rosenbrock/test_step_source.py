@@ -9,7 +9,7 @@ from pliant.plants.rosenbrock.tableaux import rodas3, rodas5p
 
 
 def test_every_coefficient_of_a_stage_stands_in_it():
-    text = step_source._stages("rodas5p", rodas5p())
+    text = step_source._stages("rodas5p", rodas5p(), (0.0,))
     for row in (*rodas5p().A, *rodas5p().C):
         for number in row[row != 0]:
             assert repr(abs(float(number))) in text
@@ -17,7 +17,7 @@ def test_every_coefficient_of_a_stage_stands_in_it():
 
 
 def test_a_stage_that_stands_where_the_one_before_does_takes_its_rates():
-    assert step_source._stages("rodas3", rodas3()).count("rhs(") == 4  # three stages and the defect
+    assert step_source._stages("rodas3", rodas3(), (0.0, 0.5, 1.0)).count("rhs(") == 4  # three stages and the defect
 
 
 @pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
@@ -25,6 +25,6 @@ def test_a_stage_that_stands_where_the_one_before_does_takes_its_rates():
 def test_a_column_more_where_time_counts(plant, timed):
     functions = plant_functions.rate_function(plant), plant_functions.directional_function(plant)
     text = step_source.written("rodas5p", rodas5p(), *functions, timed=bool(timed))
-    assert f"#define COLUMNS (NX + {timed})" in text and f"#define NX {plant.nx}" in text
-    for entry in ("ENTRY(rates)", "ENTRY(directions)", "ENTRY(step_rodas5p)"):
+    assert f"#define TIMED {timed}\n" in text and f"#define NX {plant.nx}" in text
+    for entry in ("ENTRY(rates)", "ENTRY(directions)", "ENTRY(compared_rodas5p)"):
         assert entry in text
