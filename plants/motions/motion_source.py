@@ -48,7 +48,7 @@ static inline int all_sound(const T *x) {
 """
 
 _MOTION = """
-long motion_{name}(long last, long most, const double *t, const long *counts, const double *u, long ahead,
+EXPORTED long motion_{name}(long last, long most, const double *t, const long *counts, const double *u, long ahead,
                    const double *w, const double *p, double *x, long *at) {{
   T z[NX] ALIGNED, after[NX] ALIGNED;
   long k = at[0], i = at[1], first = i, failed = 0;
@@ -98,8 +98,8 @@ static T error_of(const T *z, const T *after, T (*restrict k)[NX], T h, T rtol, 
 }}
 /* s: rtol, atol, largest factor of a step, smallest, safety, smallest step, most steps
    now: time, step, step tried last; at: period, whether it has begun, steps tried */
-long adaptive(long last, long most, long restart, const double *t, const double *u, const double *w, const double *p,
-              double *x, const double *s, double *now, long *at) {{
+EXPORTED long adaptive(long last, long most, long restart, const double *t, const double *u, const double *w,
+              const double *p, double *x, const double *s, double *now, long *at) {{
   T z[NX] ALIGNED, after[NX] ALIGNED, k[{stages}][NX] ALIGNED;
   T time = now[0], h = now[1], trial = now[2];
   long j = at[0], tried = at[2], status = 0;

@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.runge_kutta_tableaux import Tableau
+from pliant.plants.toolchain import straight_line
 
 from . import compiler
 from .scalar_codegen import block_function
@@ -43,7 +44,7 @@ typedef T V {vectors};
 #define POW pow{f}
 typedef const T (*restrict in_t)[W];
 #define ENTRY(name) \\
-  void name(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
+  EXPORTED void name(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
 #define RUN ENTRY(run)
 #define EACH_BLOCK for (long b = first; b < last; b += W)
 #define LOAD(block, a, count) for (int k = 0; k < (count); k++) memcpy(block[k], in[a] + k * ld + b, sizeof block[k])
@@ -75,7 +76,7 @@ def head(dtype: np.dtype, lanes: int | None = None) -> str:
     """What every kernel starts with; `lanes` = 1 is for one state at a time."""
     single, width = dtype == np.float32, LANES[dtype] if lanes is None else lanes
     vector, aligned = _vector(dtype, width)
-    return _HEAD.format(
+    return straight_line.HEAD + _HEAD.format(
         real="float" if single else "double",
         word="uint32_t" if single else "uint64_t",
         exponent="0x7f800000u" if single else "0x7ff0000000000000ull",

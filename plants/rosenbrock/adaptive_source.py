@@ -31,7 +31,7 @@ static T in_tolerances(const T *error, const T *before, const T *after, const do
   }}
   return SQRT(sum / NX);
 }}
-long adaptive(long last, long most, const long *ends, const double *t, const double *u, const double *w,
+EXPORTED long adaptive(long last, long most, const long *ends, const double *t, const double *u, const double *w,
               const double *p, double *x, const double *s, double *now, long *at) {{
   T z[LD] ALIGNED, after[LD] ALIGNED, k[{stages}][LD] ALIGNED, J[NX][LD] ALIGNED, d[LD] ALIGNED;
   struct factors factors;

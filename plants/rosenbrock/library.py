@@ -149,7 +149,8 @@ class _Step:
 
     def taken(self, t: Array, x: Array) -> tuple[Array, list[Array]]:
         """The state after it, and the stages."""
-        tableau, k, y = self.tableau, [], x
+        tableau, y = self.tableau, x
+        k: list[Array] = []
         for i, alpha in enumerate(tableau.alpha):
             y = self.added(x, tableau.A[i], k)
             r = self.added(self.rate(t + float(alpha) * self.h, y), tableau.C[i], k, self.each)

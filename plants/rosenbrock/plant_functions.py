@@ -37,6 +37,7 @@ def directional_function(plant: PlantLike) -> ca.Function:
     return ca.Function("directional", [*plant.symbols, *along], [ca.densify(ca.cse([change])[0])])
 
 
+@lru_cache(maxsize=4)
 def whole_slopes(plant: PlantLike) -> ca.Function:
     """(t, x, u, w, p) -> df/dx, sparse, and df/dt (nx, 1), dense."""
     drift = ca.jacobian(plant.expressions[0], plant.symbols[0])
