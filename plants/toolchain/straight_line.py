@@ -18,11 +18,11 @@ from itertools import pairwise
 
 HEAD = """#ifdef UNIT
 #define IN_UNIT(part) ((part) % UNITS == UNIT)
-#define PART __attribute__((noinline, visibility("hidden")))
+#define OF_A_UNIT __attribute__((noinline, visibility("hidden")))
 #else
 #define UNIT 0
 #define IN_UNIT(part) 1
-#define PART __attribute__((noinline)) static
+#define OF_A_UNIT __attribute__((noinline)) static
 #endif
 #if UNIT
 #define EXPORTED __attribute__((unused)) static
@@ -65,7 +65,7 @@ def written(name: str, inputs: Sequence[str], outputs: Sequence[str], statements
         passed += ["(const V *)between + h", "(V *)between + h"]
     lines: list[str] = []
     for k, part in enumerate(parts):
-        kind = f"{'PART' if count > 1 else 'static'} void {name}_{k}({', '.join(declared)})"
+        kind = f"{'OF_A_UNIT' if count > 1 else 'static'} void {name}_{k}({', '.join(declared)})"
         defined = [f"{kind} {{", *_body(part, rows, given), "}"]
         lines += [f"#if IN_UNIT({k})", *defined, "#else", f"{kind};", "#endif"] if count > 1 else defined
     blocks = [f"const T (*restrict {i})[W]" for i in inputs] + [f"T (*restrict {o})[W]" for o in outputs]

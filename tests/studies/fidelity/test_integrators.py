@@ -33,7 +33,7 @@ def test_none_where_none_keeps_it():
 
 @pytest.mark.parametrize(("loosest", "native"), [(1e-3, True), (1e-3, False), (1e-8, True)])
 def test_the_method_for_stiff_plants_is_tried_where_stability_bounds_the_steps(loosest, native, monkeypatch):
-    """That dop853's loosest tolerance keeps a metre of error says so, if native code can be had; a finer one does not."""
+    """Where dop853's loosest tolerance keeps a metre of error and native code can be had; not where a finer does."""
     tolerance = 1.0
     motions, tried = Motions(SLEW), []
     physics, plant, run = physics_motion(motions, 1e-4), SLEW.plant.ladder()[-2], motions.run
