@@ -121,6 +121,7 @@ def test_the_chain_weighs_what_the_arm_weighs(bench):
     moment = link * 2.0**2 / 2 + arm.joint_mass * 1.0 + arm.payload.mass * 2.0
     assert sum(s.mass * x for s, x in zip(segments, places)) == pytest.approx(moment)
     inertia = link * 2.0**3 / 3 + arm.joint_mass + arm.payload.mass * 4.0 + arm.payload.inertia
+    inertia += 2.0 * arm.link1.density * arm.link1.I_z  # of the sections themselves
     assert sum(s.inertia + s.mass * x**2 for s, x in zip(segments, places)) == pytest.approx(inertia)
 
 

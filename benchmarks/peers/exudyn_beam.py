@@ -1,31 +1,30 @@
 """Exudyn's beam elements on the scene cantilever-drop, and a search for its fastest settings within an error.
 
-Its errors of space and of time have opposite signs: the fastest settings lie where they happen to cancel. Settings are
-called settled where halving the step keeps the error too.
+The model is that of `pliant.studies.peers.exudyn_beams`. Its errors of space and of time have opposite signs: the
+fastest settings lie where they happen to cancel. Settings are called settled where halving the step keeps the error
+too.
 """
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import sys
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from harness.sampling import Sampler, time_of
 from harness.tip_error import COARSE, END, FINE, TIMES, Array, away, between, checked
 
-from peers import peers
-from pliant.plants import LargeDeflectionBeam
+from pliant.envs import scenes
+from pliant.studies.peers.exudyn_beams import Solver, System
+from pliant.studies.peers.planar_machine import machine_of
+from pliant.studies.peers.programs import BrokenDownError, Setting
 
 
 @dataclass(frozen=True)
 class Elements:
-    """Exudyn: 3-node geometrically exact elements in the plane, trapezoidal rule, modified Newton."""
+    """3-node geometrically exact elements in the plane, trapezoidal rule, modified Newton."""
 
     elements: int
     steps: int
@@ -48,71 +47,26 @@ SETTLED = {
 }
 
 
-def _settings(exu: Any, chosen: Elements, watched: bool) -> Any:
-    settings = exu.SimulationSettings()
-    kinds = exu.LinearSolverType
-    settings.linearSolver.solverType = kinds.EigenSparse if chosen.sparse else kinds.EigenDense
-    settings.parallel.numberOfThreads = 1
-    settings.displayStatistics = settings.displayComputationTime = False
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.solutionSettings.sensorsWritePeriod = 1e-9 if watched else 1e9
-    integration = settings.timeIntegration
-    integration.numberOfSteps, integration.endTime = chosen.steps, END
-    integration.verboseMode = integration.stepInformation = 0
-    integration.adaptiveStep = False
-    integration.generalizedAlpha.spectralRadius = 1.0
-    integration.newton.useModifiedNewton = True
-    integration.newton.relativeTolerance, integration.newton.absoluteTolerance = chosen.tolerance, 1e-6
-    return settings
-
-
-def _model(chosen: Elements, watched: bool) -> tuple[Any, Any, list[int]]:
-    """The assembled system, its settings and the sensors of the tip's displacement and velocity."""
-    exu = peers.exudyn()
-    from exudyn.beams import GenerateBeamElementsAlongLine
-    from exudyn.itemInterface import ObjectBeamGeometricallyExact2D, SensorNode
-
-    plant = LargeDeflectionBeam.textbook()
-    own, sensors = plant.beam, []
-    system = exu.SystemContainer().AddSystem()
-    template = ObjectBeamGeometricallyExact2D(
-        nodeNumbers=[0, 0, 0],
-        massPerLength=own.density * own.area,
-        crossSectionInertia=own.density * own.I_z,
-        bendingStiffness=own.E * own.I_z,
-        axialStiffness=own.E * own.area,
-        shearStiffness=own.G * own.area,
-    )
-    made = GenerateBeamElementsAlongLine(
-        system,
-        [0, 0, 0],
-        [own.length, 0, 0],
-        chosen.elements,
-        template,
-        gravity=list(plant.gravity),
-        groundConstraintsStart=[1, 1, 1],
-    )
-    if watched:
-        kinds = exu.OutputVariableType
-        for kind in (kinds.Displacement, kinds.Velocity):
-            sensor = SensorNode(nodeNumber=made["nodes"][-1], outputVariableType=kind, storeInternal=True)
-            sensors.append(system.AddSensor(sensor))
-    system.Assemble()
-    return system, _settings(exu, chosen, watched), sensors
+def system(chosen: Elements, watched: bool) -> System:
+    """Assembled; its shear coefficient is the reference's, 1. A step is what it calls a control period."""
+    found = machine_of(scenes.get("cantilever-drop"))
+    beam = dataclasses.replace(found.links[0], shear_coefficient=1.0)
+    held = np.zeros((chosen.steps, 2))
+    machine = dataclasses.replace(found, links=(beam,), dt=END / chosen.steps, held=held)
+    solver = Solver(tolerance=chosen.tolerance, sparse=chosen.sparse)
+    return System(machine, Setting(chosen.elements, 1, solver), 1.0, watched)
 
 
 @cache
 def tip(chosen: Elements) -> Array:
     """u and v (601, 2) [m]; NaN where Exudyn gives up."""
-    exu = peers.exudyn()
-    system, settings, sensors = _model(chosen, True)
-    with contextlib.redirect_stdout(sys.stderr):
-        try:
-            system.SolveDynamic(settings)
-        except exu.SolverError:
-            return np.full((len(TIMES), 2), np.nan)
-    moved, rate = (np.asarray(system.GetSensorStoredData(s)) for s in sensors)
-    return between(moved[:, 0], moved[:, 1:3], rate[:, 1:3])
+    played = system(chosen, True)
+    try:
+        played.solve()
+    except BrokenDownError:
+        return np.full((len(TIMES), 2), np.nan)
+    moved, rate = played.motion()[0], played.tip_rate()
+    return between(np.linspace(0.0, END, len(moved)), moved - [played.machine.links[0].length, 0.0], rate)
 
 
 @cache
@@ -128,13 +82,8 @@ def error(chosen: Elements) -> float:
 
 def _seconds(chosen: Elements) -> float:
     """The quickest of three solves."""
-    system, settings, _ = _model(chosen, False)
-    found = []
-    for _ in range(3):
-        begin = time.perf_counter()
-        system.SolveDynamic(settings)
-        found.append(time.perf_counter() - begin)
-    return min(found)
+    played = system(chosen, False)
+    return min(played.solve() for _ in range(3))
 
 
 @cache
@@ -164,5 +113,4 @@ def best(allowed: float, settled: bool) -> Elements:
 
 def solver(allowed: float, settled: bool) -> Sampler:
     """One solve from the start at rest."""
-    system, settings, _ = _model(best(allowed, settled), False)
-    return time_of(lambda: system.SolveDynamic(settings))
+    return time_of(system(best(allowed, settled), False).solve)

@@ -1,76 +1,45 @@
-"""The two-link arm lumped into a chain of rigid segments on hinges, for engines without our beam coordinates.
+"""The two-link arm as a chain of rigid segments on hinges, for engines without our beam coordinates.
 
-Each link becomes n segments; a hinge between two segments of one link carries the spring E I / (link length / n). With
-n = 3 the chain has six degrees of freedom, as many as the arm with two modes a link. Joint 2's mass and the payload
-belong to the segment that they end.
+The chain is that of `pliant.studies.peers.rigid_segments`: with two hinges in each link it has six degrees of freedom,
+as many as the arm with two modes a link. Joint 2's mass and the payload belong to the segment that they end.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import dataclasses
 from functools import cache
 
 import numpy as np
 
+from pliant.envs import scenes
 from pliant.plants import TwoLinkArm
+from pliant.studies.peers import mujoco_chain, rigid_segments
+from pliant.studies.peers.planar_machine import Machine, machine_of
+from pliant.studies.peers.programs import Setting
+from pliant.studies.peers.rigid_segments import Segment
 
-SEGMENTS = 3  # of a link
+HINGES = 2  # of a link, besides the joint
 STEP = 2e-3  # [s]
-GRAVITY = 9.81  # [m/s^2]
 START = (-1.2, 0.0, 0.0, 0.3, 0.0, 0.0)  # joint angles [rad], at rest
 
 
-@dataclass(frozen=True)
-class Segment:
-    """A rigid body on a hinge at its origin, along x."""
-
-    length: float  # [m]
-    mass: float  # [kg]
-    centre: float  # of mass, along x [m]
-    inertia: float  # about the centre of mass, about z [kg m^2]
-    stiffness: float  # of the hinge at its root [N m/rad], 0 where a motor drives it
-    driven: bool
-
-
-def with_end(segment: Segment, mass: float, inertia: float) -> Segment:
-    """The segment with a body of `mass` and `inertia` at its end."""
-    total = segment.mass + mass
-    centre = (segment.mass * segment.centre + mass * segment.length) / total
-    about = segment.inertia + segment.mass * (segment.centre - centre) ** 2
-    about += inertia + mass * (segment.length - centre) ** 2
-    return Segment(segment.length, total, centre, about, segment.stiffness, segment.driven)
+@cache
+def machine() -> Machine:
+    """TwoLinkArm.textbook(), without torques."""
+    scene = scenes.get("two-link-reach")
+    found = machine_of(scene.with_plant(TwoLinkArm.textbook()))
+    return dataclasses.replace(found, dt=STEP, held=np.zeros((1, 2)))
 
 
 @cache
 def segments() -> tuple[Segment, ...]:
-    """The chain of TwoLinkArm.textbook()."""
-    arm, found = TwoLinkArm.textbook(), []
-    ends = ((arm.joint_mass, 0.0), (arm.payload.mass, arm.payload.inertia))
-    for link, end in zip((arm.link1, arm.link2), ends):
-        length = link.length / SEGMENTS
-        mass = link.density * link.area * length
-        for k in range(SEGMENTS):
-            stiffness = link.E * link.I_z / length if k else 0.0
-            found.append(Segment(length, mass, length / 2, mass * length**2 / 12, stiffness, k == 0))
-        found[-1] = with_end(found[-1], *end)
-    return tuple(found)
+    """From the root to the tip."""
+    return rigid_segments.segments(machine(), HINGES)
 
 
-def mujoco_xml() -> str:
-    """The chain for MuJoCo: RK4, nothing that can touch, no constraints, dense Jacobian (the fastest found)."""
-    opened, hinge = "", '<joint name="joint{0}" type="hinge" axis="0 0 1" stiffness="{1!r}"/>'
-    offset = 0.0
-    for i, s in enumerate(segments()):
-        opened += f'<body pos="{offset!r} 0 0">' + hinge.format(i, s.stiffness)
-        inertia = " ".join([repr(s.inertia)] * 3)
-        opened += f'<inertial pos="{s.centre!r} 0 0" mass="{s.mass!r}" diaginertia="{inertia}"/>'
-        offset = s.length
-    motors = "".join(f'<motor joint="joint{i}"/>' for i, s in enumerate(segments()) if s.driven)
-    return (
-        f'<mujoco><option timestep="{STEP!r}" integrator="RK4" gravity="0 {-GRAVITY!r} 0" jacobian="dense">'
-        '<flag contact="disable" constraint="disable"/></option><compiler angle="radian"/>'
-        f"<worldbody>{opened}{'</body>' * len(segments())}</worldbody><actuator>{motors}</actuator></mujoco>"
-    )
+def mujoco_xml(integrator: str = "RK4") -> str:
+    """The chain for MuJoCo: nothing that can touch, no constraints, dense Jacobian (the fastest found)."""
+    return mujoco_chain.xml(machine(), segments(), Setting(HINGES, 1, integrator))
 
 
 def exudyn_system(mbs: object) -> int:
@@ -98,10 +67,10 @@ def exudyn_system(mbs: object) -> int:
             linkInertiasCOM=exu.Matrix3DList([np.diag([s.inertia] * 3) for s in parts]),
             linkCOMs=exu.Vector3DList([[s.centre, 0, 0] for s in parts]),
             linkMasses=[s.mass for s in parts],
-            gravity=[0, -GRAVITY, 0],
+            gravity=[*machine().gravity, 0.0],
             jointForceVector=[0.0] * n,
             jointPControlVector=[s.stiffness for s in parts],
-            jointDControlVector=[0.0] * n,
+            jointDControlVector=[s.damping for s in parts],
             jointPositionOffsetVector=[0.0] * n,
             jointVelocityOffsetVector=[0.0] * n,
         )

@@ -5,8 +5,6 @@ None of them is needed: one that is not installed becomes a row that says so.
 
 from __future__ import annotations
 
-import contextlib
-import sys
 from collections.abc import Iterator
 from functools import partial
 from typing import Any
@@ -17,8 +15,13 @@ from cases import environments, physics
 from harness.sampling import Case, Sampler, rate_of
 
 from peers import lumped_chain
+from pliant.envs import scenes
+from pliant.studies.peers.exudyn_beams import library
+from pliant.studies.peers.planar_machine import machine_of
 
 MUJOCO, EXUDYN = "MuJoCo, 6-joint chain", "Exudyn, 6-joint chain"
+FAST, BATCH = f"{MUJOCO}, implicitfast", f"{MUJOCO}, implicitfast, mujoco.batch"
+SOROMOX = "SoRoMoX, 6 curvatures of a clamped beam, RK4"
 SWIMMER, REACHER = "MuJoCo, Swimmer-v5", "MuJoCo, Reacher-v5"
 CARTPOLE, PENDULUM = "Gymnasium, CartPole (native vector)", "Gymnasium, Pendulum (sync vector)"
 EXUDYN_ENV = "Exudyn, 6-joint chain (its Gym interface)"
@@ -26,12 +29,14 @@ SUBSTEPS = 10  # of the chains' environments, as in two-link-reach
 CHUNK = 20  # steps a lane and call
 
 
-def mujoco_rollout(lanes: int, threads: int, steps: int, counted: int | None = None) -> Sampler:
+def mujoco_rollout(
+    lanes: int, threads: int, steps: int, counted: int | None = None, integrator: str = "RK4"
+) -> Sampler:
     """mujoco.rollout over a batch; counts physics steps, or what `counted` says a call is worth."""
     import mujoco
     from mujoco import rollout
 
-    model = mujoco.MjModel.from_xml_string(lumped_chain.mujoco_xml())
+    model = mujoco.MjModel.from_xml_string(lumped_chain.mujoco_xml(integrator))
     data = [mujoco.MjData(model) for _ in range(threads)]
     size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
     data[0].qpos[:] = lumped_chain.START
@@ -51,12 +56,59 @@ def mujoco_rollout(lanes: int, threads: int, steps: int, counted: int | None = N
     return sampler
 
 
-def exudyn() -> Any:
-    """Exudyn's fast module, without range checks; it says so on stdout, which belongs to the table."""
-    sys.exudynFast = True  # type: ignore[attr-defined]
-    with contextlib.redirect_stdout(sys.stderr):
-        import exudyn as exu
-    return exu
+def mujoco_batch(lanes: int, threads: int, steps: int) -> Sampler:
+    """mujoco.batch: live arrays of all simulations, `steps` of implicitfast a call."""
+    import mujoco
+    from mujoco import batch
+
+    model = mujoco.MjModel.from_xml_string(lumped_chain.mujoco_xml("implicitfast"))
+    engine = batch.Batch(model, nsim=lanes, nthread=threads)
+    q, v = engine.bind("qpos"), engine.bind("qvel")
+
+    def run() -> int:
+        q[:], v[:] = lumped_chain.START, 0.0
+        engine.step(nstep=steps)
+        return lanes * steps
+
+    sampler = rate_of(run)
+    if not np.isfinite(q).all():
+        raise FloatingPointError("the chain's states are not finite")
+    return sampler
+
+
+def soromox(lanes: int, steps: int) -> Sampler:
+    """RK4 steps of SoRoMoX's own equations of motion, jitted and mapped over the lanes, in double precision."""
+    import jax
+    from jax import numpy as jnp
+
+    from pliant.studies.peers.soromox_strains import robot
+
+    machine, n = machine_of(scenes.get("cantilever-drop")), len(lumped_chain.START)
+    h = 1e-3  # [s], well within RK4's limit there
+    with jax.enable_x64(True):
+        found = robot(machine, n)
+        still = jnp.zeros((found.num_actuators,))
+
+        def rate(x: Any) -> Any:
+            return found.forward_dynamics(jnp.asarray(0.0), x, (still, None))
+
+        def step(x: Any, _: Any) -> tuple[Any, None]:
+            k1 = rate(x)
+            k2 = rate(x + h / 2 * k1)
+            k3 = rate(x + h / 2 * k2)
+            return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(x + h * k3)), None
+
+        play = jax.jit(jax.vmap(lambda x: jax.lax.scan(step, x, None, length=steps)[0]))
+        start = jnp.asarray(1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, (lanes, 2 * n)))
+        if not np.isfinite(np.asarray(play(start))).all():
+            raise FloatingPointError("the beam's states are not finite")
+
+    def run() -> int:
+        with jax.enable_x64(True):
+            play(start).block_until_ready()
+        return lanes * steps
+
+    return rate_of(run)
 
 
 def exudyn_settings(exu: Any, steps: int) -> Any:
@@ -77,7 +129,7 @@ def exudyn_settings(exu: Any, steps: int) -> Any:
 
 def exudyn_steps(steps: int = 2000) -> Sampler:
     """RK4 steps of one chain, many in one call."""
-    exu = exudyn()
+    exu = library()
     mbs = exu.SystemContainer().AddSystem()
     lumped_chain.exudyn_system(mbs)
     settings = exudyn_settings(exu, steps)
@@ -91,7 +143,7 @@ def exudyn_steps(steps: int = 2000) -> Sampler:
 
 def exudyn_environment() -> Sampler:
     """The chain in Exudyn's own Gym interface, on its explicit solver: one step is SUBSTEPS RK4 steps."""
-    exu = exudyn()
+    exu = library()
     from exudyn.artificialIntelligence import OpenAIGymInterfaceEnv
 
     n = len(lumped_chain.START)
@@ -133,7 +185,7 @@ def difference(seconds: float = 0.5) -> float | None:
     try:
         import mujoco
 
-        exu = exudyn()
+        exu = library()
     except ImportError:
         return None
     steps = round(seconds / lumped_chain.STEP)
@@ -157,7 +209,13 @@ def physics_cases() -> Iterator[Case]:
             peer=True,
             prepare=partial(mujoco_rollout, lanes, threads, steps),
         )
+        case = partial(Case, group=physics.GROUP, lanes=lanes, threads=threads, peer=True)
+        yield case(name=FAST, prepare=partial(mujoco_rollout, lanes, threads, steps, None, "implicitfast"))
+        yield case(name=BATCH, prepare=partial(mujoco_batch, lanes, threads, steps))
     yield Case(group=physics.GROUP, name=EXUDYN, peer=True, prepare=exudyn_steps)
+    for lanes, steps in ((1, 200), (1024, 1)):
+        prepare = partial(soromox, lanes, steps)
+        yield Case(group=physics.GROUP, name=SOROMOX, lanes=lanes, peer=True, prepare=prepare)
 
 
 def environment_cases() -> Iterator[Case]:

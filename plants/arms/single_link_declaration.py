@@ -16,6 +16,7 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.plant_contract import PhysicsContract
+from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.exact_rotations.strain_link import elastic_link
 
 from . import physics
@@ -138,6 +139,21 @@ class SingleLinkDeclaration(physics.PlanarArm):
     @property
     def effects(self) -> dict[str, bool]:
         return physics.effects_of_link(self)
+
+    @property
+    def planar_chain(self) -> PlanarChain | str:
+        if self.hub_radius:
+            return "the link's root is off the hub's axis"
+        return PlanarChain(
+            links=(self.link,),
+            root=self.drive,
+            turning=("hub_angle",),
+            hub_inertia=(self.hub_inertia,),
+            friction=(self.hub_friction,),
+            payload=self.payload,
+            gravity=(0.0, -self.gravity),
+            sheared=self.theory == "timoshenko",
+        )
 
     def embedding(self, simpler: PhysicsContract) -> np.ndarray:
         if not isinstance(simpler, SingleLinkDeclaration):

@@ -17,6 +17,7 @@ from pliant.plants.core.argument_gates import require_counts
 from pliant.plants.core.parameters import flag, part, quantity, require_choice, validate
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.plant_contract import PhysicsContract
+from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.exact_rotations.strain_link import elastic_link
 
 from . import physics
@@ -128,6 +129,20 @@ class TwoLinkDeclaration(physics.PlanarArm):
     @property
     def effects(self) -> dict[str, bool]:
         return physics.effects_of_links(self)
+
+    @property
+    def planar_chain(self) -> PlanarChain:
+        return PlanarChain(
+            links=(self.link1, self.link2),
+            root="torque",
+            turning=("theta1", "theta2"),
+            hub_inertia=self.hub_inertia,
+            friction=self.joint_friction,
+            joint_mass=self.joint_mass,
+            payload=self.payload,
+            gravity=(0.0, -self.gravity),
+            sheared=self.theory == "timoshenko",
+        )
 
     def embedding(self, simpler: PhysicsContract) -> np.ndarray:
         if not isinstance(simpler, TwoLinkDeclaration):

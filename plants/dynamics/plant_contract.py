@@ -19,6 +19,7 @@ import numpy as np
 from pliant.plants.core import parameters
 from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
 from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.validity.ranges import Range
 
@@ -65,6 +66,11 @@ class PhysicsContract(Declaration):
         that is known does. Default: as much.
         """
         return 1.0
+
+    @property
+    def planar_chain(self) -> PlanarChain | str:
+        """The machine as links in a plane, which other programs know too; or why it is none, in words."""
+        return "its machine is not told as a planar chain of beams"
 
     @property
     def newton(self) -> Self:

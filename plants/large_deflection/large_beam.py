@@ -30,6 +30,7 @@ from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.dynamics.plant_contract import PhysicsContract
+from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.exact_rotations.quadrature import Array
 from pliant.plants.validity.ranges import Range, largest
 from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
@@ -90,6 +91,21 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
     def unmodelled(self) -> tuple[str, ...]:
         plane = ("bending out of the plane", "torsion") if self.planar else ()
         return (*plane, "shear", "extension", "plasticity")
+
+    @property
+    def planar_chain(self) -> PlanarChain | str:
+        if not self.planar or self.root == "hinged":
+            return f"a beam in the plane, clamped or driven, is known; this one is {self.root}, planar = {self.planar}"
+        return PlanarChain(
+            links=(self.beam,),
+            root="clamped" if self.root == "clamped" else "motion",
+            turning=() if self.root == "clamped" else ("hub_angle",),
+            hub_inertia=(0.0,),
+            friction=(0.0,),
+            payload=self.payload,
+            gravity=self.gravity[:2],
+            sheared=False,
+        )
 
     def embedding(self, simpler: PhysicsContract) -> Array:
         """Turns of the root and twists as they are, curvatures projected."""

@@ -66,6 +66,10 @@ class SliderCrank(SliderCrankMechanism):
         return dataclasses.replace(self, kinematics="stiffened", basis="pinned-pinned", modes=modes, axial_modes=0)
 
     @property
+    def planar_chain(self) -> str:
+        return "the rod between a crank and a slider is a closed loop, not a chain"
+
+    @property
     def effects(self) -> dict[str, bool]:
         bends = self.kinematics != "rigid" and self.modes > 0
         return {"bending": bends, "shortening of the bent rod": bends and self.kinematics == "stiffened"}

@@ -18,6 +18,10 @@ from .eigenaxis import slew
 class SpacecraftContract(SpacecraftDeclaration):
     """See `PlantContract`: each answer of the plant's that its signals and equations do not give by themselves."""
 
+    @property
+    def planar_chain(self) -> str:
+        return "a free hub in space with flexible appendages, of modal data or not, is no planar chain of beams"
+
     @cached_property
     def rates(self) -> dict[str, str]:
         return {s.name: f"{s.name}_rate" for s in self.coordinates}

@@ -45,6 +45,7 @@ class Choice:
     largest_step: Row | None  # the fixed-step method with the largest step within it
     text: str
     unit: str = "m"  # of the compared outputs, differences and tolerance
+    motions: int = 1  # on which it is to be kept
 
     @property
     def method(self) -> str | None:
@@ -130,6 +131,7 @@ def choose(
         largest_step=largest,
         text="",
         unit=scene.unit,
+        motions=len(played),
     )
     told(1.0, "choice")
     return dataclasses.replace(found, text=words(found))

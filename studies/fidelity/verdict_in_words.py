@@ -18,16 +18,17 @@ def words(choice: Choice) -> str:
     def said(value: float) -> str:
         return measured(value, choice.unit)
 
+    everywhere = f" on all {choice.motions} motions" if choice.motions > 1 else ""
     if choice.met:
         parts = [
             f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
-            f"{said(choice.tolerance)} of physics: it is {said(rung.error or 0.0)} away."
+            f"{said(choice.tolerance)} of physics{everywhere}: it is {said(rung.error or 0.0)} away."
         ]
     else:
         nearest = "" if rung.error is None or rung.error == float("inf") else f", {said(rung.error)} away"
         parts = [
-            f"No variant is shown to keep {outputs} within {said(choice.tolerance)} of physics; the nearest, "
-            f"{rung.variant}{nearest}, is returned."
+            f"No variant is shown to keep {outputs} within {said(choice.tolerance)} of physics{everywhere}; "
+            f"the nearest, {rung.variant}{nearest}, is returned."
         ]
     if choice.convergence < float("inf"):
         parts.append(f"Physics is {choice.physics}, known to {said(choice.convergence)}.")

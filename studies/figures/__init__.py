@@ -1,7 +1,7 @@
 """Every picture, by what it shows, in one style. Importing the room loads no matplotlib."""
 
 from .controllers import controllers
-from .ladder import ladder, settings
+from .ladder import effects, ladder, settings
 from .linear_models import eigenvalues, frozen
 from .motion import histories, stroboscopic, tip_path
 from .speed_accuracy import speed_accuracy
@@ -10,6 +10,7 @@ from .style import inline, save
 
 __all__ = [
     "controllers",
+    "effects",
     "eigenvalues",
     "evidence",
     "frozen",

@@ -1,4 +1,6 @@
-"""The pictures of the ladder of variants: how far each is from physics, and what each setting of `simulate` gave."""
+"""The pictures of the ladder of variants: how far each is from physics, which effects that is, and every setting of
+`simulate`.
+"""
 
 from __future__ import annotations
 
@@ -44,6 +46,28 @@ def ladder(choice: Choice) -> Figure:
     beyond = f", from {highest:g} {choice.unit} at the edge" if any((r.error or 0.0) > highest for r in rungs) else ""
     ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [{choice.unit}]{beyond}")
     ax.set_title("The ladder, cheapest first")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+@styled
+def effects(choice: Choice, times: np.ndarray) -> Figure:
+    """What each effect moves the compared outputs by over the motion, times (nt,) [s]: the error's parts as lines, what
+    the chosen model keeps dashed.
+    """
+    figure, (ax,) = panels(1, height=3.0)
+    lowest = 1e-4 * choice.tolerance
+    drawn = [e for e in choice.effects if e.over_time is not None and lowest < e.change < RUNS_AWAY * choice.tolerance]
+    for i, effect in enumerate(drawn):
+        largest = np.abs(effect.over_time).max(axis=1)  # type: ignore[arg-type]
+        label, line = (f"{effect.name}, kept", "--") if effect.kept else (effect.name, "-")
+        ax.plot(times, np.maximum(largest, lowest), line, color=COLOURS[i], label=label)
+    ax.axhline(choice.tolerance, color=QUIET, ls=":", lw=1.2, label="tolerance")
+    ax.set_yscale("log")
+    ax.set_ylim(bottom=lowest)
+    ax.set_xlabel("time [s]")
+    ax.set_ylabel(f"{', '.join(choice.compare)} [{choice.unit}]")
+    ax.set_title(f"What {choice.plant.label} leaves out, and what it keeps")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
 

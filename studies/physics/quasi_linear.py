@@ -106,8 +106,8 @@ class CorrectedMotion:
     def settle(self, within: float) -> float:
         """Pass after pass until one changes the outputs by at most `within`; what they may still err by.
 
-        Where that fails with one linear model over many parts, it begins again with one for each part. PliantError where
-        that fails too: NotSettled where passes do not shrink, else what the fine model cannot be evaluated at.
+        Where that fails with one linear model over many parts, it begins again with one for each part. Where that fails
+        too, a PliantError: NotSettled where passes do not shrink, else what the fine model cannot be evaluated at.
         """
         begun = {name: getattr(self, name) for name in ("x", "rate", "at_ends", "outputs", "_start")}
         try:

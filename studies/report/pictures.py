@@ -47,4 +47,6 @@ def figures_of(found: Findings) -> dict[str, Figure]:
     drawn["speed_accuracy"] = figures.speed_accuracy(found.chart, mark=found.choice.integrator)
     drawn["settings"] = figures.settings(found.chart)
     drawn["ladder"] = figures.ladder(found.choice)
+    if found.choice.effects:
+        drawn["effects"] = figures.effects(found.choice, scene.times)
     return drawn

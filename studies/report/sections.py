@@ -43,7 +43,7 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
             + fidelity_sections.front(found)
             + drawn("settings"),
         ),
-        ("The smallest model", fidelity_sections.choice(found) + drawn("ladder")),
+        ("The smallest model", fidelity_sections.choice(found) + drawn("ladder", "effects")),
         ("Versions and machine", table(("what", "value"), list(found.machine.items()))),
     ]
 

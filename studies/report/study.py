@@ -58,7 +58,8 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         spent = clock.perf_counter() - began
         budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
     measured = chart(scene, budget=budget, motions=motions, progress=share(progress, 0.4, 0.85))
-    choice = choose(scene, measured=measured, motions=motions, progress=share(progress, 0.85, 1.0))
+    played = [motions, *(c.motion for c in contests if c.plant == scene.plant.label and _whole(scene, c.motion))]
+    choice = choose(scene, measured=measured, motions=played, progress=share(progress, 0.85, 1.0))
     return Findings(
         scene=scene,
         nominal=nominal,
@@ -77,6 +78,11 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
         choice=choice,
         scene_error=motions.difference(scene.plant, truth.outputs),
     )
+
+
+def _whole(scene: Scene, motion: Trajectory | None) -> bool:
+    """Whether a controller's run lasted as long as the scene does."""
+    return motion is not None and motion.t[-1] >= scene.times[-1] - scene.dt / 2
 
 
 def _nominal(scene: Scene) -> Trajectory:

@@ -28,6 +28,9 @@ class Entry:
     varied: tuple[tuple[str, float, float], ...]
     noise: Mapping[str, float]  # standard deviation of each reading
     remark: str = ""
+    model_error: float | None = None  # of that plant against physics, in the compared outputs, on what its LQR plays
+    model_known: float | None = None  # to what physics is known there
+    model_remark: str = ""  # why there is none, or that the open loop stands for the LQR
 
 
 @dataclass(frozen=True, eq=False)

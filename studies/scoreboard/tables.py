@@ -12,10 +12,11 @@ from pliant.plants.files.whole_folders import renewed
 from pliant.studies.closed_loop.scores import Row
 from pliant.studies.common import machine
 from pliant.studies.common.atomic_files import write_json
+from pliant.studies.common.formatting import measured
 from pliant.studies.figures.scoreboard import scene_figure
 from pliant.studies.figures.style import save
 
-from .results import Results
+from .results import Entry, Results
 
 WORDS = {
     "exact": "on the design model itself: no model error",
@@ -88,6 +89,7 @@ def markdown(board: Results, command: str = "") -> str:
     for entry in board.entries:
         text.append(f"## {entry.scene}\n\n{entry.about}. Designed on {entry.design} ({entry.design_states} states), ")
         text[-1] += f"played on {entry.plant} ({entry.plant_states} states), {entry.substeps} RK4 steps a period.\n"
+        text[-1] += _from_physics(entry, board)
         if entry.remark:
             text.append(f"{entry.remark}: the cases after the first are played on it.\n")
         text.append(f"![{entry.scene}]({entry.scene}.png)\n")
@@ -96,6 +98,15 @@ def markdown(board: Results, command: str = "") -> str:
             text += [f"**{case}**: {words}. {_bound(board, entry.scene, case)}\n", _rows(rows)]
             text += _reasons(rows)
     return "\n".join(text)
+
+
+def _from_physics(entry: Entry, board: Results) -> str:
+    """How far that plant is from physics, in words."""
+    if entry.model_error is None or entry.model_known is None:
+        return f"How far that is from physics is not known: {entry.model_remark}.\n"
+    unit = board.scenes[entry.scene].unit
+    apart, known = measured(entry.model_error, unit), measured(entry.model_known, unit)
+    return f"That is {apart} from physics {entry.model_remark}, to {known}.\n"
 
 
 def _bound(board: Results, scene: str, case: str) -> str:

@@ -16,6 +16,8 @@ from pliant.studies.closed_loop.evaluation_scene import accurate, finer, play, r
 from pliant.studies.closed_loop.optimal_bound import bound
 from pliant.studies.closed_loop.rollout import Conditions, nominal, randomised, rollout
 from pliant.studies.closed_loop.scores import deflections, score
+from pliant.studies.common.reference_motions import Motions
+from pliant.studies.physics.physics_motion import physics_motion
 
 from .results import Entry, Line
 
@@ -24,6 +26,7 @@ MANY = ("varied", "delayed")  # cases of many runs
 CHUNK = 16  # runs that one worker plays before it tells
 LARGEST = 30_000  # states over all periods of a run whose bound is sought
 LONG = (Designed("NMPC"), Designed("TVLQR"))  # what is not played on such runs: their designs take minutes
+PLAYED = 1e-7  # rtol of a motion whose error from physics is told
 DELAY = 1  # [control periods] of the delayed case
 
 
@@ -123,17 +126,36 @@ def shown(scene: Scene) -> tuple[str, ...]:
 def _entry(scene: Scene, seeds: int, seed: int) -> Entry:
     played, error, remark = played_scene(scene, "finer")
     noise = _conditions(scene, "varied", seeds, seed)[0].noise
+    apart, known, why = _from_physics(scene, played)
     return Entry(
-        scene.name,
-        scene.about,
-        scene.plant.label,
-        scene.plant.nx,
-        played.plant.label,
-        played.plant.nx,
-        scene.limits,
-        played.substeps,
-        error,
-        played.randomise,
-        {s.name: float(v) for s, v in zip(played.signals, noise, strict=True)},
-        remark,
+        scene=scene.name,
+        about=scene.about,
+        design=scene.plant.label,
+        design_states=scene.plant.nx,
+        plant=played.plant.label,
+        plant_states=played.plant.nx,
+        limits=scene.limits,
+        substeps=played.substeps,
+        step_error=error,
+        varied=played.randomise,
+        noise={s.name: float(v) for s, v in zip(played.signals, noise, strict=True)},
+        remark=remark,
+        model_error=apart,
+        model_known=known,
+        model_remark=why,
     )
+
+
+def _from_physics(scene: Scene, played: Scene) -> tuple[float | None, float | None, str]:
+    """(error of the played plant on what the LQR plays, to what physics is known there, a remark)."""
+    law, motions, remark = _law(scene, Designed("LQR")), Motions(played), "on the open loop"
+    if not isinstance(law, str):
+        u = rollout(played, law).u
+        if len(u) == played.steps:
+            motions, remark = Motions(played, np.vstack([u, u[-1:]])), "on what the LQR plays"
+    try:
+        physics = physics_motion(motions, played.tolerance)
+        apart = float(np.abs(motions.outputs(played.plant, PLAYED) - physics.outputs).max())
+    except PliantError as failure:
+        return None, None, f"{type(failure).__name__}: {str(failure).splitlines()[0]}"
+    return apart, physics.uncertainty, remark

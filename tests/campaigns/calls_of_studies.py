@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from argument_kinds import Call, Choice, Flag, Kind, Names, Object, Objects
 from further_kinds import ByName, Function, Place
-from kinds_of_numbers import POSITIVE, Count, Number
+from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import ARM, SCENE, SCENES, folder
 
 from pliant.controllers import LQR
@@ -19,6 +19,7 @@ from pliant.studies.fidelity.mode_count import modes_needed
 from pliant.studies.fidelity.stiffening import stiffening_needed
 from pliant.studies.figures import style
 from pliant.studies.papers import registry
+from pliant.studies.peers import measure
 from pliant.studies.stability.judgement import judge
 from pliant.studies.stability.parameter_map import map_stability
 from pliant.studies.stability.verdicts import verdict_at_goal, verdict_of
@@ -111,9 +112,16 @@ def long_calls() -> list[Call]:
     who = {"scenes": Names(("single-link-slew",), none=True), "controllers": Names(("LQR",), none=True)}
     out = {"out": Place(folder() / "report"), "budget": Number(1.0, none=True, **POSITIVE)}
     sizes = {"tolerance": Number(0.5, **POSITIVE), "most": Count(2), "size": Number(0.5, **POSITIVE)}
+    compared = np.zeros((len(SCENE.times), len(SCENE.compare)))
     return [
         Call("chart", chart, SCENES | budget | part | motions | keeping | TOLD, long=True),
         Call("gallery", gallery, every | budget | TOLD, long=True),
+        Call(
+            "measure",
+            measure,
+            SCENES | {"outputs": Array(compared), "budget": Number(0.5, **POSITIVE)} | TOLD,
+            long=True,
+        ),
         Call("choose", choose, SCENES | tolerance | motions | TOLD, long=True),
         Call("report", report, SCENES | out | TOLD, long=True),
         Call("scoreboard", scoreboard, who | counts | TOLD, long=True),

@@ -13,7 +13,7 @@ import dataclasses
 
 import by_seed
 import numpy as np
-from elastica import elastica
+from euler_elastica import elastica
 from scipy.optimize import root
 
 from pliant.plants import Beam, LargeDeflectionBeam, Payload, SingleLinkArm

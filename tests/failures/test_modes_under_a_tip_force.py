@@ -8,7 +8,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from elastica import elastica
+from euler_elastica import elastica
 
 from pliant.plants import LargeDeflectionBeam
 from pliant.plants.beams import STEEL, Beam

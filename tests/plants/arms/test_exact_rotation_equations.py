@@ -5,7 +5,7 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
-from elastica import elastica
+from euler_elastica import elastica
 from scipy.optimize import root
 
 from pliant.plants import Beam, LagrangianPlant, Payload, SingleLinkArm, TwoLinkArm, beams

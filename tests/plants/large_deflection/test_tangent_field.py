@@ -5,7 +5,7 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
-from elastica import elastica
+from euler_elastica import elastica
 from large_beam_cases import VARIANTS, large
 
 from pliant.plants import Beam, LagrangianPlant, LargeDeflectionBeam, Payload, SingleLinkArm, beams

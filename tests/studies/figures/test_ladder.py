@@ -2,10 +2,12 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 from made_up_charts import made_up_chart
 
 from pliant.studies.fidelity.choice import Rung
-from pliant.studies.figures.ladder import ladder, settings
+from pliant.studies.figures.ladder import effects, ladder, settings
+from pliant.studies.physics.effects import Effect
 
 
 def test_a_bar_for_each_rung_that_was_tried():
@@ -15,6 +17,22 @@ def test_a_bar_for_each_rung_that_was_tried():
     assert [text.get_text() for text in ax.get_yticklabels()] == ["a", "b", "c"]
     assert [bar.get_width() for bar in ax.patches][:2] == [1e-2, 1e-4]
     assert [text.get_text() for text in ax.texts] == [" not tried"]
+
+
+def test_effects_are_lines_over_time_as_far_as_they_have_any():
+    times = np.linspace(0.0, 1.0, 3)
+    moved = np.array([[0.0, 0.0], [1e-3, -2e-3], [0.0, 5e-4]])
+    shown = [
+        Effect("bending", 2e-3, True, moved),
+        Effect("shear", 2e-3, False, moved),
+        Effect("luck", float("inf"), False),
+        Effect("dust", 1e-9, False, 1e-7 * moved),
+    ]
+    told = {"tolerance": 1e-3, "compare": ("tip_x",), "unit": "m", "plant": SimpleNamespace(label="rigid")}
+    (ax,) = effects(SimpleNamespace(effects=shown, **told), times).axes
+    lines = {line.get_label(): line for line in ax.lines}
+    assert list(lines) == ["bending, kept", "shear", "tolerance"]
+    assert lines["shear"].get_ydata()[1:].tolist() == [2e-3, 5e-4] and lines["bending, kept"].get_linestyle() == "--"
 
 
 def test_the_stepper_and_linear_models_are_no_settings_of_simulate():

@@ -39,6 +39,7 @@ FIGURES = {
     "speed_accuracy",
     "settings",
     "ladder",
+    "effects",
 }
 
 

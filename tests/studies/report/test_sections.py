@@ -62,7 +62,7 @@ def test_every_section_is_made(made):
     for title in SECTIONS:
         assert text.count(f"<h2>{title}</h2>") == 1
     pictures = {path.stem for path in folder.glob("*.png")}
-    wanted = {"motion", "shapes", "eigenvalues", "stability", "speed_accuracy", "settings", "ladder"}
+    wanted = {"motion", "shapes", "eigenvalues", "stability", "speed_accuracy", "settings", "ladder", "effects"}
     assert wanted <= pictures and ("closed_loop" in pictures) == (scene.name not in NO_LAW)
     assert text.count("<figure") == len(pictures)
 

@@ -14,7 +14,7 @@ from pliant.studies.common import operating_point
 from pliant.studies.figures import style
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
-PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder"}
+PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder", "effects"}
 
 
 @pytest.fixture(scope="module")

@@ -4,11 +4,16 @@ import dataclasses
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pliant.controllers import LQR
 from pliant.envs import scenes
 from pliant.plants import PliantError
+from pliant.studies.closed_loop.contestants import CONTESTANTS, designed
+from pliant.studies.closed_loop.rollout import rollout
+from pliant.studies.common.reference_motions import Motions
+from pliant.studies.scoreboard import tasks
 from pliant.studies.scoreboard.scoreboard import scoreboard
 
 ROOT = Path(__file__).parents[3]
@@ -96,6 +101,18 @@ def test_bound_is_what_the_runs_cost_and_lqr_reaches_it_where_all_is_linear(boar
     assert 1 - 1e-6 < row.ratio < 1.001
 
 
+def test_the_plant_that_is_played_is_judged_by_physics_on_what_the_lqr_plays(board):
+    """Exact rotations with shear, simulated under the same inputs: as far from the plant as told, to what is known."""
+    entry = next(e for e in board.entries if e.scene == "single-link-slew")
+    played = tasks.played_scene(SLEW, "finer")[0]
+    u = rollout(played, designed(SLEW, CONTESTANTS["LQR"])).u
+    motions = Motions(played, np.vstack([u, u[-1:]]))
+    true = np.abs(motions.outputs(played.plant, 1e-9) - motions.outputs(played.plant.physics(2), 1e-9)).max()
+    assert entry.plant == played.plant.label and entry.model_remark == "on what the LQR plays"
+    assert entry.model_error == pytest.approx(true, abs=2 * entry.model_known, rel=0.05)
+    assert 0 < entry.model_known < 0.05 * SLEW.tolerance
+
+
 def test_tables_and_pictures(board, tmp_path):
     files = board.save(tmp_path / "board", "pliant scoreboard ...")
     assert [f.name for f in files] == [*("scoreboard.json", "scoreboard.md", "single-link-slew.png", "spin-up.png")]
@@ -103,5 +120,6 @@ def test_tables_and_pictures(board, tmp_path):
     assert len(table["rows"]) == 16 and table["command"] == "pliant scoreboard ..."
     assert {r["scene"] for r in table["rows"]} == {s["scene"] for s in table["scenes"]}
     text = files[1].read_text()
+    assert "from physics on what the LQR plays, to " in text
     assert "| LQR |" in text and "trained policy: none. ValueError" in text and "](single-link-slew.png)" in text
     assert all(f.read_bytes().startswith(b"\x89PNG") for f in files[2:])
