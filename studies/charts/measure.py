@@ -24,7 +24,6 @@ from pliant.plants.core.argument_gates import (
     require_seconds,
 )
 from pliant.plants.integration.batch_stepper import compile_motions
-from pliant.studies import peers as other_programs
 from pliant.studies.common import machine
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.speed_accuracy import (
@@ -38,6 +37,7 @@ from pliant.studies.fidelity.speed_accuracy import (
     Row,
     with_fronts,
 )
+from pliant.studies.peers.measure import measure as measure_programs
 from pliant.studies.peers.peer_rows import PeerRow
 from pliant.studies.physics.physics_motion import physics_motion
 
@@ -146,12 +146,7 @@ def _peers(asked: Any) -> Peers | None:
     if callable(asked):
         found: Peers = asked
         return found
-    if not require_flag("chart.peers", asked):
-        return None
-    measure: Peers | None = getattr(other_programs, "measure", None)
-    if measure is None:
-        raise ValueError("chart.peers = True: no other program is known here")
-    return measure
+    return measure_programs if require_flag("chart.peers", asked) else None
 
 
 def _prepare(motions: Motions, plants: Sequence[Plant], budget: float, progress: Progress) -> None:
