@@ -60,6 +60,12 @@ class PhysicsContract(Declaration):
         """What even `physics` leaves out, in words. Default: what every variant of the ladder does."""
         return ("what every variant of its ladder leaves out",)
 
+    def estimates(self, motion: Trajectory) -> dict[str, Array]:
+        """{effect that even `physics` leaves out: about the most that it would change each of [y; x] by on a motion of
+        this plant, (ny + nx,)}. Default: nothing is estimated.
+        """
+        return {}
+
     @property
     def left_out(self) -> float:
         """Where `physics` has no more shapes to add: what those do that are not known of, as a share of what the last

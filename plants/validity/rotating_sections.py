@@ -22,11 +22,14 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.section import Beam
+from pliant.plants.core.plant_protocol import PlantLike
+from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.exact_rotations.strain_link import StrainLink, curvatures, turns
 
-from .ranges import Range, largest
+from .ranges import Range, largest, values
 from .slender import NONE_HOLDS, SLOPE, STATIONS
 
+AXIAL = "axial strain"
 FIBRE = 0.01
 MOMENTS = ("I_z", "I_y")  # that bending about z and about y feel
 ONE_TURN = 2 * np.pi  # [rad]
@@ -34,6 +37,12 @@ SKEW = 0.1  # [rad]
 RESOLVED = 3.0  # [rad]
 MORE_POINTS = "LargeDeflectionBeam with more points"
 FINER = 'more segments, or kinematics="strain"'
+
+
+def axial_strains(plant: PlantLike, motion: Trajectory) -> list[float]:
+    """The largest strain of each beam's axis on a motion of its plant."""
+    reached = values(plant, motion)
+    return [float(np.nanmax(reached[:, k])) for k, r in enumerate(plant.validity) if r.quantity.startswith(AXIAL)]
 
 
 def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX, name: str = "the beam") -> list[Range]:
@@ -47,7 +56,7 @@ def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX, nam
     found = [Range(f"strain of {name}'s fibres", "1", FIBRE, keeps, NONE_HOLDS, bent)]
     keeps = "an inextensible beam misplaces its points by less than 1 % of the length"
     stretched = ca.fabs(pull) / (beam.E * beam.area)
-    return [*found, Range(f"axial strain of {name}", "1", FIBRE, keeps, NONE_HOLDS, stretched)]
+    return [*found, Range(f"{AXIAL} of {name}", "1", FIBRE, keeps, NONE_HOLDS, stretched)]
 
 
 def strains_of(name: str, link: StrainLink, q: ca.SX, pull: ca.SX) -> list[Range]:

@@ -38,7 +38,8 @@ class Effect:
 
 
 def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[Effect, ...]:
-    """The effects that physics has, the largest first; none where physics had to be simulated.
+    """The effects that physics has, the largest first, and what is estimated of those that it has not; none where
+    physics had to be simulated.
 
     Those that the chosen plant leaves out and SHAPES, what more shapes of its own kinematics would change, sum up to
     its error, as far as effects add up.
@@ -50,6 +51,7 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
     found = [_effect(motions, physics, chosen, name, kept) for name, kept in names.items()]
     if physics.physics != chosen and (not names or any(names.values())):
         found.append(_shapes(motions, physics, chosen, [name for name, kept in names.items() if not kept]))
+    found += [Effect(name, change, False) for name, change in physics.estimated.items()]
     return tuple(sorted(found, key=lambda e: -e.change))
 
 

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants import Plant, PliantError
+from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import index
-from pliant.plants.validity.ranges import in_words
+from pliant.plants.validity.ranges import in_words, left
 from pliant.plants.validity.rotating_sections import NONE_HOLDS
 from pliant.studies.common.reference_motions import Motions
 
@@ -38,6 +38,7 @@ EASILY = 100.0  # times better than asked: half as many parts do as well
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
 RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated ..
+ROUGHLY = 1e-6  # of the motion by which its ranges are judged
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
 
@@ -51,13 +52,16 @@ class PhysicsMotion:
     time: float
     shapes: float
     how: str  # in words
+    estimated: dict[str, float] = field(default_factory=dict)  # {effect that it leaves out: about what it is worth}
     left: tuple[dict[str, Any], ...] = ()  # its own ranges that it leaves, each as in Trajectory.stats["validity"]
     motion: CorrectedMotion | None = field(default=None, repr=False)  # None where it was simulated
 
     @property
     def uncertainty(self) -> float:
-        """The sum of the errors told; what `physics.unmodelled` names is no part of it."""
-        return self.passes + self.time + self.shapes
+        """The sum of the errors told, and of what is estimated of effects that it leaves out; what `physics.unmodelled`
+        names beside is no part of it.
+        """
+        return self.passes + self.time + self.shapes + sum(self.estimated.values())
 
     @property
     def outside(self) -> str:
@@ -116,7 +120,8 @@ class _Search:
         motion = self.motion
         assert motion is not None
         how = f"{motion.fine.label}, from the motion of {self.simple.label}"
-        return PhysicsMotion(found, motion.fine, passes, time, shapes, how, motion.judged(), motion)
+        seen = _seen(self.motions, motion.trajectory(), motion.fine)
+        return PhysicsMotion(found, motion.fine, passes, time, shapes, how, *seen, motion)
 
     def _in_time(self, more: int, coarse: Array, parts: int) -> tuple[Array, float, int, float]:
         """(outputs, what passes leave, parts, error) with so many parts of a period that the error is within."""
@@ -141,8 +146,8 @@ class _Search:
 
 
 def compared(motions: Motions, plant: Plant) -> list[int]:
-    """Where the compared outputs stand."""
-    return [index(plant.outputs, name, "output") for name in motions.scene.compare]
+    """Where the compared outputs stand in [y; x]."""
+    return [index((*plant.outputs, *plant.states), name, "output or state") for name in motions.scene.compare]
 
 
 def from_simple(motions: Motions, fine: Plant, nodes: MotionNodes) -> CorrectedMotion:
@@ -170,6 +175,13 @@ def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion, share: float
     return found.outputs
 
 
+def _seen(motions: Motions, motion: Trajectory, physics: Plant) -> tuple[dict[str, float], tuple[dict[str, Any], ...]]:
+    """(what the motion tells of effects that physics leaves out, the ranges that it leaves)."""
+    columns = compared(motions, physics)
+    told = {name: float(np.max(worth[columns])) for name, worth in physics.estimates(motion).items()}
+    return told, tuple(found.to_json() for found in left(physics, motion))
+
+
 def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion:
     """By simulation, shape by shape."""
     plant = motions.scene.plant
@@ -185,4 +197,5 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
     physics = plant.physics(more)
     time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
     how = f"{physics.label}, simulated: {reason}"
-    return PhysicsMotion(found, physics, 0.0, time, shapes, how, motions.left_so_far(physics))
+    seen = _seen(motions, motions.run(physics, rtol=ROUGHLY, atol=ROUGHLY / 100), physics)
+    return PhysicsMotion(found, physics, 0.0, time, shapes, how, *seen)

@@ -22,7 +22,6 @@ import numpy as np
 
 from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import GAUSS
-from pliant.plants.validity.ranges import left
 
 from .block_collocation import BUTCHER, HeldModel
 from .motion_nodes import MotionNodes
@@ -49,8 +48,8 @@ class CorrectedMotion:
 
     begin (nx,), rate (2 m, nx): where the motion begins and its derivative at the Gauss points of the nodes, which make
     x (2 m, nx) at these points and at_ends (m + 1, nx) by the method's own quadrature. x0 (nx,): where the fine model
-    starts. columns: which outputs are compared; outputs (nt, n) are those at the control times, after as many passes as
-    made. model: the linear model that passes begin with; None: its own. goes_on: from a motion that had settled.
+    starts. columns: which of [y; x] are compared; outputs (nt, n) are those at the control times, after the passes made.
+    model: the linear model that passes begin with; None: its own. goes_on: from a motion that had settled.
     """
 
     def __init__(
@@ -201,11 +200,10 @@ class CorrectedMotion:
         at = self.at_ends[self.nodes.control]
         if not (np.abs(at) < BEYOND).all():
             raise NotSettled("the corrected motion runs away")
-        found: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
-        return np.asarray(found[:, self.columns])
+        y: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
+        return np.hstack([y, at])[:, self.columns]
 
-    def judged(self) -> tuple[dict[str, Any], ...]:
-        """Which ranges of the fine model its own motion leaves, each as in Trajectory.stats["validity"]."""
+    def trajectory(self) -> Trajectory:
+        """The motion at the control times."""
         at, u, t = self.at_ends[self.nodes.control], self.nodes.held, self.nodes.times
-        motion = Trajectory.from_arrays(t, at, u, plant=self.fine, dx=self.fine.dynamics(at, u, t=t))
-        return tuple(found.to_json() for found in left(self.fine, motion))
+        return Trajectory.from_arrays(t, at, u, plant=self.fine, dx=self.fine.dynamics(at, u, t=t))

@@ -29,7 +29,7 @@ def climbed(scene, tolerance, physics):
 
 def physics_of(plant, uncertainty=0.0, left=()):
     exact = Motions(SHORT).outputs(plant, 1e-9)
-    return PhysicsMotion(exact, plant, 0.0, 0.0, uncertainty, "as given", left)
+    return PhysicsMotion(exact, plant, 0.0, 0.0, uncertainty, "as given", left=left)
 
 
 def test_of_physics_itself_no_more_is_claimed_than_is_known_of_it():
