@@ -22,7 +22,10 @@ def picture(figure) -> "matplotlib.image.AxesImage":
 
 scene = scenes.get("two-link-reach")
 motion = scene.plant.simulate(scene.initial[0], LQR.for_scene(scene), scene.times)
-images = [picture(stroboscopic([("LQR", scene.plant, motion)], until=1.2)), picture(speed_accuracy(chart(scene)))]
+images = [
+    picture(stroboscopic([("LQR", scene.plant, motion)], until=1.2)),
+    picture(speed_accuracy(chart(scene, budget=40.0))),
+]
 widths = [image.shape[1] / image.shape[0] for image in images]
 figure, axes = plt.subplots(1, 2, figsize=(4.2 * sum(widths), 4.2), width_ratios=widths, layout="constrained")
 for ax, image in zip(axes, images):

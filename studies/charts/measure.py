@@ -24,7 +24,6 @@ from pliant.plants.core.argument_gates import (
     require_seconds,
 )
 from pliant.plants.integration.batch_stepper import compile_motions
-from pliant.studies import peers as other_programs
 from pliant.studies.common import machine
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.speed_accuracy import (
@@ -38,11 +37,12 @@ from pliant.studies.fidelity.speed_accuracy import (
     Row,
     with_fronts,
 )
+from pliant.studies.peers.measure import measure as measure_programs
 from pliant.studies.peers.peer_rows import PeerRow
 from pliant.studies.physics.physics_motion import physics_motion
 
 from .kept_rows import KeptRows
-from .plan import parts, simulated
+from .plan import LEVELS, STEPPED_NATIVELY, parts, simulated
 from .runner import Runner
 
 COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
@@ -114,6 +114,7 @@ def chart(
     useful_first = sorted(plants, key=lambda plant: motions.difference(plant, truth.outputs) > scene.tolerance)
     campaign = _Campaign(runner, store, budget, share(progress, PREPARED, MEASURED))
     campaign.first_rows(useful_first, methods, scene.dt)
+    campaign.fixed_rows(useful_first, methods, scene.dt)
     campaign.all_rows(useful_first, methods, scene.dt)
     order = {plant.label: i for i, plant in enumerate(plants)}
     rows = sorted(campaign.rows, key=lambda r: (order[r.variant], *_order(r)))
@@ -145,12 +146,7 @@ def _peers(asked: Any) -> Peers | None:
     if callable(asked):
         found: Peers = asked
         return found
-    if not require_flag("chart.peers", asked):
-        return None
-    measure: Peers | None = getattr(other_programs, "measure", None)
-    if measure is None:
-        raise ValueError("chart.peers = True: no other program is known here")
-    return measure
+    return measure_programs if require_flag("chart.peers", asked) else None
 
 
 def _prepare(motions: Motions, plants: Sequence[Plant], budget: float, progress: Progress) -> None:
@@ -202,6 +198,18 @@ class _Campaign:
                 self.needed = rounded_up(len(plants) / (i + 1) * (clock.perf_counter() - self.began))
         if not self.spent:
             self.needed = None
+
+    def fixed_rows(self, plants: Sequence[Plant], methods: Sequence[str], dt: float) -> None:
+        """One measured row of each variant by a fixed step, the coarsest that can be played, before anything is
+        refined.
+        """
+        fixed = [method for method in STEPPED_NATIVELY if method in methods]
+        for plant in plants:
+            for row in (simulated(plant, method, level, dt) for level in range(LEVELS) for method in fixed):
+                if row is None or any(r.variant == plant.label and r.method in fixed for r in self.runner.done):
+                    break
+                if not self._row(plant, row, self.budget):
+                    break
 
     def all_rows(self, plants: Sequence[Plant], methods: Sequence[str], dt: float) -> None:
         """Part after part; what a part had no time for comes last, where others leave any."""

@@ -63,11 +63,10 @@ def told(chart: Chart) -> dict[str, dict[str, Any]]:
 
 
 def _lines(chart: Chart, row: Row) -> list[str]:
-    lanes = f", {row.lanes:,} lanes" if row.lanes > 1 else ""
     lines = [
         f"{row.variant} ({row.states} states)",
         row.setting,
-        f"{number((row.seconds or 0.0) * 1e3)} ms per simulated second{lanes and ' and lane'}",
+        f"{number((row.seconds or 0.0) * 1e3)} ms per simulated second{' and lane' if row.lanes > 1 else ''}",
         f"error {measured(row.error or 0.0, chart.unit)}",
     ]
     if row.step_error is not None:
@@ -89,7 +88,7 @@ def sentence(chart: Chart) -> str:
             said.append(f"{words}: {row.variant} by {row.setting}, {speed}")
     bound = measured(chart.tolerance, chart.unit)
     if not said:
-        left = f"; {chart.not_run} settings were not run for want of time" if chart.not_run else ""
+        left = f"; settings not run for want of time: {chart.not_run}" if chart.not_run else ""
         return f"Nothing that was measured is shown to keep {bound}{left}."
     return f"The fastest within {bound} of physics. {'; '.join(s[0].upper() + s[1:] for s in said)}."
 
@@ -109,12 +108,20 @@ def tables(chart: Chart) -> str:
     )
     text = paragraph("The Pareto front:") + table(head, [line(r) for r in chart.front])
     if chart.peers:
-        other = ("program", "setting", "ms per simulated second", f"error [{chart.unit}]", "searched", "why not")
+        other = ("program", "setting", "ms per simulated second", f"error [{chart.unit}]", "times", "why not")
         rows = [
-            (p.peer, p.setting, None if p.seconds is None else p.seconds * 1e3, p.error, p.searched, p.failure or "")
+            (
+                p.peer,
+                p.setting,
+                None if p.seconds is None else p.seconds * 1e3,
+                p.error,
+                chart.ahead(p),
+                p.failure or "",
+            )
             for p in chart.peers
         ]
-        text += paragraph("Other programs on the same motion:") + table(other, rows)
+        words = "Other programs on the same motion, and how many times as long they take as the fastest row as good:"
+        text += paragraph(words) + table(other, rows)
     marked = [i for i, r in enumerate(chart.measured) if r.pareto]
     everything = table(head, [line(r) for r in chart.measured], marked=marked)
     text += details(f"All {len(chart.measured)} measured rows", everything)

@@ -168,6 +168,15 @@ class Chart:
         ]
         return min(found, key=lambda r: r.seconds or 0.0, default=None)
 
+    def ahead(self, peer: PeerRow) -> float | None:
+        """How many times faster than another program's row the fastest of one lane is that errs no more; None where
+        none is as good, or the other has no result.
+        """
+        if peer.failure is not None or peer.seconds is None or peer.error is None:
+            return None
+        good = [r for r in self.measured if r.path != "linear" and r.lanes == 1 and (r.error or 0.0) <= peer.error]
+        return peer.seconds / min((r.seconds or 0.0) for r in good) if good else None
+
     def holding(self, row: Row | None) -> Chart:
         """The same with a row that was measured elsewhere, where none of its setting has numbers here."""
         if row is None or any(own.key == row.key for own in self.measured):

@@ -120,6 +120,24 @@ def test_a_budget_that_buys_not_every_variant_a_row_says_which_would():
     assert enough.lacking == () and enough.needed is None and len({r.variant for r in enough.measured}) == 3
 
 
+def test_a_fixed_step_of_each_variant_comes_before_anything_is_refined(monkeypatch):
+    asked = []
+    real = Runner.measure
+
+    def measured(self, plant, row, until):
+        found = real(self, plant, row, until)
+        asked.extend([found] if found is not None else [])
+        return found
+
+    monkeypatch.setattr(Runner, "measure", measured)
+    variants = (LADDER[0], LADDER[-1])
+    chart(SLEW, budget=1.0, variants=variants)
+    good = [(r.variant, r.method) for r in asked if r.failure is None][:4]
+    assert [method for _, method in good[:2]] == ["dop853", "dop853"]
+    assert {variant for variant, _ in good[2:]} == {p.label for p in variants}
+    assert {method for _, method in good[2:]} <= {"rk4", "rk8"}
+
+
 def test_a_budget_is_told_in_two_digits_and_not_too_small():
     assert rounded_up(1.0) == pytest.approx(1.1) and rounded_up(0.0123) == pytest.approx(0.014)
     assert rounded_up(95.0) == pytest.approx(110.0)

@@ -46,7 +46,7 @@ def test_what_it_comes_to():
     assert said.startswith("The fastest within 1 mm of physics. One motion: strain, 3 by stepper, rk4, 2 ms, 1 lane")
     assert "1,024 at once: strain, 3 by stepper, rk4, 2 ms, 1,024 lanes, double, 0.1 ms" in said
     none = page.sentence(made_up_chart(tolerance=1e-9))
-    assert none == "Nothing that was measured is shown to keep < 0.01 µm; 1 settings were not run for want of time."
+    assert none == "Nothing that was measured is shown to keep < 0.01 µm; settings not run for want of time: 1."
 
 
 def test_three_files_named_after_the_scene(tmp_path):

@@ -63,6 +63,13 @@ def test_a_row_from_elsewhere_takes_its_place_where_there_are_no_numbers():
     assert [r.pareto for r in held.measured if r.key == FOUND.measured[0].key] == [False]
 
 
+def test_how_far_ahead_of_another_program_at_the_same_error():
+    other, missing = FOUND.peers
+    assert FOUND.ahead(other) == pytest.approx(0.05 / 1e-3)  # the stepper errs by 2e-4, the other by 5e-4
+    assert FOUND.ahead(missing) is None
+    assert FOUND.ahead(dataclasses.replace(other, error=1e-9)) is None
+
+
 def test_json_and_back(tmp_path):
     FOUND.save(tmp_path / "chart.json")
     assert Chart.from_json(json.loads((tmp_path / "chart.json").read_text())) == FOUND
