@@ -1,4 +1,5 @@
-"""`simulate` beside the stepper for the same steps, the input held, and its adaptive steps beside rk8 at equal error.
+"""`simulate` beside the stepper for the same steps, the input held, its adaptive steps beside rk8 at equal error, the
+method for stiff plants beside dop853 at equal error, also on scenes where stability bounds dop853's steps.
 
 Kernels are warm: built before, as they are once a plant has been simulated for longer than building them takes.
 """
@@ -16,16 +17,19 @@ from pliant.envs import Scene, scenes
 from pliant.plants import IntegrationError, MassMatrixError, StabilityLimitError, Trajectory
 from pliant.plants.integration.batch_stepper import motion_kernel
 from pliant.plants.motions.observations import observer
+from pliant.plants.rosenbrock.library import adaptive_kernel
 
 GROUP = "motions"
 NAMES = ("two-link-reach", "cantilever-drop", "single-link-slew", "spin-up")
+STIFF = ("slider-crank-run", "spacecraft-orbit")
 METHODS = ("rk4", "rk8")
 TOLERANCES = (1e-5, 1e-7)  # rtol of dop853; rk8 then takes the fewest steps a period that err by no more
 MOST_SUBSTEPS = 64
+LOOSE, FINER, FINEST = 1e-4, 10**0.5, 1e-13  # rtol of rodas5p where the search begins, its step, and where it ends
 ROUNDED = 1e-11  # of an output: both may err by as much from rounding
 
 
-@lru_cache(maxsize=len(NAMES))
+@lru_cache(maxsize=len(NAMES) + len(STIFF))
 def given(name: str) -> tuple[Scene, np.ndarray]:
     """A scene and its nominal input, held over its control periods (nt, nu), with every kernel at hand."""
     scene = scenes.get(name)
@@ -33,7 +37,7 @@ def given(name: str) -> tuple[Scene, np.ndarray]:
         kernel = motion_kernel(scene.plant, method)
         assert kernel is not None
         kernel.spent = np.inf  # so that it is built now
-    observer(scene.plant).kernel.spent = np.inf
+    observer(scene.plant).kernel.spent = adaptive_kernel(scene.plant).spent = np.inf
     return scene, np.array([scene.nominal_input(t) for t in scene.times]).reshape(len(scene.times), -1)
 
 
@@ -68,13 +72,20 @@ def stepped(name: str, method: str) -> Sampler:
 
 
 @cache
+def allowed(name: str, rtol: float) -> tuple[np.ndarray, float]:
+    """The outputs, and by how much dop853's at rtol err at most."""
+    exact = motion(name, rtol=1e-13, atol=1e-14).y
+    error = np.abs(motion(name, rtol=rtol, atol=rtol * 1e-2).y - exact).max()
+    return exact, float(error + ROUNDED * np.abs(exact).max())
+
+
+@cache
 def equal_error(name: str, rtol: float) -> int:
     """The fewest rk8 steps a control period with which outputs err by no more than dop853's at rtol do."""
-    exact = motion(name, rtol=1e-13, atol=1e-14).y
-    allowed = np.abs(motion(name, rtol=rtol, atol=rtol * 1e-2).y - exact).max() + ROUNDED * np.abs(exact).max()
+    exact, most = allowed(name, rtol)
     for substeps in range(1, MOST_SUBSTEPS):
         try:
-            if np.abs(by_steps(name, "rk8", substeps).y - exact).max() <= allowed:
+            if np.abs(by_steps(name, "rk8", substeps).y - exact).max() <= most:
                 return substeps
         except (StabilityLimitError, IntegrationError, MassMatrixError):
             continue  # past its step limit, or run away: more steps
@@ -83,6 +94,17 @@ def equal_error(name: str, rtol: float) -> int:
 
 def adaptive(name: str, rtol: float) -> Sampler:
     return time_of(partial(motion, name, rtol=rtol, atol=rtol * 1e-2))
+
+
+def stiffly(name: str, rtol: float) -> Sampler:
+    """rodas5p at the loosest tolerance with which outputs err by no more than dop853's at rtol do."""
+    (exact, most), own = allowed(name, rtol), LOOSE
+    while own > FINEST:
+        options = {"method": "rodas5p", "rtol": own, "atol": own * 1e-2}
+        if np.abs(motion(name, **options).y - exact).max() <= most:
+            return time_of(partial(motion, name, **options))
+        own /= FINER
+    raise RuntimeError(f"{name}: rodas5p errs by more than dop853 at {rtol:g}, however small its tolerance")
 
 
 def as_exact(name: str, rtol: float) -> Sampler:
@@ -104,6 +126,10 @@ def cases() -> Iterator[Case]:
         for rtol in TOLERANCES:
             yield case("dop853", name, f"{rtol:g}", partial(adaptive, name, rtol))
             yield case("rk8 at its error", name, f"{rtol:g}", partial(as_exact, name, rtol))
+            yield case("rodas5p at its error", name, f"{rtol:g}", partial(stiffly, name, rtol))
+    for name in STIFF:
+        for what, prepare in (("dop853", adaptive), ("rodas5p at its error", stiffly)):
+            yield case(what, name, f"{TOLERANCES[0]:g}", partial(prepare, name, TOLERANCES[0]))
 
 
 def over(rows: Sequence[Row], what: str, other: str, how: Sequence[str]) -> float | None:

@@ -147,12 +147,12 @@ class Plant(PlantContract):
         """The motion from x0 at the times t (nt,) [s].
 
         u: None (zero), (nu,) constant, (nt, nu) held over each interval, a callable u(t), or a controller with
-        act(t, y). method: "dop853", "radau", "cvodes" (adaptive, to rtol and atol) or "rk4", "rk8", "midpoint",
-        "rosenbrock" (fixed `step` [s]). audit=True integrates the work done too and puts the energy balance into stats.
+        act(t, y). method: "dop853", "rodas5p", "radau", "cvodes" (adaptive, to rtol and atol; the last three if stiff),
+        "rk4", "rk8", "midpoint" or "rosenbrock" (fixed `step` [s]). audit=True puts the energy balance into stats.
         Raises StabilityLimitError when a fixed step is past the method's limit, IntegrationError where it must stop.
         Warns (ValidityWarning) where the motion leaves a range of `validity`, and says so in stats["validity"].
 
-        Fixed steps but midpoint's, and dop853's under inputs held, run in compiled code where that is at hand or pays:
+        Fixed steps but midpoint's, and dop853's and rodas5p's under inputs held, run in compiled code where that pays:
         stats["native"] says whether all did, plants/motions/compile_rule.py when a compiler is asked. Same digits.
         """
         options: dict[str, Any] = {"method": method, "step": step, "rtol": rtol, "atol": atol}

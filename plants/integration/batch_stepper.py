@@ -24,6 +24,10 @@ from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import FEW, Array, BatchKernel, random_points
 from pliant.plants.native.kernel_loader import Bound
 from pliant.plants.native.thread_pool import available
+from pliant.plants.rosenbrock import fixed_source, lanes_source, plant_functions, step_source, tableaux
+from pliant.plants.rosenbrock.adaptive import METHOD as RODAS
+from pliant.plants.rosenbrock.library import adaptive_kernel, fixed_reference
+from pliant.plants.rosenbrock.plant_functions import rate_function
 from pliant.plants.rounding.agreement import Reference, Trial, of_function
 from pliant.plants.rounding.extended_evaluation import mover
 
@@ -31,12 +35,8 @@ from . import step_maps
 from .step_guard import StepGuard, sound
 from .step_maps import METHODS, step_map, stepper
 
+IMPLICIT_WRITERS = (step_maps, fixed_source, step_source, tableaux, plant_functions)
 POWERS, SMALL, LONGEST_TRIED = 6, 1e-6, 0.1  # finite differences that find the fastest mode, their size; a step [s]
-
-
-def rate_function(plant: PlantLike) -> ca.Function:
-    """(t, x, u, w, p) -> dx/dt as one SX function."""
-    return ca.Function("rate", list(plant.symbols), [ca.densify(ca.cse([plant.expressions[0]])[0])])
 
 
 def step_reference(plant: PlantLike, method: str = "rk4", numeric: Callable[..., Any] = NumericFunction) -> Reference:
@@ -100,8 +100,13 @@ def step_trials(plant: PlantLike, method: str, rate: ca.Function) -> list[Trial]
     """How a kernel of steps is checked: its rates where it has them, and two steps of which each stage matters."""
     draw = partial(random_points, plant)
     h = telling_step(rate, draw(np.random.default_rng(0)))
-    steps = Trial(partial(step_reference, plant, method), draw, (h,), 2)
-    return [steps] if METHODS[method].tableau is None else [Trial(of_function(rate), draw, entry="rates"), steps]
+    implicit = METHODS[method].tableau is None
+    looped = implicit and plant_functions.looped(plant)
+    if looped:  # whose Jacobians are most of what comparing costs
+        steps = Trial(partial(fixed_reference, plant), draw, (h,))
+    else:
+        steps = Trial(partial(step_reference, plant, method), draw, (h,), 2)
+    return [steps] if implicit and not looped else [Trial(of_function(rate), draw, entry="rates"), steps]
 
 
 @lru_cache(maxsize=64)
@@ -112,7 +117,11 @@ def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | Non
     sources: dict[str, Callable[[], str]] = {
         "rk4": lambda: kernel_templates.rk4_source(rate, dtype, lanes),
         "rk8": lambda: kernel_templates.explicit_source(rate, TABLEAUS["rk8"](), dtype, lanes),
-        "rosenbrock": lambda: kernel_templates.steps_source(step_map(plant, method), dtype),
+        "rosenbrock": lambda: (
+            lanes_source.steps_of(plant, dtype)
+            if plant_functions.looped(plant)
+            else kernel_templates.steps_source(step_map(plant, method), dtype)
+        ),
     }
     return BatchKernel(
         sources.get(method),
@@ -137,14 +146,23 @@ def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | No
     elif method in motion_source.IMPLICIT:
 
         def source() -> str:
+            if plant_functions.looped(plant):
+                return fixed_source.motions_of(plant, method)
             return motion_source.implicit_source(step_map(plant, method))
     else:
         return None
     methods = motion_source.EXPLICIT if method in motion_source.EXPLICIT else (method,)
+
+    def compiled() -> list[ca.Function]:
+        if len(methods) == 1 and not plant_functions.looped(plant):
+            return [step_map(plant, method)]
+        rates = [plant._dynamics._function]
+        return rates if len(methods) > 1 else [*rates, plant_functions.directional_function(plant)]
+
     return OnDemand(
         lambda: ca.Function("rate", list(plant.symbols), [plant.expressions[0]]),
-        (plant._dynamics._function if len(methods) > 1 else step_map(plant, method)).n_instructions,
-        "explicit" if len(methods) > 1 else inspect.getsource(step_maps),
+        lambda: sum(f.n_instructions() for f in compiled()),
+        "explicit" if len(methods) > 1 else "\n".join(map(inspect.getsource, IMPLICIT_WRITERS)),
         lambda path: MotionLibrary(path, methods),
         source,
         lambda: motion_trials(plant, methods),
@@ -152,9 +170,11 @@ def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | No
     )
 
 
-def compile_motions(plant: PlantLike, coming: float) -> bool:
-    """Compile what `simulate` plays explicit methods by, where `coming` seconds of motions pay; whether it is there."""
-    kernel = motion_kernel(plant, motion_source.EXPLICIT[0])
+def compile_motions(plant: PlantLike, coming: float, method: str = motion_source.EXPLICIT[0]) -> bool:
+    """Compile what `simulate` plays a method by, all explicit ones together, where `coming` seconds of motions pay;
+    whether it is there.
+    """
+    kernel: OnDemand[Any] | None = adaptive_kernel(plant) if method == RODAS else motion_kernel(plant, method)
     return kernel is not None and kernel.library(coming) is not None
 
 

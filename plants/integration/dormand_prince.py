@@ -15,14 +15,12 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.plant_protocol import PlantLike
+from pliant.plants.motions import adaptive_steps
+from pliant.plants.motions.adaptive_steps import GROW, SAFETY, SHRINK, SMALLEST_STEP
 from pliant.plants.native.single_point import compiled, pays_after
 
 STAGES = 12
-SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0  # limits of the step-size change, as in SciPy
-MOST_STEPS = 100_000_000  # of one simulation: they take hours
-SMALLEST_STEP = 1e-13  # relative to the time reached
 
 
 @lru_cache(maxsize=1)
@@ -31,11 +29,6 @@ def fractions() -> np.ndarray:
     from scipy.integrate import DOP853
 
     return np.asarray(DOP853.C, dtype=float)
-
-
-def limits() -> tuple[float, ...]:
-    """What bounds the steps, in the order in which compiled motions take them."""
-    return GROW, SHRINK, SAFETY, SMALLEST_STEP, MOST_STEPS
 
 
 class StepFunction:
@@ -92,28 +85,6 @@ def first_step(plant: PlantLike, t: float, x: np.ndarray, u: np.ndarray, w: np.n
     return float(0.1 / max(fastest, 1e-3))
 
 
-def too_many_steps(t: float, x: np.ndarray, trial: float) -> IntegrationError:
-    """What ends a motion after MOST_STEPS."""
-    return IntegrationError(
-        f"dop853 stopped at t = {t:.6g} s after {MOST_STEPS:,} steps, the last of {trial:.3g} s; go on from the last "
-        "state, or use a method for stiff plants",
-        t,
-        x,
-        trial,
-    )
-
-
-def too_small_a_step(t: float, z: np.ndarray, h: float, nx: int) -> IntegrationError:
-    """What ends a motion whose step has fallen to nothing."""
-    return IntegrationError(
-        f"dop853 stopped at t = {t:.6g} s, its step having fallen to {h:.3g} s, at state {z}; the motion is singular "
-        "there, or rtol and atol are too small",
-        t,
-        z[:nx],
-        h,
-    )
-
-
 def march(
     plant: PlantLike,
     times: np.ndarray,
@@ -128,10 +99,12 @@ def march(
     first: float,
     audit: bool,
     report: Callable[[float], None] | None = None,
+    before: int = 0,
 ) -> tuple[np.ndarray, int, float]:
     """States at `times` (nt, nz), the number of steps tried, and the last step, to start the next call with.
 
-    The input is `law(times)` (times * nu,), or `held` (nu,) where that is None. Steps end on every one of the times.
+    The input is `law(times)` (times * nu,), or `held` (nu,) where that is None. Steps end on every one of the times;
+    `before` were tried earlier in the motion.
     """
     step, c = step_function(plant, audit), fractions()
     us = np.tile(held, STAGES)
@@ -147,8 +120,8 @@ def march(
                 us = law(t + c * trial)
             new, e5, e3 = step(t, z, us, w, p, trial)
             tried += 1
-            if tried > MOST_STEPS:
-                raise too_many_steps(t, z[: plant.nx], trial)
+            if before + tried > adaptive_steps.MOST_STEPS:
+                raise adaptive_steps.too_many_steps(t, z[: plant.nx], trial)
             scale = atol + rtol * np.maximum(np.abs(z), np.abs(new))
             s5, s3 = (e5 / scale) @ (e5 / scale), (e3 / scale) @ (e3 / scale)
             bottom = s5 + 0.01 * s3
@@ -160,7 +133,7 @@ def march(
                 continue
             h = trial * (max(SHRINK, SAFETY * error**-0.125) if np.isfinite(error) else SHRINK)
             if h < SMALLEST_STEP * max(1.0, abs(t)):
-                raise too_small_a_step(t, z, h, plant.nx)
+                raise adaptive_steps.too_small_a_step(t, z, h, plant.nx)
         out[k] = z
         if report is not None:
             report(t)

@@ -33,6 +33,7 @@ from pliant.plants.rounding.agreement import KernelMismatch, Trial
 from pliant.plants.toolchain import compiler_process, shared_library, straight_line
 
 from . import motion_source
+from .adaptive_steps import PAUSED
 
 Array = np.ndarray
 L = TypeVar("L")
@@ -40,7 +41,6 @@ LONG = np.dtype(ctypes.c_long)
 DOUBLE = np.dtype(float)
 A_CALL = 200_000  # steps of one native call at most, so that a long motion can be interrupted
 SAMPLED = 4096  # steps for which a function of time is asked at once, at most
-TOO_MANY, TOO_SMALL, PAUSED = 1, 2, 3  # what an adaptive call gives; the last after A_CALL steps
 WRITERS: tuple[ModuleType, ...] = (
     motion_source,
     kernel_templates,
@@ -133,12 +133,13 @@ class AdaptiveMotion:
         self._function, self._now, self._at = function, np.zeros(3), np.zeros(3, dtype=LONG)
         self._arrays = (*arrays, self._now, self._at)
 
-    def march(self, first: int, last: int, step: float, *, restart: bool) -> int:
-        """From the time of row `first` to that of `last`, begun with `step`, each period anew with `restart`.
+    def march(self, first: int, last: int, step: float, tried: int = 0, *, restart: bool) -> int:
+        """From the time of row `first` to that of `last`, begun with `step`, each period anew with `restart`; `tried`
+        steps were before.
 
-        0, or why it stopped: TOO_MANY steps, or TOO_SMALL a one.
+        0, or why it stopped: adaptive_steps.TOO_MANY, or TOO_SMALL a one.
         """
-        self._now[1], self._at[:] = step, (first, 0, 0)
+        self._now[1], self._at[:] = step, (first, 0, tried)
         places, status = [_place(a) for a in self._arrays], PAUSED
         while status == PAUSED:
             status = int(self._function(last, A_CALL, restart, *places))

@@ -13,7 +13,7 @@ takes them, `ahead` numbers a step. Returns 0, or 1 where a step has no finite r
 
     long adaptive(last, most, restart, t, u, w, p, x, s, now, at)
 
-does the same by the pair's own steps, which end on every one of the times: dormand_prince.py says how they are chosen.
+does the same by the pair's own steps, which end on every one of the times: adaptive_steps.py says how they are chosen.
 With `restart` each period begins with a step within it. Of s and now see below. Returns 0; 1 after too many steps, 2
 with too small a step, the state of both in row k + 1; 3 after `most` steps.
 """
@@ -48,7 +48,7 @@ static inline int all_sound(const T *x) {
 """
 
 _MOTION = """
-long motion_{name}(long last, long most, const double *t, const long *counts, const double *u, long ahead,
+EXPORTED long motion_{name}(long last, long most, const double *t, const long *counts, const double *u, long ahead,
                    const double *w, const double *p, double *x, long *at) {{
   T z[NX] ALIGNED, after[NX] ALIGNED;
   long k = at[0], i = at[1], first = i, failed = 0;
@@ -98,8 +98,8 @@ static T error_of(const T *z, const T *after, T (*restrict k)[NX], T h, T rtol, 
 }}
 /* s: rtol, atol, largest factor of a step, smallest, safety, smallest step, most steps
    now: time, step, step tried last; at: period, whether it has begun, steps tried */
-long adaptive(long last, long most, long restart, const double *t, const double *u, const double *w, const double *p,
-              double *x, const double *s, double *now, long *at) {{
+EXPORTED long adaptive(long last, long most, long restart, const double *t, const double *u, const double *w,
+              const double *p, double *x, const double *s, double *now, long *at) {{
   T z[NX] ALIGNED, after[NX] ALIGNED, k[{stages}][NX] ALIGNED;
   T time = now[0], h = now[1], trial = now[2];
   long j = at[0], tried = at[2], status = 0;

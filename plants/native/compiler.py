@@ -28,6 +28,7 @@ import shlex
 import subprocess
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -60,6 +61,7 @@ WIDE = "-mprefer-vector-width=512"
 WIDTHS = ((512, "__AVX512F__"), (256, "__AVX__"), (128, "__SSE2__"), (128, "__ARM_NEON"))  # [bit], and its macro
 LINKS = (("-lmvec", "-lm"), ("-lm",), ())
 LONG_SOURCE, QUICK = 100_000, ("-O1", "-ftree-vectorize")  # half the time to compile, a twentieth more to run
+UNITS = 4  # of a long source that is in parts, compiled beside each other; the same on every machine
 PROBE = """#include <math.h>
 void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = sin(x[l]) + cos(x[l]); }
 """
@@ -226,7 +228,7 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
         for libraries in LINKS:
             done = _run(command, "-shared", str(output), "-o", str(made), *libraries)
             if done.returncode == 0:
-                _whole(command, made)
+                shared_library.written(made, command[0])
                 link = list(libraries)
                 break
         else:
@@ -275,21 +277,22 @@ def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
 
 def _built(tools: Toolchain, source: str, flags: tuple[str, ...] = (), limit: float | None = None) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
-        c, o, so = (str(Path(folder, f"kernel.{end}")) for end in ("c", "o", "so"))
+        c, so = (str(Path(folder, f"kernel.{end}")) for end in ("c", "so"))
         Path(c).write_text(source)
-        for arguments in (
-            (*_flags_for(source, tools), *flags, "-c", c, "-o", o),
-            ("-shared", o, "-o", so, *tools.link_flags, *flags),
-        ):
-            done = _run(tools.command, *arguments, limit=limit)
+        units = UNITS if len(source) > LONG_SOURCE and "#if IN_UNIT(" in source else 1
+        objects = [str(Path(folder, f"kernel{k}.o")) for k in range(units)]
+
+        def run(*arguments: str) -> None:
+            done = _run(tools.command, *arguments, *flags, limit=limit)
             if done.returncode:
                 said = done.stderr.strip()[:500] or f"it ended with {done.returncode} and no word"
                 raise CompileError(f"{tools.command[0]} failed: {said}")
-        return _whole(tools.command, Path(so))
 
+        def unit(k: int) -> None:
+            parts = (f"-DUNITS={units}", f"-DUNIT={k}") if units > 1 else ()
+            run(*_flags_for(source, tools), *parts, "-c", c, "-o", objects[k])
 
-def _whole(command: tuple[str, ...], made: Path) -> bytes:
-    """The shared library that a compiler wrote; CompileError where it wrote none, or not all of it."""
-    if not made.is_file():
-        raise CompileError(f"{command[0]} says that it has compiled and linked, but wrote no shared library")
-    return shared_library.require_whole(made.read_bytes(), command[0])
+        with ThreadPoolExecutor(min(units, os.cpu_count() or 1)) as pool:
+            list(pool.map(unit, range(units)))
+        run("-shared", *objects, "-o", so, *tools.link_flags)
+        return shared_library.written(Path(so), tools.command[0])

@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.runge_kutta_tableaux import Tableau
+from pliant.plants.toolchain import straight_line
 
 from . import compiler
 from .scalar_codegen import block_function
@@ -43,7 +44,7 @@ typedef T V {vectors};
 #define POW pow{f}
 typedef const T (*restrict in_t)[W];
 #define ENTRY(name) \\
-  void name(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
+  EXPORTED void name(long first, long last, long ld, const T *const *in, T *const *out, const double *s, long n)
 #define RUN ENTRY(run)
 #define EACH_BLOCK for (long b = first; b < last; b += W)
 #define LOAD(block, a, count) for (int k = 0; k < (count); k++) memcpy(block[k], in[a] + k * ld + b, sizeof block[k])
@@ -52,12 +53,30 @@ typedef const T (*restrict in_t)[W];
 """
 
 
+def _vector(dtype: np.dtype, lanes: int) -> tuple[int, str]:
+    """Lanes of a vector of the machine, at most `lanes`, and what makes its type of a number's."""
+    vector = min(lanes, max(1, compiler.toolchain().width // (8 * dtype.itemsize)))
+    return vector, f"__attribute__((vector_size({vector * dtype.itemsize}), may_alias))" if vector > 1 else ""
+
+
+def other_lanes(dtype: np.dtype, lanes: int | None = None) -> str:
+    """What follows is for as many lanes, after a `head` for another number of them."""
+    width = LANES[dtype] if lanes is None else lanes
+    vector, aligned = _vector(dtype, width)
+    return f"""typedef T OTHER {aligned};
+#define V OTHER
+#undef W
+#define W {width}
+#undef VL
+#define VL {vector}
+"""
+
+
 def head(dtype: np.dtype, lanes: int | None = None) -> str:
     """What every kernel starts with; `lanes` = 1 is for one state at a time."""
     single, width = dtype == np.float32, LANES[dtype] if lanes is None else lanes
-    vector = min(width, max(1, compiler.toolchain().width // (8 * dtype.itemsize)))
-    aligned = f"__attribute__((vector_size({vector * dtype.itemsize}), may_alias))" if vector > 1 else ""
-    return _HEAD.format(
+    vector, aligned = _vector(dtype, width)
+    return straight_line.HEAD + _HEAD.format(
         real="float" if single else "double",
         word="uint32_t" if single else "uint64_t",
         exponent="0x7f800000u" if single else "0x7ff0000000000000ull",

@@ -124,15 +124,27 @@ class Arithmetic:
         self.turn = (self.turn + 1) % ROWS
         return values * self.noise[self.turn].reshape(-1, *[1] * (np.ndim(values) - 1))
 
+    def moved_apart(self, values: Array) -> Array:
+        """The same of as many operations as there are elements of a column, each moved by its own."""
+        count = int(np.prod(values.shape[1:]))
+        turns = (self.turn + 1 + np.arange(count)) % ROWS
+        self.turn = int(turns[-1]) if count else self.turn
+        return values * self.noise[turns].T.reshape(values.shape)
+
     def statistics(self, values: Array) -> tuple[Array, Array]:
         """The exact values (lanes, n) of all columns, and how far the samples stray from them at most."""
         parts = values.reshape(1 + SAMPLES, self.lanes, -1)
         return parts[0], np.abs(parts[1:] - parts[0]).max(axis=0)
 
 
-def mover(numeric: Any) -> Callable[[Array], Array]:
-    """What moves values as rounding does, of an arithmetic that makes functions numeric; nothing of another maker."""
-    return numeric.moved if isinstance(numeric, Arithmetic) else lambda values: values
+def mover(numeric: Any, *, apart: bool = False) -> Callable[[Array], Array]:
+    """What moves values as rounding does, of an arithmetic that makes functions numeric; nothing of another maker.
+
+    `apart`: elements of a column each by its own, as sums and products of many different ones need it.
+    """
+    if not isinstance(numeric, Arithmetic):
+        return lambda values: values
+    return numeric.moved_apart if apart else numeric.moved
 
 
 class Extended:

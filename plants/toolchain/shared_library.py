@@ -20,6 +20,13 @@ WORD = {1: "I", 2: "Q"}  # by EI_CLASS: 32 and 64 bit
 ORDER = {1: "<", 2: ">"}  # by EI_DATA
 
 
+def written(path: Path, maker: str) -> bytes:
+    """The shared library that a compiler wrote; CompileError where it wrote none, or not all of it."""
+    if not path.is_file():
+        raise CompileError(f"{maker} says that it has compiled and linked, but wrote no shared library")
+    return require_whole(path.read_bytes(), maker)
+
+
 def require_whole(content: bytes, maker: str) -> bytes:
     """`content`; CompileError, which names the `maker`, unless it is a shared library with all that its headers name.
 

@@ -4,6 +4,9 @@ Each statement is one vector V of VL lanes, which the compiler need not find; a 
 after another. Every part is a function of its own. A value that a later part needs goes into a row of a table, which
 is free again after the last part that reads it; no part writes a row that it reads, so that both are `restrict`.
 Inputs are read anew.
+
+A source may be compiled in UNITS units, each of which is given all of it and its number UNIT: parts are in turn in one
+of them, everything else is in unit 0, and has internal linkage in the others, where nothing of it is used.
 """
 
 from __future__ import annotations
@@ -13,6 +16,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+HEAD = """#ifdef UNIT
+#define IN_UNIT(part) ((part) % UNITS == UNIT)
+#define OF_A_UNIT __attribute__((noinline, visibility("hidden")))
+#else
+#define UNIT 0
+#define IN_UNIT(part) 1
+#define OF_A_UNIT __attribute__((noinline)) static
+#endif
+#if UNIT
+#define EXPORTED __attribute__((unused)) static
+#else
+#define EXPORTED
+#endif
+"""
 LENGTHENED = 700  # statements of a part: fits the first cache of instructions
 
 
@@ -43,14 +60,14 @@ def written(name: str, inputs: Sequence[str], outputs: Sequence[str], statements
     given = {s.name: s for s in statements if s.given}
     declared = [f"const V *restrict {i}" for i in inputs] + [f"V *restrict {o}" for o in outputs]
     passed = [f"(const V *){i} + h" for i in inputs] + [f"(V *){o} + h" for o in outputs]
-    kind = "static void"
     if count > 1:
         declared += ["const V *restrict before", "V *restrict after"]
         passed += ["(const V *)between + h", "(V *)between + h"]
-        kind = "__attribute__((noinline)) static void"
     lines: list[str] = []
     for k, part in enumerate(parts):
-        lines += [f"{kind} {name}_{k}({', '.join(declared)}) {{", *_body(part, rows, given), "}"]
+        kind = f"{'OF_A_UNIT' if count > 1 else 'static'} void {name}_{k}({', '.join(declared)})"
+        defined = [f"{kind} {{", *_body(part, rows, given), "}"]
+        lines += [f"#if IN_UNIT({k})", *defined, "#else", f"{kind};", "#endif"] if count > 1 else defined
     blocks = [f"const T (*restrict {i})[W]" for i in inputs] + [f"T (*restrict {o})[W]" for o in outputs]
     lines += [f"static void {name}({', '.join(blocks)}) {{"]
     lines += [f"  T between[{total}][W] ALIGNED;"] if total else []

@@ -14,7 +14,7 @@ import numpy as np
 from pliant.plants import Plant, PliantError
 from pliant.plants.native import kernel_loader
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.speed_accuracy import RUNS_AWAY, SPENT, Row, comparable_seconds
+from pliant.studies.fidelity.speed_accuracy import ROOTS, RUNS_AWAY, SPENT, Row, comparable_seconds
 from pliant.studies.physics.physics_motion import compared
 
 from .linear_runs import linear_run, simplifies
@@ -187,7 +187,7 @@ def _work(row: Row) -> float:
     """What time is proportional to, about."""
     if row.step is not None:
         return 1 / row.step
-    return 1.0 if row.rtol is None else row.rtol ** (-1 / 8)
+    return 1.0 if row.rtol is None else row.rtol ** (-1 / ROOTS.get(row.method, 8))
 
 
 def _cost(row: Row) -> tuple[Any, ...]:

@@ -27,7 +27,7 @@ def simulate(
     settings: Settings = None,
     lqr: Annotated[bool, typer.Option("--lqr", help="Under the scene's LQR, not its nominal inputs.")] = False,
     method: Annotated[
-        str, typer.Option(help="dop853, radau, cvodes (with --lqr), rk4, rk8, midpoint, rosenbrock")
+        str, typer.Option(help="dop853, rodas5p, radau, cvodes (with --lqr), rk4, rk8, midpoint, rosenbrock")
     ] = "dop853",
     step: Annotated[float | None, typer.Option(help="Step [s] of rk4, rk8, midpoint and rosenbrock.")] = None,
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the adaptive methods.")] = 1e-8,

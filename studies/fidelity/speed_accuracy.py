@@ -29,8 +29,9 @@ from pliant.studies.common.formatting import duration
 from pliant.studies.peers.peer_rows import PeerRow
 
 SUBSTEPS = (1, 2, 5, 10, 20, 50)  # fixed steps a control period
-TOLERANCES = {"dop853": (1e-3, 1e-5, 1e-7, 1e-9), "cvodes": (1e-4, 1e-6, 1e-8)}
-METHODS = ("dop853", "rk4", "rk8", "rosenbrock", "midpoint", "cvodes")
+TOLERANCES = {"dop853": (1e-3, 1e-5, 1e-7, 1e-9), "rodas5p": (1e-3, 1e-5, 1e-7), "cvodes": (1e-4, 1e-6, 1e-8)}
+METHODS = ("dop853", "rk4", "rk8", "rodas5p", "rosenbrock", "midpoint", "cvodes")
+ROOTS = {"rodas5p": 5}  # the root of a tolerance by which steps become shorter; else the eighth
 LINEAR = {"ltv": "LTV along a motion", "linear": "linear about the start", "reduced": "linear, half the states"}
 PATHS, LANES, PRECISIONS = ("simulate", "stepper", "linear"), (1, 1024), ("double", "single")
 RUNS_AWAY = 1e5  # times the tolerance: a variant that goes so far from the reference is not timed

@@ -48,7 +48,7 @@ class CorrectedMotion:
 
     begin (nx,), rate (2 m, nx): where the motion begins and its derivative at the Gauss points of the nodes, which make
     x (2 m, nx) at these points and at_ends (m + 1, nx) by the method's own quadrature. x0 (nx,): where the fine model
-    starts. columns: which of [y; x] are compared; outputs (nt, n) are those at the control times, after the passes made.
+    starts. columns: which of [y; x] are compared; outputs (nt, n) are those at the control times, after passes made.
     model: the linear model that passes begin with; None: its own. goes_on: from a motion that had settled.
     """
 

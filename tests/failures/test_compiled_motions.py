@@ -13,8 +13,8 @@ import pytest
 from oscillators import Oscillator
 
 from pliant.plants import IntegrationError, Plant, Signal, StabilityLimitError
-from pliant.plants.integration import batch_stepper, dormand_prince
-from pliant.plants.motions import compile_rule, motion_library
+from pliant.plants.integration import batch_stepper
+from pliant.plants.motions import adaptive_steps, compile_rule, motion_library
 from pliant.plants.native import compiler, kernel_loader
 from pliant.plants.native.kernel_loader import NativeWarning
 
@@ -71,7 +71,7 @@ def test_an_adaptive_motion_says_that_it_cannot_go_on(monkeypatch):
     with pytest.raises(IntegrationError, match=r"dop853 stopped at t = 1 s, its step having fallen to") as stopped:
         BLOWING.simulate([1.0], None, TIMES)
     assert abs(stopped.value.time - 1.0) < 1e-9
-    monkeypatch.setattr(dormand_prince, "MOST_STEPS", 9)
+    monkeypatch.setattr(adaptive_steps, "MOST_STEPS", 9)
     with pytest.raises(IntegrationError, match=r"after 9 steps, the last of") as stopped:
         BLOWING.simulate([1.0], None, TIMES)
     np.testing.assert_allclose(stopped.value.state, 1 / (1 - stopped.value.time), rtol=1e-8)

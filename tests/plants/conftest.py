@@ -1,9 +1,10 @@
-"""Spacecraft that the tests of several rooms share."""
+"""Spacecraft, a vibration and a state that blows up, which the tests of several rooms share."""
 
 import dataclasses
 
 import numpy as np
 import pytest
+from vibrations import Blowing, Vibration
 
 from pliant.plants import Beam
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
@@ -82,3 +83,13 @@ def anywhere_fixture():
 @pytest.fixture(scope="session", name="ring")
 def ring_fixture():
     return _ring
+
+
+@pytest.fixture
+def vibration():
+    return Vibration()
+
+
+@pytest.fixture
+def blowing():
+    return Blowing()

@@ -139,7 +139,10 @@ TABLE = {
     "column": (lambda: run()["tip_z"], r"Trajectory\['tip_z'\] must be one of theta1"),
     "scene": (lambda: scenes.get("juggling"), "'juggling' must be one of 'single-link-slew'"),
     # simulation
-    "method": (lambda: run(method="euler"), r"simulate\.method = 'euler' must be one of 'dop853', 'radau', 'cvodes'"),
+    "method": (
+        lambda: run(method="euler"),
+        r"method = 'euler' must be one of 'dop853', 'rodas5p', 'radau', 'cvodes'",
+    ),
     "missing step": (lambda: run(method="rk4"), r"step = None must be a number of seconds for rk4"),
     "needless step": (lambda: run(step=0.1), r"step = 0\.1 must be .* None otherwise"),
     "zero step": (lambda: run(method="rk4", step=0.0), r"step = 0\.0 must be > 0 \[s\]"),

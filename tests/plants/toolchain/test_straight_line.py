@@ -1,11 +1,13 @@
 """Functions cut into parts: the same values as whole, whatever a part holds, rows are used again."""
 
+from pathlib import Path
+
 import casadi as ca
 import kernel_growth
 import numpy as np
 import pytest
 
-from pliant.plants.native import kernel_loader
+from pliant.plants.native import compiler, kernel_loader, kernel_templates
 from pliant.plants.native.batch_kernels import map_kernel
 from pliant.plants.toolchain import straight_line
 
@@ -39,6 +41,35 @@ def test_parts_compute_what_the_whole_does(most: int, lanes: int | None, monkeyp
         np.testing.assert_allclose(work.get(k).T, np.asarray(want), rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
+def test_parts_in_units_of_their_own_are_one_library(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Each part is compiled once, in one unit, all else in the first; the numbers are those of one unit, to the bit."""
+    monkeypatch.setattr(straight_line, "LENGTHENED", 13)
+    monkeypatch.setenv("PLIANT_CACHE", str(tmp_path))
+    source = kernel_templates.map_source(_tangled(100), np.dtype(float))
+    asked: list[tuple[str, ...]] = []
+    run = compiler._run
+
+    def told(command: tuple[str, ...], *arguments: str, **options: object) -> object:
+        asked.append(arguments)
+        return run(command, *arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(compiler, "_run", told)
+    found = []
+    for longest in (10**9, 0):
+        monkeypatch.setattr(compiler, "LONG_SOURCE", longest)
+        monkeypatch.setattr(compiler, "QUICK", ())
+        asked.clear()
+        (path := tmp_path / f"units{longest}.so").write_bytes(compiler.build(source))
+        outputs = [np.zeros((12, 64)), np.zeros((1, 64))]
+        kernel_loader.Kernel(path, np.dtype(float), 8)([X], outputs)
+        found.append(np.vstack(outputs))
+        units = [a for arguments in asked for a in arguments if a.startswith("-DUNIT=")]
+        assert sorted(units) == ([] if longest else [f"-DUNIT={k}" for k in range(compiler.UNITS)])
+    np.testing.assert_array_equal(found[0], found[1])
+    assert np.abs(found[0]).max() > 0
+
+
 def test_a_row_is_free_again_after_the_last_part_that_reads_it() -> None:
     def of(name: str, *needs: str) -> straight_line.Statement:
         return straight_line.Statement(name, "+".join(needs), needs)
@@ -55,10 +86,10 @@ def test_no_part_is_longer_than_it_may_be_and_no_function_too_long(monkeypatch: 
     statements = [straight_line.Statement("v0", "i0[0]", given=True)]
     statements += [straight_line.Statement(f"v{k}", f"v{k - 1} + v0", (f"v{k - 1}", "v0")) for k in range(1, 30_000)]
     source = straight_line.written("f", ["i0"], ["o0"], statements)
-    bodies = source.split("__attribute__((noinline))")[1:]
+    bodies = source.split("#if IN_UNIT(")[1:]
     assert len(bodies) == 600
     # what it computes, one row in, one out, and the input read anew
-    assert max(body.split("static void f(const T")[0].count(";") for body in bodies) <= 53
+    assert max(body.split("#else")[0].count(";") for body in bodies) <= 53
     assert "T between[2][W]" in source
 
 

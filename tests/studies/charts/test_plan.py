@@ -12,7 +12,7 @@ def test_every_setting_is_in_one_part_once():
     keys = [row.key for part in PARTS for _, row in part.settings]
     assert len(keys) == len(set(keys))
     each = len(keys) / len(PLANTS)
-    assert each == 4 + 4 * 6 + 3 + 5 * 6 * 2 + 4  # dop853, fixed steps, cvodes, stepper, linear
+    assert each == 4 + 3 + 4 * 6 + 3 + 5 * 6 * 2 + 4  # dop853, rodas5p, fixed steps, cvodes, stepper, linear
     assert [part.until for part in PARTS] == sorted(part.until for part in PARTS) and PARTS[-1].until == 1.0
 
 

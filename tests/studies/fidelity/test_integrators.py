@@ -5,6 +5,7 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.studies.common.reference_motions import Motions
+from pliant.studies.fidelity import integrators as modules
 from pliant.studies.fidelity.integrators import integrators
 from pliant.studies.physics.physics_motion import physics_motion
 
@@ -28,3 +29,18 @@ def test_both_keep_the_tolerance_as_simulated(tolerance):
 def test_none_where_none_keeps_it():
     motions = Motions(SLEW)
     assert integrators(motions, physics_motion(motions, 1e-4), SLEW.plant.ladder()[0], 1e-4) == (None, None)
+
+
+@pytest.mark.parametrize(("loosest", "native"), [(1e-3, True), (1e-3, False), (1e-8, True)])
+def test_the_method_for_stiff_plants_is_tried_where_stability_bounds_the_steps(loosest, native, monkeypatch):
+    """Where dop853's loosest tolerance keeps a metre of error and native code can be had; not where a finer does."""
+    tolerance = 1.0
+    motions, tried = Motions(SLEW), []
+    physics, plant, run = physics_motion(motions, 1e-4), SLEW.plant.ladder()[-2], motions.run
+    monkeypatch.setattr(motions, "run", lambda plant, **o: (tried.append(o["method"]), run(plant, **o))[1])
+    monkeypatch.setattr(modules, "compile_motions", lambda *_: native)
+    settings = modules._settings
+    finer = [{"rtol": loosest, "atol": loosest / 100}]
+    monkeypatch.setattr(modules, "_settings", lambda m, dt: finer if m == "dop853" else settings(m, dt))
+    assert modules.integrators(motions, physics, plant, tolerance)[0] is not None
+    assert ("rodas5p" in tried) is (native and loosest == 1e-3)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from oscillators import Oscillator
 
-from pliant.plants.integration.held_inputs import HeldInput, sampling_grid
+from pliant.plants.motions.held_inputs import HeldInput, sampling_grid
 
 T, W, P = np.array([0.0, 0.4, 1.0]), np.zeros(1), np.zeros(0)
 
@@ -96,6 +96,7 @@ def test_held_array_equals_the_function_that_holds_it():
         x[k + 1] = exact.A @ x[k] + exact.B @ u[k]
     for method, options in (
         ("dop853", {}),
+        ("rodas5p", {}),
         ("radau", {}),
         ("cvodes", {}),
         ("rk4", {"step": 1e-3}),

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import casadi as ca
-import pytest
 
 from pliant.plants import Plant, Signal
 
@@ -48,13 +47,3 @@ class Blowing(Plant):
 
     def ladder(self):
         return (self,)
-
-
-@pytest.fixture
-def vibration():
-    return Vibration()
-
-
-@pytest.fixture
-def blowing():
-    return Blowing()
