@@ -66,7 +66,9 @@ def speed_accuracy(chart: Chart, mark: Row | None = None) -> Figure:
     axes = figure.subplot_mosaic(layout, height_ratios=ratios, width_ratios=[1.25, 1.0])
     for ax, lanes in zip((axes["one"], axes["many"]), LANES):
         _panel(ax, chart, lanes, colours, (low, high), mark)
-    beyond = f", from {high:g} on at the edge" if any((r.error or 0.0) > high for r in chart.measured) else ""
+    beyond = (
+        f"\nfrom {high:g} {chart.unit} on at the edge" if any((r.error or 0.0) > high for r in chart.measured) else ""
+    )
     axes["one"].set_ylabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]{beyond}")
     axes["many"].tick_params(labelleft=False)
     if below:
