@@ -89,6 +89,11 @@ class Declaration(ABC):
         return tuple(Signal(path, parameters.unit_of(self, path)) for path in self.varied)
 
     @cached_property
+    def signals(self) -> dict[str, tuple[Signal, ...]]:
+        """{kind: the plant's signals of it}, made once."""
+        return {kind: getattr(self, kind) for kind in ("states", "inputs", "outputs", "disturbances")}
+
+    @cached_property
     def nx(self) -> int:
         return len(self.states)
 

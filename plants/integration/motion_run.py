@@ -79,12 +79,13 @@ class MotionRun:
         nx = self.plant.nx
         z = np.empty((len(self.t), len(self.z0)))
         z[0] = self.z0
-        self.plant.dynamics(z[0, :nx], w=self.w, p=self.p, t=self.t[0])  # raises where the start is singular
         try:
             while self.reached < self.intervals:
                 self.drive.decide(self.reached, z[self.reached][:nx])
                 self._look_for_library()
                 if self.library is None:
+                    if not self.reached:  # raises where the start is singular; of compiled motions their rates do
+                        self.plant.dynamics(z[0, :nx], w=self.w, p=self.p, t=self.t[0])
                     self._slowly(z)
                 else:
                     self.natively(z)

@@ -95,8 +95,8 @@ def simulate(
     drive = HeldInput(plant, u, grid, w, p)
     run = ADAPTIVE.get(method, FixedRun)(plant, drive, grid, x, w, p, method, step, rtol, atol, audit, progress)
     states, work, samples = (z[rows] for z in (*run.march(), drive.samples))
-    values, rows_at = plant._arguments(states, samples, w, p, t)
-    rates, outputs = observer(plant)(values, rows_at or 1)
+    values = t[:, None], states, samples, w, p
+    rates, outputs = observer(plant)(values, len(t))
     stats: dict[str, Any] = {
         "method": method,
         "seconds": clock.perf_counter() - began,
@@ -108,17 +108,14 @@ def simulate(
         energy = plant.energy(states, p=p)  # type: ignore[attr-defined]
         largest = np.abs(energy).max() or 1.0
         stats["energy_balance"] = float(np.abs(energy - energy[0] - work).max() / largest)
-    made = Trajectory(
+    made = Trajectory.of_run(
         t=t,
         x=states,
         u=samples,
         y=outputs[0],
-        states=plant.states,
-        inputs=plant.inputs,
-        outputs=plant.outputs,
+        **plant.signals,
         dx=plant.told_rates(values, rates),
         w=np.tile(w, (len(t), 1)),
-        disturbances=plant.disturbances,
         hold="linear" if drive.smooth else "zero-order",
         stats=stats,
     )

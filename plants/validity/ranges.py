@@ -79,7 +79,7 @@ def in_words(entry: Mapping[str, Any]) -> str:
 def values(plant: PlantLike, motion: Trajectory, p: Any = None) -> np.ndarray:
     """Values (nt, n) of the plant's ranges along a motion in its own signals; NaN where they are no finite numbers."""
     for kind in ("states", "inputs", "outputs"):
-        own: tuple[Signal, ...] = getattr(plant, kind)
+        own: tuple[Signal, ...] = plant.signals[kind]
         if getattr(motion, kind) != own:
             raise ValueError(
                 f"left_ranges: motion.{kind} = {', '.join(names(getattr(motion, kind)))} must be those of "
