@@ -226,8 +226,9 @@ def _signal(pair: Any) -> Signal:
 
 
 def of_run(**fields: Any) -> Trajectory:
-    """From arrays that a simulation has just made, which become its own, write-protected, and a plant's signals: nothing
-    is checked again where all numbers are finite.
+    """From arrays that a simulation has just made, which become its own, write-protected, and a plant's signals.
+
+    Nothing is checked again where all numbers are finite.
     """
     arrays = [fields[name] for name in ARRAYS if fields.get(name) is not None]
     if not all(isfinite(np.vdot(array, array)) for array in arrays):

@@ -93,6 +93,20 @@ def sentence(chart: Chart) -> str:
     return f"The fastest within {bound} of physics. {'; '.join(s[0].upper() + s[1:] for s in said)}."
 
 
+def beside(chart: Chart) -> str:
+    """How many times as long each other program takes, at least and at most, and where least."""
+    told = []
+    for name in dict.fromkeys(peer.peer for peer in chart.peers):
+        found = [
+            (times, p.error or 0.0) for p in chart.peers if p.peer == name and (times := chart.ahead(p)) is not None
+        ]
+        if found:
+            (least, at), (most, _) = min(found), max(found)
+            far = f"{least:.2g} to {most:.2g} times, least" if len(found) > 1 else f"{least:.2g} times,"
+            told.append(f"{name}: {far} where it errs by {measured(at, chart.unit)}.")
+    return " ".join(told)
+
+
 def tables(chart: Chart) -> str:
     """The front, all rows, other programs, what has no result."""
 
@@ -120,8 +134,8 @@ def tables(chart: Chart) -> str:
             )
             for p in chart.peers
         ]
-        words = "Other programs on the same motion, and how many times as long they take as the fastest row as good:"
-        text += paragraph(words) + table(other, rows)
+        words = "Other programs on the same motion, and how many times as long they take as the fastest row as good."
+        text += paragraph(f"{words} {beside(chart)}") + table(other, rows)
     marked = [i for i, r in enumerate(chart.measured) if r.pareto]
     everything = table(head, [line(r) for r in chart.measured], marked=marked)
     text += details(f"All {len(chart.measured)} measured rows", everything)

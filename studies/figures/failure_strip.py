@@ -42,7 +42,11 @@ def sentences(chart: Chart) -> list[str]:
     if counts:
         each = " and ".join(f"{n} {_settings(n)} {WORDS[reason]}" for reason, n in counts.items())
         told.append(f"Not run: {each}.")
-    told += [f"{peer.peer}: {peer.failure}" for peer in chart.peers if peer.failure is not None]
+    alike: dict[str, list[str]] = {}
+    for peer in chart.peers:
+        if peer.failure is not None:
+            alike.setdefault(peer.failure, []).append(peer.peer)
+    told += [f"{'; '.join(dict.fromkeys(names))}: {failure}" for failure, names in alike.items()]
     return [line for text in told for line in textwrap.wrap(text, LETTERS, subsequent_indent="    ")]
 
 

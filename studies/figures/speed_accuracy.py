@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from pliant.plants.files.atomic_files import Together
 from pliant.studies.common.formatting import measured
-from pliant.studies.fidelity.speed_accuracy import LANES, RUNS_AWAY, Chart, Row
+from pliant.studies.fidelity.speed_accuracy import LANES, Chart, Row
 
 from . import style
 from .failure_strip import draw_failures, strip_height
@@ -43,6 +43,7 @@ PEER_MARKERS = ("v", "<", ">", "d", "8", "1", "2", "3")
 PEER = "#6a6f76"
 FEW_DECADES = 60.0  # times: axes that are shorter have more labels
 WIDTH, HEIGHT = 11.0, 4.4  # [in], of the panels
+FAR = 1e3  # times the tolerance: errors beyond stand at the edge
 BELOW = 3.0  # times: how far into the band errors are told apart in the picture
 LEGEND = 0.165  # [in] of a line of the legend
 LONGEST_TITLE = 85  # characters of a line
@@ -65,7 +66,10 @@ def speed_accuracy(chart: Chart, mark: Row | None = None) -> Figure:
     axes = figure.subplot_mosaic(layout, height_ratios=ratios, width_ratios=[1.25, 1.0])
     for ax, lanes in zip((axes["one"], axes["many"]), LANES):
         _panel(ax, chart, lanes, colours, (low, high), mark)
-    axes["one"].set_ylabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]")
+    beyond = (
+        f"\nfrom {high:g} {chart.unit} on at the edge" if any((r.error or 0.0) > high for r in chart.measured) else ""
+    )
+    axes["one"].set_ylabel(f"largest error of {', '.join(chart.compare)} [{chart.unit}]{beyond}")
     axes["many"].tick_params(labelleft=False)
     if below:
         draw_failures(axes["strip"], chart, colours, METHOD_MARKERS)
@@ -113,7 +117,7 @@ def _range(chart: Chart) -> tuple[float, float]:
     told = [*(row.error for row in chart.measured), *(peer.error for peer in chart.peers)]
     errors = [error for error in told if error]
     lowest = max(min(errors, default=chart.tolerance), band / BELOW, 1e-9 * chart.tolerance)
-    highest = min(max([*errors, 3 * chart.tolerance]), RUNS_AWAY * chart.tolerance)
+    highest = min(max([*errors, 3 * chart.tolerance]), FAR * chart.tolerance)
     return lowest, highest
 
 

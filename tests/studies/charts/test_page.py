@@ -9,6 +9,7 @@ from made_up_charts import UNSTABLE, made_up_chart
 from pliant.studies.charts import page
 from pliant.studies.figures import style
 from pliant.studies.figures.speed_accuracy import speed_accuracy
+from pliant.studies.peers.peer_rows import PeerRow
 
 FOUND = made_up_chart()
 
@@ -39,6 +40,13 @@ def test_each_marker_has_its_words(text):
 def test_it_needs_no_network(text):
     assert text.count("<script>") == 1 and not re.search(r'(src|href)="?https?:', text)
     assert "Other programs on the same motion" in text and "not installed: pip install third" in text
+
+
+def test_how_far_other_programs_are_behind():
+    assert page.beside(FOUND) == "Other, chain: 50 times, where it errs by 0.5 mm."
+    more = (*FOUND.peers, PeerRow("Other, chain", "fast", 4e-4, 3e-2, 3, 12))
+    assert page.beside(made_up_chart(peers=more)) == "Other, chain: 4 to 50 times, least where it errs by 30 mm."
+    assert page.beside(made_up_chart(peers=FOUND.peers[1:])) == ""
 
 
 def test_what_it_comes_to():

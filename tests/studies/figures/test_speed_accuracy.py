@@ -96,6 +96,13 @@ def frame_of(figure, box):
     return figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1
 
 
+def test_what_is_far_off_stands_at_the_edge_which_says_so():
+    figure = speed_accuracy(made_up_chart(tolerance=1e-5))  # a thousand times that is 10 mm, rows err by 20
+    assert figure.axes[0].get_ylabel() == "largest error of tip_x, tip_y [m]\nfrom 0.01 m on at the edge"
+    (far,) = (line for line in figure.axes[0].lines if line.get_gid() == "row-0")
+    assert far.get_ydata()[0] == pytest.approx(0.01)
+
+
 @pytest.mark.parametrize("many", (1, 9))
 def test_nothing_is_cut_off(many):
     """Texts and legend lie within the picture, also of a long ladder."""
