@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from pliant.plants.beam_strains.declaration import StrainDeclaration
+from pliant.plants.beam_strains.rest_shape import RestShape
+from pliant.plants.beam_strains.strain_fields import StrainFields
+from pliant.plants.beam_strains.strained_beam import StrainedBeam, frames_of
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core import parameters
-from pliant.plants.core.parameters import flag, is_symbolic, part, quantity, require_choice, require_count, validate
+from pliant.plants.core.parameters import is_symbolic, part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Sensed, Signal
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.exact_rotations.quadrature import points
 
 from . import tangent_field
@@ -19,7 +22,6 @@ from .resolution import FINEST, Resolved, check_given, enough
 from .sub_beam_chain import FRAMES, Chain
 from .torsion import TorsionShapes
 
-ROOTS = ("clamped", "hinged", "driven")
 KINEMATICS = ("strain", "substructured")
 BASES = {"tip-force": 20, "modes": 30, "polynomial": 20}  # basis: most shapes
 MOST_SEGMENTS = 32
@@ -29,7 +31,7 @@ EXACT = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class LargeBeamDeclaration(LagrangianPlant):
+class LargeBeamDeclaration(StrainDeclaration):
     """A beam, its root and its payload; `LargeDeflectionBeam` adds their energies and equations.
 
     `basis`, of n = `modes` rotation shapes: "tip-force", curvatures that vanish at an end free to turn; "modes",
@@ -61,7 +63,6 @@ class LargeBeamDeclaration(LagrangianPlant):
     """
 
     beam: Beam = part(Beam)
-    root: str = "clamped"
     gravity: tuple[float, float, float] = quantity("m/s^2", "finite", (0.0, -9.8, 0.0), shape=(3,))
     payload: Payload = part(Payload, default_factory=Payload)
     kinematics: str = "strain"
@@ -69,7 +70,6 @@ class LargeBeamDeclaration(LagrangianPlant):
     modes: int = 3  # shapes, of each sub-beam if "substructured"
     frame: str = "mean-axis"  # of each sub-beam ("substructured")
     basis: str = "auto"  # of the rotations ("strain")
-    planar: bool = flag(True)
     twists: int = 1  # torsion shapes (planar=False)
     points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
 
@@ -77,12 +77,12 @@ class LargeBeamDeclaration(LagrangianPlant):
         validate(self)
         owner = "LargeDeflectionBeam"
         for name, choices in (
-            ("root", ROOTS),
             ("kinematics", KINEMATICS),
             ("frame", FRAMES),
             ("basis", ("auto", *BASES)),
         ):
             require_choice(owner, name, getattr(self, name), choices)
+        self._check_strains(owner, self.kinematics)
         most = BASES["modes" if self.basis == "auto" else self.basis]
         ranges = {
             "modes": (1, most if self.kinematics == "strain" else 12),
@@ -104,11 +104,12 @@ class LargeBeamDeclaration(LagrangianPlant):
         """
         if self.basis != "auto":
             return self.basis
+        if self.strained and ("moment" in self.tip_loads or not self.planar):
+            return "polynomial"
         return "tip-force" if self.planar and self.modes <= BASES["tip-force"] else "modes"
 
     @property
     def coordinates(self) -> tuple[Signal, ...]:
-        turning = {"clamped": (), "hinged": ("root_angle",), "driven": ("hub_angle",)}[self.root]
         kinds = (("bend", self.modes), ("flap", self.modes), ("twist", self.twists))
         bent = []
         for kind, count in kinds[: 1 if self.planar else 3]:
@@ -116,29 +117,12 @@ class LargeBeamDeclaration(LagrangianPlant):
             if self.kinematics == "substructured":
                 own = [f"{i + 1}_{k}" for i in range(self.segments) for k in own]
             bent += [kind + k for k in own]
-        return tuple(Signal(name, "rad") for name in (*turning, *bent))
-
-    @property
-    def _tip_force(self) -> tuple[Signal, ...]:
-        return tuple(Signal(f"tip_force_{axis}", "N") for axis in ("xy" if self.planar else "xyz"))
-
-    @property
-    def inputs(self) -> tuple[Signal, ...]:
-        return (Signal("hub_acceleration", "rad/s^2"),) if self.root == "driven" else self._tip_force
-
-    @property
-    def driven(self) -> dict[int, int]:
-        return {0: 0} if self.root == "driven" else {}
-
-    @property
-    def disturbances(self) -> tuple[Signal, ...]:
-        return self._tip_force if self.root == "driven" else ()
+        return (*self.root_coordinates, *(Signal(name, "rad") for name in bent), *self.strain_coordinates)
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
-        turning = () if self.root == "clamped" else (self.coordinates[0],)
         return (
-            *turning,
+            *self.root_coordinates,
             Signal("tip_x", "m"),
             Signal("tip_y", "m"),
             Signal("tip_u", "m"),
@@ -154,10 +138,11 @@ class LargeBeamDeclaration(LagrangianPlant):
         )
 
     def sensors(self) -> tuple[Sensed, ...]:
-        """An encoder of a root that turns, a strain gauge at one that does not hinge, a gyro at the tip."""
-        turning = () if self.root == "clamped" else (Sensed("encoder", self.coordinates[0].name),)
+        """An encoder of a root in a bearing, a strain gauge at one that carries a moment, a gyro at the tip."""
+        turning = [Sensed("encoder", s.name) for s in self.root_coordinates if s.unit == "rad" and self.root != "free"]
         gauge = Sensed("strain gauge", "root_curvature", scale=1 / self.beam.half_depth)
-        return (*turning, *(() if self.root == "hinged" else (gauge,)), Sensed("gyro", "tip_angle_rate"))
+        carries = self.root not in ("hinged", "free")
+        return (*turning, *((gauge,) if carries else ()), Sensed("gyro", "tip_angle_rate"))
 
     @property
     def deflections(self) -> tuple[str, ...]:
@@ -170,13 +155,13 @@ class LargeBeamDeclaration(LagrangianPlant):
 
     @property
     def seen_from(self) -> str | None:
-        return "hub_angle" if self.root == "driven" else None
+        return {"driven": "hub_angle", "moving": "root_angle"}.get(self.root)
 
     @property
     def label(self) -> str:
         space = "" if self.planar else f", spatial, twists {self.twists}"
         if self.kinematics == "strain":
-            return f"strain, {self.rotation_basis} {self.modes}{space}"
+            return f"strain, {self.rotation_basis} {self.modes}{space}{self.strain_label}"
         return f"substructured, {self.segments} x {self.modes}, {self.frame}{space}"
 
     @cached_property
@@ -188,6 +173,20 @@ class LargeBeamDeclaration(LagrangianPlant):
         own: LargeBeamDeclaration = self.nominal
         at = points(own.point_count)
         return of_rotations(self.beam, self.payload, *own._rotations, at, None if self.planar else own._torsion)
+
+    @cached_property
+    def strained_beam(self) -> StrainedBeam:
+        """Where its coordinates are strains: energies and equations with this plant's parameters, shapes from the
+        nominal ones.
+        """
+        own: LargeBeamDeclaration = self.nominal
+        bend, flap = own._rotations
+        counts = own.twists, own.stretches * own.extensible, own.shears * (own.theory == "timoshenko")
+        travels = sum(s.unit == "m" for s in own.root_coordinates)
+        strains = StrainFields(bend, None if own.planar else flap, *counts, travels)
+        rest, at = RestShape(self.rest_curvature, self.beam.length), points(own.point_count)
+        frames = frames_of(own.planar, self.beam, self.payload, strains, rest, at, self.rotary)
+        return StrainedBeam(frames, self.loads, self.gravity)
 
     @property
     def shapes(self) -> tangent_field.Rotations | Chain:
@@ -202,7 +201,8 @@ class LargeBeamDeclaration(LagrangianPlant):
     def _rotations(self) -> tuple[tangent_field.Rotations, tangent_field.Rotations]:
         """Bending about z and about y; a payload's inertia differs between them."""
         mass, length, load = self.beam.mass, self.beam.length, self.payload
-        bend = tangent_field.rotations(self.root, self.rotation_basis, self.modes, **load.ratios(mass, length))
+        root = {"free": "hinged", "moving": "driven"}.get(self.root, self.root)  # what it can take of moments
+        bend = tangent_field.rotations(root, self.rotation_basis, self.modes, **load.ratios(mass, length))
         return bend, tangent_field.rotations(
             "clamped", self.rotation_basis, self.modes, **load.ratios(mass, length, axis=1)
         )
@@ -227,4 +227,7 @@ class LargeBeamDeclaration(LagrangianPlant):
     @cached_property
     def point_count(self) -> int:
         """Quadrature points, of each sub-beam if "substructured"."""
-        return self.points or enough(*self._resolved)
+        if self.points:
+            return self.points
+        found = enough(*self._resolved)
+        return RestShape(self.rest_curvature, self.beam.length).enough(found) if self.strained else found

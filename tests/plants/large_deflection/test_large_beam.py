@@ -160,7 +160,7 @@ def test_step_past_the_limit_is_refused():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"root": "free"}, r"root = 'free' must be one of 'clamped', 'hinged', 'driven'"),
+        ({"root": "afloat"}, r"root = 'afloat' must be one of 'clamped', 'hinged', 'driven', 'free', 'moving'"),
         ({"kinematics": "linear"}, r"kinematics = 'linear' must be one of"),
         ({"frame": "buckens"}, r"frame = 'buckens' must be one of"),
         ({"basis": "sine"}, r"basis = 'sine' must be one of"),

@@ -1,0 +1,188 @@
+"""Fields of a beam: which strains it has, how its root moves, what acts on its tip, how it is bent at rest."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from pliant.plants.core.argument_gates import require_by_name, require_names, shown
+from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
+from pliant.plants.core.parameters import (
+    flag,
+    is_symbolic,
+    quantity,
+    require_choice,
+    require_count,
+)
+from pliant.plants.core.signals import Signal, names
+from pliant.plants.dynamics.declaration import Array
+from pliant.plants.dynamics.lagrangian import LagrangianPlant
+
+from . import load_path
+from .rest_shape import is_curved, rest_curvature
+from .strained_beam import StrainedBeam
+from .tip_loads import LOADS, TipLoads
+
+ROOTS = {  # root: its coordinates
+    "clamped": (),
+    "hinged": (("root_angle", "rad"),),
+    "driven": (("hub_angle", "rad"),),
+    "free": (("root_x", "m"), ("root_y", "m"), ("root_angle", "rad")),
+    "moving": (("root_x", "m"), ("root_y", "m"), ("root_angle", "rad")),
+}
+PRESCRIBED = {  # root: the accelerations that are its inputs
+    "driven": (("hub_acceleration", "rad/s^2"),),
+    "moving": (
+        ("root_x_acceleration", "m/s^2"),
+        ("root_y_acceleration", "m/s^2"),
+        ("root_angle_acceleration", "rad/s^2"),
+    ),
+}
+TRAVELLING = ("free", "moving")
+THEORIES = ("euler-bernoulli", "timoshenko")
+MOST_STRAINS = 20  # stretches, shears
+
+
+@dataclass(frozen=True, kw_only=True)
+class StrainDeclaration(LagrangianPlant):
+    """What a beam has beside bending and torsion; a beam that has none of it keeps to its rotations."""
+
+    planar: bool = flag(True)
+    root: str = "clamped"
+    theory: str = "euler-bernoulli"  # "timoshenko": sections shear
+    extensible: bool = flag(False)
+    stretches: int = 2  # shapes of extension (extensible=True)
+    shears: int = 2  # shapes of shear, in space along each axis of the section (theory="timoshenko")
+    tip_loads: tuple[str, ...] = dataclasses.field(default=("force",), metadata={"gate": require_names})
+    rest_curvature: Any = dataclasses.field(default=0.0, metadata={"gate": rest_curvature, "unit": "1/m"})  # about z
+    rotary: Any = quantity("1", "nonnegative", 1.0)  # sections' rotary inertia over density times moment of area
+
+    def _check_strains(self, owner: str, kinematics: str) -> None:
+        """ValueError for what cannot be, or not with these kinematics."""
+        require_choice(owner, "root", self.root, tuple(ROOTS))
+        require_choice(owner, "theory", self.theory, THEORIES)
+        names = require_names(f"{owner}.tip_loads", self.tip_loads, LOADS, "load")
+        if not names and self.root not in PRESCRIBED:
+            raise ValueError(f"{owner}.tip_loads = () must name at least one of {', '.join(LOADS)}")
+        for name in ("stretches", "shears"):
+            object.__setattr__(self, name, require_count(owner, name, getattr(self, name), 1, MOST_STRAINS))
+        if self.root in TRAVELLING and not self.planar:
+            raise ValueError(
+                f"{owner}.root = {self.root!r} must be one of 'clamped', 'hinged', 'driven' where planar = False: "
+                "a root that travels is planar"
+            )
+        if kinematics != "strain" and self.strained:
+            changed = next(name for name in CHANGES if _differs(self, name))
+            raise ValueError(
+                f"{owner}.{changed} = {shown(getattr(self, changed))} must be {CHANGES[changed]} where "
+                f"kinematics = {kinematics!r}: only kinematics = 'strain' has such strains, loads and roots"
+            )
+
+    @property
+    def strained(self) -> bool:
+        """Whether its coordinates are strains: it has more than rotations of a straight beam under a tip force."""
+        return any(_differs(self, name) for name in CHANGES) or bool({"rest_curvature", "rotary"} & set(self.varied))
+
+    @property
+    def loads(self) -> TipLoads:
+        """What acts on the tip."""
+        return TipLoads(self.tip_loads, self.planar)
+
+    @property
+    def turns(self) -> bool:
+        """Whether the root has an angle."""
+        return bool(ROOTS[self.root])
+
+    @property
+    def root_coordinates(self) -> tuple[Signal, ...]:
+        """Where the root is, as far as it moves."""
+        return tuple(Signal(*pair) for pair in ROOTS[self.root])
+
+    @property
+    def strain_coordinates(self) -> tuple[Signal, ...]:
+        """Stretches and shears, what there is of them."""
+        found = [f"stretch{k + 1}" for k in range(self.stretches * self.extensible)]
+        if self.theory == "timoshenko":
+            for stem in ("shear",) if self.planar else ("shear", "shear_z"):
+                found += [f"{stem}{k + 1}" for k in range(self.shears)]
+        return tuple(Signal(name, "1") for name in found)
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        if self.root in PRESCRIBED:
+            return tuple(Signal(*pair) for pair in PRESCRIBED[self.root])
+        return self.loads.signals
+
+    @property
+    def disturbances(self) -> tuple[Signal, ...]:
+        return self.loads.signals if self.root in PRESCRIBED else ()
+
+    @property
+    def driven(self) -> dict[int, int]:
+        return {k: k for k in range(len(PRESCRIBED.get(self.root, ())))}
+
+    @property
+    def strain_label(self) -> str:
+        """What it has beside bending, in words that follow the shapes."""
+        words = [f"stretches {self.stretches}"] * self.extensible
+        words += [f"shears {self.shears}"] * (self.theory == "timoshenko")
+        return "".join(f", {word}" for word in words)
+
+    @property
+    @abstractmethod
+    def strained_beam(self) -> StrainedBeam:
+        """Where its coordinates are strains: energies and equations."""
+
+    def equilibrium(
+        self,
+        fixed: Mapping[str, float] | None = None,
+        *,
+        guess: Mapping[str, float] | None = None,
+        p: Any = None,
+        **named: float,
+    ) -> tuple[Array, Array]:
+        """As of every plant. A clamped beam of strains under given loads is followed from the unloaded beam, or from
+        the guess, in steps of the load: EquilibriumError where that branch is lost, never a rest on another one.
+        """
+        if self.strained and self.root == "clamped":
+            given = (("guess", guess), ("fixed", fixed), ("named", named))
+            start, *held = (require_by_name(f"equilibrium.{k}", {} if v is None else v) for k, v in given)
+            loads = {**held[0], **held[1]}
+            if set(loads) <= set(names(self.inputs)):
+                return load_path.rest(self, loads, start, p)
+        return super().equilibrium(fixed, guess=guess, p=p, **named)
+
+    @built_once
+    def _statics(self) -> NumericFunction:
+        """Elastic forces, their Jacobian, weight and loads and theirs, at x and u."""
+        _, x, u, _, _ = self.symbols
+        q = x[: len(self.coordinates)]
+        parts = ca.cse(list(self.symbolic.strained_beam.statics(q, u)))
+        given = [e for part in parts for e in (part, ca.jacobian(part, q))]
+        return function("statics", list(self.symbols), given, matrices=True)
+
+
+CHANGES = {  # field: what a beam of rotations alone has
+    "root": "'clamped', 'hinged' or 'driven'",
+    "theory": "'euler-bernoulli'",
+    "extensible": "False",
+    "tip_loads": "('force',)",
+    "rest_curvature": "0.0",
+    "rotary": "1.0",
+}
+
+
+def _differs(beam: StrainDeclaration, name: str) -> bool:
+    value = getattr(beam, name)
+    if name == "root":
+        return value in TRAVELLING
+    if name == "rest_curvature":
+        return is_curved(value)
+    if name == "rotary":
+        return is_symbolic(value) or value != 1.0
+    return bool(value != {"theory": THEORIES[0], "extensible": False, "tip_loads": ("force",)}[name])
