@@ -96,11 +96,11 @@ class SpatialMotion(Motion):
         onward, zero = frames.onward(q), ca.SX.zeros(n)
         on_rate = frames.onward(v) - frames.onward(zero)
         m = len(frames.along.xi)
-        F = self._axes[1:-1]
-        t = [F[k] @ onward[:, k] for k in range(m)]
-        rate = [ca.cross(self._w[k], t[k]) + F[k] @ on_rate[:, k] for k in range(m)]
+        axes = self._axes[1:-1]
+        t = [axes[k] @ onward[:, k] for k in range(m)]
+        rate = [ca.cross(self._w[k], t[k]) + axes[k] @ on_rate[:, k] for k in range(m)]
         on = [sparse(np.asarray(ca.DM(ca.jacobian(onward[:, k], q)))) for k in range(m)]
-        J = [F[k] @ on[k] - cross(t[k]) @ self._G[k] for k in range(m)]
+        J = [axes[k] @ on[k] - cross(t[k]) @ self._G[k] for k in range(m)]
         self.t = [ca.vertcat(*[e[c] for e in t]) for c in range(3)]
         self.rate = [ca.vertcat(*[e[c] for e in rate]) for c in range(3)]
         self._J = [ca.vertcat(*[e[c, :] for e in J]) for c in range(3)]
