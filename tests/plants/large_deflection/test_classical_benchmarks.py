@@ -119,7 +119,7 @@ def test_princeton_beam(strains):
     beam, twisted = plant.beam, []
     rigid = (beam.GJ, beam.E * beam.I_y, beam.EI)
     stiff = (beam.E * beam.area, beam.shear_stiffness, beam.shear_stiffness) if strains else None
-    within = 2e-6 if strains else 1e-5  # sines of the twist sum slowly
+    within = 2e-6 if strains else 5e-5  # sines of the twist sum slowly
     for load in (4.448, 8.896, 13.345):
         for pitch in (0.0, 15.0, 45.0, 75.0, 90.0):
             c, s = np.cos(np.radians(pitch)), np.sin(np.radians(pitch))
