@@ -45,6 +45,14 @@ def legendre(count: int, xi: Array) -> Array:
     return np.polynomial.legendre.legvander(2 * np.asarray(xi, dtype=float) - 1, max(count - 1, 0))[:, :count]
 
 
+def integrated(count: int, xi: Array) -> Array:
+    """Their integrals from 0, (k, count)."""
+    table = legendre(count + 1, xi)
+    k = np.arange(1, count)
+    rising = (table[:, 2:] - table[:, : count - 1]) / (4 * k + 2) if count > 1 else table[:, :0]
+    return np.column_stack([np.asarray(xi, dtype=float), rising])[:, :count]
+
+
 @dataclass(frozen=True, eq=False)
 class StrainFields:
     """q = [root position where it moves, (root angle, bends), flaps, twists, stretches, shears along y, along z]."""

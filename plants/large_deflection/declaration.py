@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 from pliant.plants.beam_strains.declaration import StrainDeclaration
 from pliant.plants.beam_strains.rest_shape import RestShape
-from pliant.plants.beam_strains.strain_fields import StrainFields
+from pliant.plants.beam_strains.strain_fields import StrainFields, integrated, legendre
 from pliant.plants.beam_strains.strained_beam import StrainedBeam, frames_of
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
@@ -221,8 +221,14 @@ class LargeBeamDeclaration(StrainDeclaration):
             return [Resolved(named, one.section_angles, True, EXACT)], self.modes + 3
         kinds = [Resolved(named, psi, True, TRUNCATED) for psi in self._rotations[: 1 if self.planar else 2]]
         if not self.planar:
-            kinds.append(Resolved(f"twists = {self.twists}", self._torsion, False, EXACT))
-        return kinds, 2 * self.modes + 1
+            twists = partial(integrated, self.twists) if self.strained else self._torsion
+            kinds.append(Resolved(f"twists = {self.twists}", twists, False, EXACT))
+        if not self.strained:
+            return kinds, 2 * self.modes + 1
+        counts = {"stretches": self.stretches * self.extensible, "shears": self.shears * (self.theory == "timoshenko")}
+        kinds += [Resolved(f"{name} = {n}", partial(legendre, n), True, TRUNCATED) for name, n in counts.items() if n]
+        across = self.modes + self.turns + counts["shears"] + 1  # shapes that move the axis the same way, and one
+        return kinds, max(2 * self.modes + 1, across, counts["stretches"] + 1)
 
     @cached_property
     def point_count(self) -> int:

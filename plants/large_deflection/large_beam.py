@@ -1,16 +1,20 @@
-"""A beam that bends as far as it likes: clamped, hinged or driven at its root, a payload and a force at its tip.
+"""A beam that bends as far as it likes: clamped, hinged, driven, carried or free, a payload and loads at its tip.
 
-States   q = [hub_angle or root_angle where the root turns, bend1 .. bendn], x = [q; dq/dt]; angles in rad. In space
-         (planar=False) flaps (about y) and twists follow the bends, which are about z, as is the root's turn
-Inputs   tip_force_x, tip_force_y (tip_force_z) [N], inertial axes; with a driven root hub_acceleration [rad/s^2], and
-         the tip force is a disturbance
-Outputs  tip position, displacement from the straight beam along x and its rate [m, m/s]; rotation of the tip's
-         section [rad] and its rate; tip deflection across the root's direction and its rate; the root's angle where it
-         turns; curvature about z at the root [1/m]. In space tip_z, its rate, and the tip's twist: past what bending
-         brings ("strain"), or the sub-beams' sum
-Valid    inextensible and unshearable; sections keep their rotary inertia. "strain": any rotation in the plane, below
-         one turn against the root in space. "substructured": rotations within a sub-beam small, see `sub_beam_chain`.
-         How small each is meant: `ranges`
+States   q = [root_x, root_y [m] where the root travels, hub_angle or root_angle where it turns, bend1 .. bendn],
+         x = [q; dq/dt]; angles in rad. In space (planar=False) flaps (about y) and twists follow the bends, which are
+         about z, as is the root's turn; then stretch1 .., shear1 .. (shear_z1 ..) [1] where there are such strains
+Inputs   tip_force_x, tip_force_y (tip_force_z) [N] and tip_moment (_x, _y, _z) [N m] in inertial axes,
+         follower_force_x, .. [N] in the tip's, as `tip_loads` says. With a driven root hub_acceleration [rad/s^2], with
+         a moving one root_x_acceleration, root_y_acceleration [m/s^2] and root_angle_acceleration [rad/s^2] are
+         inputs, and the loads disturbances
+Outputs  tip position, displacement from the beam at rest along x and its rate [m, m/s]; rotation of the tip's section
+         [rad] and its rate; tip deflection across the root's direction, less that at rest, and its rate; the root's
+         place and angle where it moves; curvature about z at the root, less that at rest [1/m]. In space tip_z, its
+         rate, and the tip's twist: past what bending brings ("strain"), or the sub-beams' sum. Of a spatial beam of
+         strains the tip's rotation and twist are integrals of the curvatures about the sections' own z and x
+Valid    inextensible unless `extensible`, unshearable unless theory="timoshenko"; sections keep their rotary inertia.
+         "strain": any rotation in the plane; in space below one turn against the root, any of a beam of strains.
+         "substructured": rotations within a sub-beam small, see `sub_beam_chain`. How small each is meant: `ranges`
 Source   "Substructuring Technique for Dynamics Analysis of Flexible Beams with Large Deformation", Eqs (1)-(39)
 """
 

@@ -107,3 +107,12 @@ def test_native_steps_are_those_of_the_virtual_machine():
     u = np.tile([0.1, 0.2, 0.3], (8, 1))
     slow = plant.simulate(x[0].copy(), u[0], [0.0, 1e-4], method="rk4", step=1e-4).x[-1]
     np.testing.assert_allclose(step(x, u)[0], slow, rtol=1e-9, atol=1e-11)
+
+
+def test_points_are_enough_for_every_strain():
+    """Many stretches or shears of one bending shape: their inertia is definite, and too few points are refused."""
+    for changes in ({"stretches": 9}, {"shears": 8}, {"planar": False, "twists": 9}):
+        plant = strained(modes=1, extensible=True, theory="timoshenko", **changes)
+        assert np.linalg.eigvalsh(plant.mass_matrix(np.zeros(plant.nx))).min() > 0
+    with pytest.raises(ValueError, match=r"points = 4 are too few for stretches = 9"):
+        strained(modes=1, extensible=True, stretches=9, points=4)

@@ -16,10 +16,10 @@ STILL = {"gravity": (0.0, 0.0, 0.0), "modes": 8, "basis": "polynomial"}
 def arch(load):
     """Forces of a shallow truss, x^3 - 3 x^2 + 2 x against a load; it snaps at 2/(3 sqrt 3) = 0.3849."""
 
-    def forces(q):
+    def forces(q, share):
         x = q[0]
         elastic, slope = -(x**3 - 3 * x**2 + 2 * x), -(3 * x**2 - 6 * x + 2)
-        return np.array([elastic]), np.array([[slope]]), np.array([load]), np.zeros((1, 1))
+        return np.array([elastic + share * load]), np.array([[slope]]), abs(load)
 
     return forces
 
@@ -32,12 +32,19 @@ def test_below_the_limit_point_the_near_branch_is_found(load):
 
 
 def test_past_the_limit_point_there_is_an_error_that_says_where():
-    """At 0.7698 of a load of 0.5; Newton's method alone goes to the far branch, where a guess leads."""
+    """At 0.7698 of a load of 0.5; Newton's method alone goes to the far branch."""
     with pytest.raises(EquilibriumError, match=r"the arch on the branch of the unloaded beam: it is lost at 0.769"):
         follow(arch(0.5), np.zeros(1), "the arch")
-    far = np.roots([1, -3, 2, -0.5])
-    far = far[np.abs(far.imag) < 1e-9].real[0]
-    assert follow(arch(0.5), np.array([far + 0.05]), "the arch", True)[0] == pytest.approx(far, rel=1e-9)
+
+
+def test_steps_grow_again_past_a_narrow_place():
+    """A curve of x^3 + x/50 = lambda is steep at its start: 0.964 at the end."""
+    known = max(np.roots([1, 0, 0.02, -1]).real)
+
+    def forces(q, share):
+        return np.array([share - q[0] ** 3 - q[0] / 50]), np.array([[-3 * q[0] ** 2 - 0.02]]), 1.0
+
+    assert follow(forces, np.zeros(1), "a spring")[0] == pytest.approx(known, rel=1e-9)
 
 
 @pytest.mark.parametrize("load", [1.0, 10.0, 100.0])

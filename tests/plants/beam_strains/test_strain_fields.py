@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from strained_cases import SECTION, STRAINED
 
+from pliant.plants.beam_strains.strain_fields import integrated, legendre
+
 XI, WEIGHTS = np.polynomial.legendre.leggauss(30)
 XI, WEIGHTS = (1 + XI) / 2, WEIGHTS / 2
 
@@ -46,3 +48,11 @@ def test_the_first_of_each_strain_is_its_mean_and_the_slices_fill_q():
     q = np.zeros(strains.n)
     q[names.index("stretch1")] = 0.02
     assert WEIGHTS @ np.asarray(ca.DM(strains.of("stretch", ca.SX(q), XI))).ravel() == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 5])
+def test_integrals_of_the_shapes(count):
+    at = np.array([0.0, 0.3, 1.0])
+    inner = at[:, None] * XI
+    expected = at[:, None] * np.einsum("k,ikn->in", WEIGHTS, legendre(count, inner.ravel()).reshape(3, 30, count))
+    np.testing.assert_allclose(integrated(count, at), expected, atol=1e-14)
