@@ -104,12 +104,16 @@ class StrainDeclaration(LagrangianPlant):
         return tuple(Signal(*pair) for pair in ROOTS[self.root])
 
     @property
+    def strain_counts(self) -> dict[str, int]:
+        """Shapes of extension and, along each axis of a section, of shear: none where there is no such strain."""
+        return {"stretches": self.stretches * self.extensible, "shears": self.shears * (self.theory == "timoshenko")}
+
+    @property
     def strain_coordinates(self) -> tuple[Signal, ...]:
         """Stretches and shears, what there is of them."""
-        found = [f"stretch{k + 1}" for k in range(self.stretches * self.extensible)]
-        if self.theory == "timoshenko":
-            for stem in ("shear",) if self.planar else ("shear", "shear_z"):
-                found += [f"{stem}{k + 1}" for k in range(self.shears)]
+        found = [f"stretch{k + 1}" for k in range(self.strain_counts["stretches"])]
+        for stem in ("shear",) if self.planar else ("shear", "shear_z"):
+            found += [f"{stem}{k + 1}" for k in range(self.strain_counts["shears"])]
         return tuple(Signal(name, "1") for name in found)
 
     @property
@@ -129,9 +133,7 @@ class StrainDeclaration(LagrangianPlant):
     @property
     def strain_label(self) -> str:
         """What it has beside bending, in words that follow the shapes."""
-        words = [f"stretches {self.stretches}"] * self.extensible
-        words += [f"shears {self.shears}"] * (self.theory == "timoshenko")
-        return "".join(f", {word}" for word in words)
+        return "".join(f", {name} {n}" for name, n in self.strain_counts.items() if n)
 
     @property
     @abstractmethod

@@ -15,10 +15,13 @@ from typing import Any
 import casadi as ca
 
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.exact_rotations.quadrature import Points
 
 from .planar_frames import PlanarFrames
+from .rest_shape import RestShape
 from .section_frames import Motion, SectionFrames
 from .spatial_frames import SpatialFrames
+from .strain_fields import StrainFields
 from .tip_loads import TipLoads
 
 
@@ -122,6 +125,14 @@ class StrainedBeam:
         return ca.vertcat(*out)
 
 
-def frames_of(planar: bool, *given: Any) -> SectionFrames:
-    """In the plane or in space; `given`: the fields of `SectionFrames`."""
-    return PlanarFrames(*given) if planar else SpatialFrames(*given)
+def of_declaration(plant: Any, along: Points) -> StrainedBeam:
+    """That of a beam by its fields: shapes from its nominal parameters, known at the points `along`."""
+    own, counts = plant.nominal, plant.strain_counts
+    bend, flap = own._rotations
+    travels = sum(s.unit == "m" for s in own.root_coordinates)
+    strains = StrainFields(
+        bend, None if own.planar else flap, own.twists, counts["stretches"], counts["shears"], travels
+    )
+    kind = PlanarFrames if own.planar else SpatialFrames
+    rest = RestShape(plant.rest_curvature, plant.beam.length)
+    return StrainedBeam(kind(plant.beam, plant.payload, strains, rest, along, plant.rotary), plant.loads, plant.gravity)

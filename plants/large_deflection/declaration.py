@@ -7,8 +7,8 @@ from functools import cached_property, partial
 
 from pliant.plants.beam_strains.declaration import StrainDeclaration
 from pliant.plants.beam_strains.rest_shape import RestShape
-from pliant.plants.beam_strains.strain_fields import StrainFields, integrated, legendre
-from pliant.plants.beam_strains.strained_beam import StrainedBeam, frames_of
+from pliant.plants.beam_strains.strain_fields import integrated, legendre
+from pliant.plants.beam_strains.strained_beam import StrainedBeam, of_declaration
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core import parameters
@@ -176,17 +176,8 @@ class LargeBeamDeclaration(StrainDeclaration):
 
     @cached_property
     def strained_beam(self) -> StrainedBeam:
-        """Where its coordinates are strains: energies and equations with this plant's parameters, shapes from the
-        nominal ones.
-        """
         own: LargeBeamDeclaration = self.nominal
-        bend, flap = own._rotations
-        counts = own.twists, own.stretches * own.extensible, own.shears * (own.theory == "timoshenko")
-        travels = sum(s.unit == "m" for s in own.root_coordinates)
-        strains = StrainFields(bend, None if own.planar else flap, *counts, travels)
-        rest, at = RestShape(self.rest_curvature, self.beam.length), points(own.point_count)
-        frames = frames_of(own.planar, self.beam, self.payload, strains, rest, at, self.rotary)
-        return StrainedBeam(frames, self.loads, self.gravity)
+        return of_declaration(self, points(own.point_count))
 
     @property
     def shapes(self) -> tangent_field.Rotations | Chain:
@@ -225,7 +216,7 @@ class LargeBeamDeclaration(StrainDeclaration):
             kinds.append(Resolved(f"twists = {self.twists}", twists, False, EXACT))
         if not self.strained:
             return kinds, 2 * self.modes + 1
-        counts = {"stretches": self.stretches * self.extensible, "shears": self.shears * (self.theory == "timoshenko")}
+        counts = self.strain_counts
         kinds += [Resolved(f"{name} = {n}", partial(legendre, n), True, TRUNCATED) for name, n in counts.items() if n]
         across = self.modes + self.turns + counts["shears"] + 1  # shapes that move the axis the same way, and one
         return kinds, max(2 * self.modes + 1, across, counts["stretches"] + 1)
