@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from large_beam_cases import LOAD, VARIANTS, large
+from random_plants import dimension, rescaled
 from scipy.linalg import eigh
 from strained_cases import STRAINED, strained, unit_states
 
@@ -83,6 +84,20 @@ def test_a_beam_of_strains_without_extension_and_shear_is_the_beam_of_rotations(
     np.testing.assert_allclose(got, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
     np.testing.assert_allclose(plant.measure(x), plain.measure(x), atol=1e-11)
     assert plant.energy(x) == pytest.approx(plain.energy(x), rel=1e-11)
+
+
+@pytest.mark.parametrize("name", ["free", "moving", "space"])
+def test_it_moves_alike_in_other_units(name):
+    """Lengths, masses and times in units of 2, 3 and 5 of the former."""
+    plant, by = STRAINED[name], 1 / np.array([2.0, 3.0, 5.0])
+    rng = np.random.default_rng(9)
+    given = unit_states(plant, rng), rng.uniform(-1, 1, plant.nu), rng.uniform(-1, 1, plant.nw)
+    signals = plant.states, plant.inputs, plant.disturbances
+    sizes = [np.array([np.prod(by ** dimension(s.unit)) for s in kind]) for kind in signals]
+    x, u, w = (value * size for value, size in zip(given, sizes))
+    rate = plant.dynamics(*given[:2], w=given[2]) * sizes[0] / by[2]
+    scale = np.abs(rate / sizes[0]).max() * sizes[0]
+    np.testing.assert_allclose(rescaled(plant, by).dynamics(x, u, w=w) / scale, rate / scale, rtol=0, atol=1e-11)
 
 
 def test_a_free_beam_that_nothing_acts_on_keeps_its_momentum():
