@@ -161,12 +161,30 @@ class StrainDeclaration(LagrangianPlant):
 
     @built_once
     def _statics(self) -> NumericFunction:
-        """Elastic forces, their Jacobian, weight and loads and theirs, at x and u."""
+        """(elastic forces, weight and loads) on the coordinates at x and u."""
+        return function("statics", list(self.symbols), list(self._static_forces))
+
+    @built_once
+    def _static_forces(self) -> tuple[ca.SX, ca.SX]:
         _, x, u, _, _ = self.symbols
-        q = x[: len(self.coordinates)]
-        parts = ca.cse(list(self.symbolic.strained_beam.statics(q, u)))
-        given = [e for part in parts for e in (part, ca.jacobian(part, q))]
-        return function("statics", list(self.symbols), given, matrices=True)
+        elastic, outer = ca.cse(list(self.symbolic.strained_beam.statics(x[: len(self.coordinates)], u)))
+        return elastic, outer
+
+    @built_once
+    def _along(self) -> NumericFunction:
+        """How both change along directions d (n,) of the coordinates: columns of their Jacobians, which of many shapes
+        are large expressions.
+        """
+        q, d = self.symbols[1][: len(self.coordinates)], ca.SX.sym("d", len(self.coordinates))
+        changes = [ca.jtimes(force, q, d) for force in self._static_forces]
+        return function("along", [*self.symbols, d], ca.cse(changes))
+
+    @built_once
+    def _momentum(self) -> NumericFunction:
+        """Of rates d (n,): columns of the mass matrix."""
+        q, d = self.symbols[1][: len(self.coordinates)], ca.SX.sym("d", len(self.coordinates))
+        T = self.symbolic.strained_beam.kinetic_energy(q, d)
+        return function("momentum", [*self.symbols, d], ca.cse([ca.gradient(T, d)]))
 
 
 CHANGES = {  # field: what a beam of rotations alone has

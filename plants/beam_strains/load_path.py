@@ -15,8 +15,8 @@ beam snaps through) the steps become too small, and EquilibriumError says at whi
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -24,42 +24,50 @@ from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
 from pliant.plants.core.signals import index, names
 
 Array = np.ndarray
-Forces = Callable[[Array, float], tuple[Array, Array, float]]
 
 ITERATIONS = 12
 CLOSE = 0.25  # correction over prediction: beyond it a step is halved
 LEAST = 1e-4  # step of lambda below which the branch is taken to turn back
 TOLERANCE = 1e-12  # of the forces that balance each other
+KEPT = 0.1  # of the last change: a Jacobian that brings as much is taken again
 HELD = 1e-3  # of the forces on a guess: what loads that hold it may leave
 GROWS = 1e-5  # rate of growth over the frequency beside which rounding makes as much
 
 
-def follow(forces: Forces, start: Array, told: str, origin: str = "the unloaded beam") -> Array:
-    """q (n,) where the net force vanishes at the end of the way, from `start` (n,).
+class Forces(Protocol):
+    """Net forces on the way, linear in the share of it in [0, 1]."""
 
-    forces(q, share) -> (net force (n,), its Jacobian (n, n), size of what balances), linear in the share in [0, 1].
-    """
+    def net(self, q: Array, share: float) -> tuple[Array, float]:
+        """(net force (n,), size of what balances)."""
+
+    def jacobian(self, q: Array, share: float) -> Array:
+        """Of the net force, (n, n)."""
+
+
+def follow(forces: Forces, start: Array, told: str, origin: str = "the unloaded beam") -> Array:
+    """q (n,) where the net force vanishes at the end of the way, from `start` (n,)."""
     q, reached, step = np.array(start, dtype=float), 0.0, 1.0
+    J = forces.jacobian(q, reached)
     while reached < 1.0:
         step = min(step, 1.0 - reached)
-        found = _advanced(forces, q, reached, step)
+        found = _advanced(forces, q, J, reached, step)
         if found is not None:
             q, reached, step = found, reached + step, 2 * step
+            J = forces.jacobian(q, reached)
         elif step < 2 * LEAST:
             raise EquilibriumError(
                 f"no equilibrium of {told} on the branch of {origin}: it is lost at {reached:.4g} of the way to the "
                 f"loads, at a limit point or where it turns within {LEAST:g} of the way; a guess beyond reaches others",
-                float(np.abs(forces(q, 1.0)[0]).max()),
+                float(np.abs(forces.net(q, 1.0)[0]).max()),
             )
         else:
             step /= 2
     return q
 
 
-def _advanced(forces: Forces, q: Array, reached: float, step: float) -> Array | None:
+def _advanced(forces: Forces, q: Array, J: Array, reached: float, step: float) -> Array | None:
     """The equilibrium a step on, if it and the one half way lie where the tangent leads; None where they do not."""
-    _, J, _ = forces(q, reached)
-    change = forces(q, 1.0)[0] - forces(q, 0.0)[0]
+    change = forces.net(q, 1.0)[0] - forces.net(q, 0.0)[0]
     predicted = np.linalg.lstsq(J, -change, rcond=None)[0] * step
     slack = 1e-9 * (1 + float(np.linalg.norm(q)))
     found, moved = _corrected(forces, q + predicted, reached + step)
@@ -72,21 +80,28 @@ def _advanced(forces: Forces, q: Array, reached: float, step: float) -> Array | 
 
 
 def _corrected(forces: Forces, q: Array, share: float) -> tuple[Array | None, float]:
-    """(the equilibrium near q or None, how far Newton's method went for it)."""
-    start, last = q, np.inf
+    """(the equilibrium near q or None, how far Newton's method went for it); its Jacobian serves while it converges."""
+    start, last, J = q, np.inf, None
     for _ in range(ITERATIONS):
-        r, J, size = forces(q, share)
+        r, size = forces.net(q, share)
+        if J is None:
+            J = forces.jacobian(q, share)
         if not (np.isfinite(r).all() and np.isfinite(J).all()):
-            return None, np.inf
+            break
         change = np.linalg.lstsq(J, -r, rcond=None)[0]
         q = q + change
         length = float(np.linalg.norm(change))
         if np.abs(r).max() <= TOLERANCE * size or length <= 1e-13 * (1 + float(np.linalg.norm(q))):
             return q, float(np.linalg.norm(q - start))
         if length > 2 * last:
-            return None, np.inf
+            break
+        if length > KEPT * last or not np.isfinite(last):
+            J = None
         last = length
-    return (q, float(np.linalg.norm(q - start))) if last <= 1e-9 * (1 + float(np.linalg.norm(q))) else (None, np.inf)
+    else:
+        if last <= 1e-9 * (1 + float(np.linalg.norm(q))):
+            return q, float(np.linalg.norm(q - start))
+    return None, np.inf
 
 
 def tell_unstable(M: Array, J: Array, told: str, names: tuple[str, ...]) -> None:
@@ -113,49 +128,81 @@ def rest(plant: Any, held: Mapping[str, float], guess: Mapping[str, float], p: A
         start[index(signals, name, "state or input")] = value
     for name, value in held.items():
         u[index(plant.inputs, name, "input")] = value
-    statics = _Statics(plant, u, p)
-    q = start[:n]
+    statics, q = _Statics(plant, p), start[:n]
     if guess:
-        q = follow(statics.from_guess(q), q, plant.label, "the guess")
+        q = follow(_FromGuess(statics, u, q), q, plant.label, "the guess")
     else:
-        q = follow(statics.unloaded, q, plant.label)
-    x = np.append(q, np.zeros(plant.nx - n))
-    J = statics.unloaded(q, 1.0)[1]
-    tell_unstable(plant.mass_matrix(x, p=p), J, plant.label, names(plant.coordinates))
-    return x, u
+        q = follow(_Unloaded(statics, u), q, plant.label)
+    stiff, turned = statics.jacobians(q, u)
+    tell_unstable(statics.mass_matrix(q, u), stiff + turned, plant.label, names(plant.coordinates))
+    return np.append(q, np.zeros(plant.nx - n)), u
 
 
 class _Statics:
-    """Net forces on the coordinates of a plant at rest under loads u (nu,), on the way to them."""
+    """Forces on the coordinates of a plant at rest at q (n,) under loads u (nu,)."""
 
-    def __init__(self, plant: Any, u: Array, p: Any) -> None:
-        self._plant, self._u, self._p, self._n = plant, u, p, len(plant.coordinates)
+    def __init__(self, plant: Any, p: Any) -> None:
+        self._plant, self._p, self._n = plant, p, len(plant.coordinates)
 
-    def _parts(self, q: Array, u: Array) -> list[Array]:
-        """Elastic forces, their Jacobian, weight and loads, and theirs."""
+    def _at(self, q: Array, u: Array) -> tuple[Any, ...]:
         x = np.append(q, np.zeros(self._plant.nx - self._n))
-        values, _ = self._plant._arguments(x, u, p=self._p)
-        elastic, stiff, outer, turned = (np.array(part) for part in self._plant._statics(*values))
-        return [elastic[:, 0], stiff, outer[:, 0], turned]
+        values: tuple[Any, ...] = self._plant._arguments(x, u, p=self._p)[0]
+        return values
 
-    def unloaded(self, q: Array, share: float) -> tuple[Array, Array, float]:
-        """Weight and loads grow from nothing."""
-        elastic, stiff, outer, turned = self._parts(q, self._u)
-        return elastic + share * outer, stiff + share * turned, float(np.abs(elastic).max() + np.abs(outer).max())
+    def _columns(self, of: Any, q: Array, u: Array) -> list[Array]:
+        """Matrices (n, n) that a function gives column by column."""
+        found = of(*self._at(q, u), np.eye(self._n), batch=self._n)
+        return [np.array(part).reshape(self._n, self._n).T for part in found]
 
-    def from_guess(self, guess: Array) -> Forces:
-        """From the loads that hold the guess; where none do, what it lacks fades under those given."""
-        nothing = np.zeros_like(self._u)
-        elastic, _, weight, _ = self._parts(guess, nothing)
-        reach = np.column_stack([self._parts(guess, unit)[2] - weight for unit in np.eye(len(nothing))])
+    def forces(self, q: Array, u: Array) -> tuple[Array, Array]:
+        """Elastic forces, weight and loads."""
+        elastic, outer = (np.array(part) for part in self._plant._statics(*self._at(q, u)))
+        return elastic, outer
+
+    def jacobians(self, q: Array, u: Array) -> list[Array]:
+        """Of both."""
+        return self._columns(self._plant._along, q, u)
+
+    def mass_matrix(self, q: Array, u: Array) -> Array:
+        """(n, n)."""
+        return self._columns(self._plant._momentum, q, u)[0]
+
+
+class _Unloaded:
+    """Weight and loads grow from nothing."""
+
+    def __init__(self, statics: _Statics, u: Array) -> None:
+        self._statics, self._u = statics, u
+
+    def net(self, q: Array, share: float) -> tuple[Array, float]:
+        elastic, outer = self._statics.forces(q, self._u)
+        return elastic + share * outer, float(np.abs(elastic).max() + np.abs(outer).max())
+
+    def jacobian(self, q: Array, share: float) -> Array:
+        stiff, turned = self._statics.jacobians(q, self._u)
+        return stiff + share * turned
+
+
+class _FromGuess:
+    """From the loads that hold a guess to those given; where none hold it, what it lacks fades under those given."""
+
+    def __init__(self, statics: _Statics, u: Array, guess: Array) -> None:
+        nothing = np.zeros_like(u)
+        elastic, weight = statics.forces(guess, nothing)
+        reach = np.column_stack([statics.forces(guess, unit)[1] - weight for unit in np.eye(len(u))])
         before = np.linalg.lstsq(reach, -elastic - weight, rcond=None)[0]
         left = elastic + weight + reach @ before
         if np.abs(left).max() > HELD * (np.abs(elastic).max() + np.abs(weight).max()):
-            before, left = self._u, elastic + weight + reach @ self._u
+            before, left = u, elastic + weight + reach @ u
+        self._statics, self._before, self._u, self._left = statics, before, u, left
 
-        def forces(q: Array, share: float) -> tuple[Array, Array, float]:
-            elastic, stiff, outer, turned = self._parts(q, before + share * (self._u - before))
-            size = float(np.abs(elastic).max() + np.abs(outer).max())
-            return elastic + outer - (1 - share) * left, stiff + turned, size
+    def _loads(self, share: float) -> Array:
+        return self._before + share * (self._u - self._before)
 
-        return forces
+    def net(self, q: Array, share: float) -> tuple[Array, float]:
+        elastic, outer = self._statics.forces(q, self._loads(share))
+        return elastic + outer - (1 - share) * self._left, float(np.abs(elastic).max() + np.abs(outer).max())
+
+    def jacobian(self, q: Array, share: float) -> Array:
+        stiff, turned = self._statics.jacobians(q, self._loads(share))
+        return stiff + turned

@@ -61,6 +61,19 @@ class PlanarMotion(DifferentiatedTangents, Motion):
             M[columns, columns] += own.rotary * beam.density * beam.I_z * beam.length * ca.DM((turning + turning.T) / 2)
         return ca.densify(M), ca.SX.zeros(n)
 
+    def turning_energy(self) -> ca.SX:
+        own, beam, at = self._frames, self._frames.beam, self._frames.along
+        T = own.payload.inertia_z * (self.turning @ self._v) ** 2 / 2
+        if own.turns_with_inertia:
+            spins = own.strains.turned(self._v, at.xi)
+            T += own.rotary * beam.density * beam.I_z * beam.length * ca.dot(ca.DM(at.weight), spins**2) / 2
+        return T
+
+    @property
+    def carried_rate(self) -> ca.SX:  # type: ignore[override]
+        """Of the payload's mass centre from the tip (2,) [m/s]."""
+        return self.carried()[1] @ self._v
+
     def carried(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         c = self.frame @ ca.vertcat(*self._frames.payload.offset[:2])
         spin = self.turning @ self._v

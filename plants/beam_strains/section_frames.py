@@ -27,11 +27,16 @@ class Motion(TangentSums):
     """Of all sections at q, v (n,): their tangents, see `TangentSums`, and the turn of the tip."""
 
     frame: ca.SX  # axes of the tip's section (d, d), inertial components
+    carried_rate: ca.SX  # of the payload's mass centre from the tip (d,) [m/s]
     turning: ca.SX  # G with angular velocity of the tip = G v, inertial axes: (1, n) in the plane, (3, n) in space
 
     @abstractmethod
     def inertia(self) -> tuple[ca.SX, ca.SX]:
         """(M, r) of all rotations, the sections' and the payload's about its mass centre: M v' = r."""
+
+    @abstractmethod
+    def turning_energy(self) -> ca.SX:
+        """T [J] of the same, from the spins."""
 
     @abstractmethod
     def carried(self) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -108,7 +108,7 @@ class SpatialMotion(Motion):
     @cached_property
     def _left(self) -> ca.SX:
         """What is left of the second derivatives where q'' = 0: of the tangents, then of the spins, in one sweep."""
-        rate = ca.vertcat(*self.rate, *self._w, self._carried_rate)
+        rate = ca.vertcat(*self.rate, *self._w, self.carried_rate)
         return ca.jtimes(rate, self._q, self._v)
 
     @cached_property
@@ -122,7 +122,8 @@ class SpatialMotion(Motion):
         return self.frame @ ca.vertcat(*self._frames.payload.offset)
 
     @property
-    def _carried_rate(self) -> ca.SX:
+    def carried_rate(self) -> ca.SX:  # type: ignore[override]
+        """Of the payload's mass centre from the tip (3,) [m/s]."""
         return ca.cross(self._w[-1], self._carried)
 
     @cached_property
@@ -144,6 +145,10 @@ class SpatialMotion(Motion):
             M += G.T @ JG
             r -= JG.T @ self._left[first + 3 * k : first + 3 * k + 3] + G.T @ ca.cross(w, J @ w)
         return M, r
+
+    def turning_energy(self) -> ca.SX:
+        spins = (F.T @ w for F, w in zip(self._axes[1:], self._w))
+        return sum((ca.bilin(own, w, w) / 2 for own, w in zip(self._inertias(), spins)), ca.SX(0))
 
     def carried(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         c = self._carried

@@ -61,9 +61,9 @@ class StrainedBeam:
     def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
         own, beam = self.frames, self.frames.beam
         at = own.at(q, v)
-        T = beam.mass * beam.length**2 * at.kinetic() + ca.bilin(at.inertia()[0], v, v) / 2
+        T = beam.mass * beam.length**2 * at.kinetic() + at.turning_energy()
         if self._loaded:
-            velocity = beam.length * at.sum_rate(own.points.weight) + at.carried()[1] @ v
+            velocity = beam.length * at.sum_rate(own.points.weight) + at.carried_rate
             T += own.payload.mass * ca.sumsqr(velocity) / 2
         return T
 
