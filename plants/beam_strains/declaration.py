@@ -131,6 +131,11 @@ class StrainDeclaration(LagrangianPlant):
         return {k: k for k in range(len(PRESCRIBED.get(self.root, ())))}
 
     @property
+    def small_states(self) -> tuple[str, ...]:
+        """Lengths and strains of the axis."""
+        return tuple(s.name for s in self.states if s.unit in ("m", "m/s", "1", "1/s"))
+
+    @property
     def strain_label(self) -> str:
         """What it has beside bending, in words that follow the shapes."""
         return "".join(f", {name} {n}" for name, n in self.strain_counts.items() if n)

@@ -84,10 +84,14 @@ class SectionFrames(ABC):
         """Whether the sections have rotary inertia."""
         return is_symbolic(self.rotary) or self.rotary != 0.0
 
+    @cached_property
+    def _tangents(self) -> ca.Function:
+        q = ca.SX.sym("q", self.strains.n)
+        return ca.Function("t", [q], [self.tangents(q)])
+
     def values(self, q: Array) -> Array:
         """The tangents (m, d) at numeric q."""
-        symbol = ca.SX.sym("q", self.strains.n)
-        return np.asarray(ca.Function("t", [symbol], [self.tangents(symbol)])(q)).T
+        return np.asarray(self._tangents(q)).T
 
     def onward(self, q: ca.SX) -> ca.SX:
         """dr/ds at the points in the sections' axes: (1 + e, g_y, g_z), (d, m)."""
