@@ -28,21 +28,14 @@ from .rest_shape import is_curved, rest_curvature
 from .strained_beam import StrainedBeam
 from .tip_loads import LOADS, TipLoads
 
-ROOTS = {  # root: its coordinates
+ROOTS = {  # root: its angle, where it turns
     "clamped": (),
-    "hinged": (("root_angle", "rad"),),
-    "driven": (("hub_angle", "rad"),),
-    "free": (("root_x", "m"), ("root_y", "m"), ("root_angle", "rad")),
-    "moving": (("root_x", "m"), ("root_y", "m"), ("root_angle", "rad")),
+    "hinged": ("root_angle",),
+    "driven": ("hub_angle",),
+    "free": ("root_angle",),
+    "moving": ("root_angle",),
 }
-PRESCRIBED = {  # root: the accelerations that are its inputs
-    "driven": (("hub_acceleration", "rad/s^2"),),
-    "moving": (
-        ("root_x_acceleration", "m/s^2"),
-        ("root_y_acceleration", "m/s^2"),
-        ("root_angle_acceleration", "rad/s^2"),
-    ),
-}
+PRESCRIBED = ("driven", "moving")  # their accelerations are inputs
 TRAVELLING = ("free", "moving")
 THEORIES = ("euler-bernoulli", "timoshenko")
 MOST_STRAINS = 20  # stretches, shears
@@ -71,10 +64,10 @@ class StrainDeclaration(LagrangianPlant):
             raise ValueError(f"{owner}.tip_loads = () must name at least one of {', '.join(LOADS)}")
         for name in ("stretches", "shears"):
             object.__setattr__(self, name, require_count(owner, name, getattr(self, name), 1, MOST_STRAINS))
-        if self.root in TRAVELLING and not self.planar:
+        if self.root == "free" and not self.planar:
+            others = ", ".join(repr(root) for root in ROOTS if root != "free")
             raise ValueError(
-                f"{owner}.root = {self.root!r} must be one of 'clamped', 'hinged', 'driven' where planar = False: "
-                "a root that travels is planar"
+                f"{owner}.root = 'free' must be one of {others} where planar = False: in space roots turn about z alone"
             )
         if kinematics != "strain" and self.strained:
             changed = next(name for name in CHANGES if _differs(self, name))
@@ -101,7 +94,8 @@ class StrainDeclaration(LagrangianPlant):
     @property
     def root_coordinates(self) -> tuple[Signal, ...]:
         """Where the root is, as far as it moves."""
-        return tuple(Signal(*pair) for pair in ROOTS[self.root])
+        axes = ("xy" if self.planar else "xyz") if self.root in TRAVELLING else ""
+        return (*(Signal(f"root_{axis}", "m") for axis in axes), *(Signal(name, "rad") for name in ROOTS[self.root]))
 
     @property
     def strain_counts(self) -> dict[str, int]:
@@ -118,8 +112,10 @@ class StrainDeclaration(LagrangianPlant):
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
-        if self.root in PRESCRIBED:
-            return tuple(Signal(*pair) for pair in PRESCRIBED[self.root])
+        if self.root == "driven":
+            return (Signal("hub_acceleration", "rad/s^2"),)
+        if self.root == "moving":
+            return tuple(Signal(f"{s.name}_acceleration", f"{s.unit}/s^2") for s in self.root_coordinates)
         return self.loads.signals
 
     @property
@@ -128,7 +124,7 @@ class StrainDeclaration(LagrangianPlant):
 
     @property
     def driven(self) -> dict[int, int]:
-        return {k: k for k in range(len(PRESCRIBED.get(self.root, ())))}
+        return {k: k for k in range(len(self.root_coordinates))} if self.root in PRESCRIBED else {}
 
     @property
     def small_states(self) -> tuple[str, ...]:

@@ -98,4 +98,4 @@ def _inertial(beam: Any, v: ca.SX, accelerations: ca.SX) -> ca.SX:
     k = accelerations.shape[0]
     if k:
         force += swung * ca.fabs(accelerations[k - 1])
-    return force + carried * ca.norm_2(accelerations[:2]) if k == 3 else force
+    return force + carried * ca.norm_2(accelerations[: k - 1]) if k > 1 else force

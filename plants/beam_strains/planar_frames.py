@@ -30,10 +30,7 @@ class PlanarFrames(SectionFrames):
         theta = (self.rest.angle(self.along.xi) + self.strains.turned(q, self.along.xi)).T
         c, s, onward = ca.cos(theta), ca.sin(theta), self.onward(q)
         e, g = onward[0, :], onward[1, :]
-        found = ca.vertcat(c * e - s * g, s * e + c * g)
-        if not self.strains.travels:
-            return found
-        return ca.horzcat(q[self.strains.slices["root"]] / self.beam.length, found)
+        return self.rooted(q, ca.vertcat(c * e - s * g, s * e + c * g))
 
     def tip_frame(self, q: ca.SX) -> ca.SX:
         angle = self.rest.angle(TIP) + self.tip_rotation(q)

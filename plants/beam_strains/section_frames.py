@@ -75,6 +75,12 @@ class SectionFrames(ABC):
         """Those of `tangents`."""
         return RootedPoints.of(self.along) if self.strains.travels else self.along
 
+    def rooted(self, q: ca.SX, tangents: ca.SX) -> ca.SX:
+        """Tangents (d, m), before them the root's position over the length where it moves."""
+        if not self.strains.travels:
+            return tangents
+        return ca.horzcat(q[self.strains.slices["root"]] / self.beam.length, tangents)
+
     def tip_rotation(self, q: ca.SX) -> ca.SX:
         """Root angle and integral of the curvature about the sections' z [rad]; zero at rest."""
         return self.strains.turned(q, TIP)

@@ -23,7 +23,7 @@ from .strain_fields import legendre
 
 @dataclass(frozen=True, eq=False)
 class SpatialFrames(SectionFrames):
-    """q = [(root angle about z, bends), flaps, twists, stretches, shears along y, shears along z]."""
+    """q = [root_x, root_y, root_z, (root angle about z, bends), flaps, twists, stretches, shears along y, along z]."""
 
     @property
     def d(self) -> int:
@@ -64,7 +64,7 @@ class SpatialFrames(SectionFrames):
 
     def tangents(self, q: ca.SX) -> ca.SX:
         onward, (found, _) = self.onward(q), self.quaternions(q)
-        return ca.horzcat(*[matrix(p) @ onward[:, k] for k, p in enumerate(found[1:-1])])
+        return self.rooted(q, ca.horzcat(*[matrix(p) @ onward[:, k] for k, p in enumerate(found[1:-1])]))
 
     def tip_frame(self, q: ca.SX) -> ca.SX:
         return matrix(self.quaternions(q)[0][-1])
@@ -101,6 +101,11 @@ class SpatialMotion(Motion):
         rate = [ca.cross(self._w[k], t[k]) + axes[k] @ on_rate[:, k] for k in range(m)]
         on = [sparse(np.asarray(ca.DM(ca.jacobian(onward[:, k], q)))) for k in range(m)]
         J = [axes[k] @ on[k] - cross(t[k]) @ self._G[k] for k in range(m)]
+        if strains.travels:
+            here = strains.slices["root"]
+            place = ca.SX(3, n)
+            place[:, here] = ca.SX.eye(3) / frames.beam.length
+            t, rate, J = [q[here] / frames.beam.length, *t], [v[here] / frames.beam.length, *rate], [place, *J]
         self.t = [ca.vertcat(*[e[c] for e in t]) for c in range(3)]
         self.rate = [ca.vertcat(*[e[c] for e in rate]) for c in range(3)]
         self._J = [ca.vertcat(*[e[c, :] for e in J]) for c in range(3)]

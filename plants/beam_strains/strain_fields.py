@@ -62,7 +62,7 @@ class StrainFields:
     twists: int
     stretches: int
     shears: int
-    travels: int  # coordinates of the root's position: none, or 2
+    travels: int  # coordinates of the root's position: none, or 2 in the plane and 3 in space
 
     @property
     def planar(self) -> bool:

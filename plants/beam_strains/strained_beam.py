@@ -114,7 +114,7 @@ class StrainedBeam:
         c, s, turning = ca.SX(1), ca.SX(0), q[: strains.travels + strains.bend.rotating]
         if strains.turns >= 0:
             c, s = ca.cos(q[strains.turns]), ca.sin(q[strains.turns])
-        from_root = tip[:2] - start if strains.travels else tip[:2]
+        from_root = tip[:2] - start[:2] if strains.travels else tip[:2]
         across = c * from_root[1] - s * from_root[0] - rest[1]
         turned = own.tip_rotation(q)
         bent = strains.of("bend", q, 0 * self.frames.along.xi[:1]) / own.beam.length

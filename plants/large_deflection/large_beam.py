@@ -1,12 +1,12 @@
 """A beam that bends as far as it likes: clamped, hinged, driven, carried or free, a payload and loads at its tip.
 
-States   q = [root_x, root_y [m] where the root travels, hub_angle or root_angle where it turns, bend1 .. bendn],
+States   q = [root_x, root_y (root_z) [m] where the root travels, hub_angle or root_angle where it turns, bend1 .. bendn],
          x = [q; dq/dt]; angles in rad. In space (planar=False) flaps (about y) and twists follow the bends, which are
          about z, as is the root's turn; then stretch1 .., shear1 .. (shear_z1 ..) [1] where there are such strains
 Inputs   tip_force_x, tip_force_y (tip_force_z) [N] and tip_moment (_x, _y, _z) [N m] in inertial axes,
          follower_force_x, .. [N] in the tip's, as `tip_loads` says. With a driven root hub_acceleration [rad/s^2], with
-         a moving one root_x_acceleration, root_y_acceleration [m/s^2] and root_angle_acceleration [rad/s^2] are
-         inputs, and the loads disturbances
+         a moving one root_x_acceleration, root_y_acceleration (root_z_acceleration) [m/s^2] and
+         root_angle_acceleration [rad/s^2] are inputs, and the loads disturbances
 Outputs  tip position, displacement from the beam at rest along x and its rate [m, m/s]; rotation of the tip's section
          [rad] and its rate; tip deflection across the root's direction, less that at rest, and its rate; the root's
          place and angle where it moves; curvature about z at the root, less that at rest [1/m]. In space tip_z, its

@@ -39,6 +39,7 @@ STRAINED = {
     "space": strained(
         planar=False, modes=1, payload=TENSOR, root="driven", shears=1, stretches=1, rest_curvature=0.5, **ALL
     ),
+    "space moving": strained(planar=False, modes=1, root="moving", rest_curvature=0.5, tip_loads=("force", "moment")),
     "space clamped": strained(planar=False, rotary=0.5, twists=2),
 }
 

@@ -23,6 +23,9 @@ def test_signals_of_free_and_moving_roots():
     assert names(moving.inputs) == ["root_x_acceleration", "root_y_acceleration", "root_angle_acceleration"]
     assert names(moving.disturbances) == ["tip_moment"] and moving.seen_from == "root_angle"
     assert moving.prescribed == ("root_x", "root_y", "root_angle")
+    carried = STRAINED["space moving"]
+    assert names(carried.coordinates)[:4] == ["root_x", "root_y", "root_z", "root_angle"]
+    assert names(carried.inputs)[2:] == ["root_z_acceleration", "root_angle_acceleration"]
     assert [s.device for s in free.sensors()] == ["gyro"]
     assert [s.device for s in moving.sensors()] == ["encoder", "strain gauge", "gyro"]
 
@@ -62,7 +65,7 @@ def test_the_default_beam_has_the_operations_it_had():
         ({"shears": 21}, r"shears = 21 must be an integer from 1 to 20"),
         ({"rotary": -1.0}, r"rotary = -1.0 must be >= 0"),
         ({"rest_curvature": None}, r"rest_curvature = None must be"),
-        ({"root": "free", "planar": False}, r"root = 'free' must be one of .* where planar = False"),
+        ({"root": "free", "planar": False}, r"root = 'free' must be one of .*'moving' where planar = False"),
         ({"root": "moving", "kinematics": "substructured"}, r"root = 'moving' must be 'clamped', 'hinged' or 'driven'"),
         ({"extensible": True, "kinematics": "substructured"}, r"extensible = True must be False where kinematics"),
         ({"rest_curvature": 0.1, "kinematics": "substructured"}, r"rest_curvature = 0.1 must be 0.0 where kinematics"),

@@ -141,6 +141,20 @@ def test_a_root_that_only_turns_is_a_driven_one():
     np.testing.assert_allclose(got, driven.dynamics(x, [0.7], w=[1.0, 2.0, 0.5])[n:], rtol=1e-10)
 
 
+def test_a_root_carried_through_space_adds_a_uniform_weight():
+    """Accelerated, the beam is bent as by weight the other way, seen from the root; the root's angle turns at will."""
+    moving = STRAINED["space moving"]
+    driven = dataclasses.replace(moving, root="driven", gravity=(1.0 - 3.0, -9.8 - 2.0, 0.5 + 4.0))
+    n = driven.nx // 2
+    x = unit_states(driven, np.random.default_rng(10))
+    X = np.concatenate([[0.3, 0.2, 0.1], x[:n], [1.0, 2.0, 3.0], x[n:]])
+    w = np.array([1.0, 2.0, 3.0, 0.5, -0.5, 0.2])
+    got = moving.dynamics(X, [3.0, 2.0, -4.0, 0.7], w=w)[n + 6 :]
+    np.testing.assert_allclose(got, driven.dynamics(x, [0.7], w=w)[n:], rtol=1e-8, atol=1e-9 * np.abs(got).max())
+    line = moving.positions(X, [0.0, 1.0]) - driven.positions(x, [0.0, 1.0])
+    np.testing.assert_allclose(line, [[0.3, 0.2, 0.1]] * 2, atol=1e-12)
+
+
 def test_the_plane_is_a_part_of_space():
     """Bent, stretched and sheared in the plane alone, the spatial beam moves as the planar one."""
     options = {
