@@ -1,8 +1,8 @@
 """A beam that bends as far as it likes: clamped, hinged, driven, carried or free, a payload and loads at its tip.
 
-States   q = [root_x, root_y (root_z) [m] where the root travels, hub_angle or root_angle where it turns, bend1 .. bendn],
-         x = [q; dq/dt]; angles in rad. In space (planar=False) flaps (about y) and twists follow the bends, which are
-         about z, as is the root's turn; then stretch1 .., shear1 .. (shear_z1 ..) [1] where there are such strains
+States   q = [root_x, root_y (root_z) [m] where the root travels, hub_angle or root_angle where it turns, bend1 ..
+         bendn], x = [q; dq/dt]; angles in rad. In space (planar=False) flaps (about y) and twists follow the bends,
+         which are about z, as is the root's turn; then stretch1 .., shear1 .. (shear_z1 ..) [1] where they are strains
 Inputs   tip_force_x, tip_force_y (tip_force_z) [N] and tip_moment (_x, _y, _z) [N m] in inertial axes,
          follower_force_x, .. [N] in the tip's, as `tip_loads` says. With a driven root hub_acceleration [rad/s^2], with
          a moving one root_x_acceleration, root_y_acceleration (root_z_acceleration) [m/s^2] and
@@ -45,11 +45,34 @@ from .declaration import BASES, MOST_TWISTS, LargeBeamDeclaration
 from .sub_beam_chain import Chain
 
 PHYSICS_SHAPES = 5  # that physics has by itself
+LADDER = (  # kinematics, segments, modes
+    ("strain", 1, 1),
+    ("strain", 1, 2),
+    ("substructured", 1, 2),
+    ("strain", 1, 3),
+    ("strain", 1, 4),
+    ("substructured", 2, 2),
+    ("substructured", 3, 2),
+    ("strain", 1, 6),
+    ("substructured", 4, 2),
+    ("strain", 1, 8),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LargeDeflectionBeam(LargeBeamDeclaration):
-    """rho A L^3 W dt/dq . (dt/dq q'' + t'') + rho I L S q'' + (E I/L) K (q + damping q') = gravity + tip force."""
+    """rho A L^3 W dt/dq . (dt/dq q'' + t'') + rho I L S q'' + (E I/L) K (q + damping q') = gravity + tip force.
+
+    With extension, shear, a curvature at rest, other loads at the tip or a root that travels the coordinates are
+    strains, see `plants/beam_strains`; `kinematics` is then "strain".
+
+    Example
+    -------
+    >>> beam = Beam(length=78.54, area=1.0, I_y=1/12, I_z=1/12, J=1/6, density=1.0, E=1e7, G=5e6)
+    >>> bend = LargeDeflectionBeam(beam=beam, planar=False, rest_curvature=0.01, modes=6, twists=5, gravity=(0, 0, 0))
+    >>> x, u = bend.equilibrium(tip_force_z=600.0)
+    >>> dict(zip((s.name for s in bend.outputs), bend.measure(x, u)))["tip_z"]  # 53.47, as of 45 degrees of radius 100
+    """
 
     @classmethod
     def textbook(cls) -> Self:
@@ -69,18 +92,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         if self.strained:
             return fidelities.ladder(self)
         steps: list[Self] = []
-        for kinematics, segments, modes in (
-            ("strain", 1, 1),
-            ("strain", 1, 2),
-            ("substructured", 1, 2),
-            ("strain", 1, 3),
-            ("strain", 1, 4),
-            ("substructured", 2, 2),
-            ("substructured", 3, 2),
-            ("strain", 1, 6),
-            ("substructured", 4, 2),
-            ("strain", 1, 8),
-        ):
+        for kinematics, segments, modes in LADDER:
             step = dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
             steps.append(step)
         if not self.planar:
