@@ -38,6 +38,7 @@ ROOTS = {  # root: its angle, where it turns
 PRESCRIBED = ("driven", "moving")  # their accelerations are inputs
 TRAVELLING = ("free", "moving")
 THEORIES = ("euler-bernoulli", "timoshenko")
+MOST_SEGMENTS = 32
 MOST_STRAINS = 20  # stretches, shears
 
 
@@ -46,6 +47,8 @@ class StrainDeclaration(LagrangianPlant):
     """What a beam has beside bending and torsion; a beam that has none of it keeps to its rotations."""
 
     planar: bool = flag(True)
+    kinematics: str = "strain"
+    segments: int = 1  # sub-beams ("substructured"), or parts ("strain"), each with strains of its own
     root: str = "clamped"
     theory: str = "euler-bernoulli"  # "timoshenko": sections shear
     extensible: bool = flag(False)
@@ -55,8 +58,9 @@ class StrainDeclaration(LagrangianPlant):
     rest_curvature: Any = dataclasses.field(default=0.0, metadata={"gate": rest_curvature, "unit": "1/m"})  # about z
     rotary: Any = quantity("1", "nonnegative", 1.0)  # sections' rotary inertia over density times moment of area
 
-    def _check_strains(self, owner: str, kinematics: str) -> None:
-        """ValueError for what cannot be, or not with these kinematics."""
+    def _check_strains(self, owner: str) -> None:
+        """ValueError for what cannot be, or not with its kinematics."""
+        object.__setattr__(self, "segments", require_count(owner, "segments", self.segments, 1, MOST_SEGMENTS))
         require_choice(owner, "root", self.root, tuple(ROOTS))
         require_choice(owner, "theory", self.theory, THEORIES)
         names = require_names(f"{owner}.tip_loads", self.tip_loads, LOADS, "load")
@@ -69,17 +73,19 @@ class StrainDeclaration(LagrangianPlant):
             raise ValueError(
                 f"{owner}.root = 'free' must be one of {others} where planar = False: in space roots turn about z alone"
             )
-        if kinematics != "strain" and self.strained:
+        if self.kinematics != "strain" and self.strained:
             changed = next(name for name in CHANGES if _differs(self, name))
             raise ValueError(
                 f"{owner}.{changed} = {shown(getattr(self, changed))} must be {CHANGES[changed]} where "
-                f"kinematics = {kinematics!r}: only kinematics = 'strain' has such strains, loads and roots"
+                f"kinematics = {self.kinematics!r}: only kinematics = 'strain' has such strains, loads and roots"
             )
 
     @property
     def strained(self) -> bool:
         """Whether its coordinates are strains: it has more than rotations of a straight beam under a tip force."""
-        return any(_differs(self, name) for name in CHANGES) or bool({"rest_curvature", "rotary"} & set(self.varied))
+        parted = self.kinematics == "strain" and self.segments > 1
+        varies = not {"rest_curvature", "rotary"}.isdisjoint(self.varied)
+        return parted or varies or any(_differs(self, name) for name in CHANGES)
 
     @property
     def loads(self) -> TipLoads:
@@ -105,9 +111,10 @@ class StrainDeclaration(LagrangianPlant):
     @property
     def strain_coordinates(self) -> tuple[Signal, ...]:
         """Stretches and shears, what there is of them."""
-        found = [f"stretch{k + 1}" for k in range(self.strain_counts["stretches"])]
+        counts, segments = self.strain_counts, self.segments
+        found = numbered("stretch", counts["stretches"], segments)
         for stem in ("shear",) if self.planar else ("shear", "shear_z"):
-            found += [f"{stem}{k + 1}" for k in range(self.strain_counts["shears"])]
+            found += numbered(stem, counts["shears"], segments)
         return tuple(Signal(name, "1") for name in found)
 
     @property
@@ -196,6 +203,13 @@ CHANGES = {  # field: what a beam of rotations alone has
     "rest_curvature": "0.0",
     "rotary": "1.0",
 }
+
+
+def numbered(stem: str, count: int, segments: int, parted: bool = False) -> list[str]:
+    """stem1, stem2, .. of one beam; stem1_1, stem1_2, .. segment by segment of several, or of one that is `parted`."""
+    if segments == 1 and not parted:
+        return [f"{stem}{k + 1}" for k in range(count)]
+    return [f"{stem}{i + 1}_{k + 1}" for i in range(segments) for k in range(count)]
 
 
 def _differs(beam: StrainDeclaration, name: str) -> bool:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import casadi as ca
@@ -17,9 +18,10 @@ from pliant.plants.validity.rotating_sections import FIBRE, fibres
 from pliant.plants.validity.slender import STATIONS
 
 from .declaration import MOST_STRAINS
-from .strain_fields import legendre
+from .section_frames import TIP
 
 BeamT = TypeVar("BeamT")
+Shapes = Callable[[Array], Array]  # xi (k,) -> (k, n)
 EXTENSIBLE = "LargeDeflectionBeam with extensible=True"
 SHEARABLE = 'LargeDeflectionBeam with theory="timoshenko"'
 
@@ -53,16 +55,21 @@ def embedding(fine: Any, simpler: Any) -> Array:
     blocks = [np.eye(own.travels), fine._rotations[0].embedding(simpler._rotations[0])]
     if not fine.planar:
         blocks.append(fine._rotations[1].embedding(simpler._rotations[1]))
-        twists = [_twist_slopes(beam) for beam in (simpler, fine)]
-        blocks.append(nearest(*twists) if own.twists and other.twists else np.zeros((own.twists, other.twists)))
+        blocks.append(_projected(_twist_slopes(simpler), _twist_slopes(fine)))
     for kind in ("stretch", "shear_y", "shear_z"):
-        sizes = [s.slices[kind].stop - s.slices[kind].start for s in (own, other)]
-        blocks.append(np.eye(*sizes))
+        blocks.append(_projected(*[partial(strains.rows, kind) for strains in (other, own)]))
     return np.asarray(linalg.block_diag(*blocks))
 
 
-def _twist_slopes(beam: Any) -> Any:
-    return (lambda xi: legendre(beam.twists, xi)) if beam.strained else (lambda xi: beam._torsion(xi, 1))
+def _projected(simpler: Shapes, finer: Shapes) -> Array:
+    """`nearest`, of any shapes where there are none."""
+    m, n = (shapes(TIP).shape[1] for shapes in (simpler, finer))
+    return nearest(simpler, finer) if m and n else np.zeros((n, m))
+
+
+def _twist_slopes(beam: Any) -> Shapes:
+    strains = beam.strained_beam.frames.strains
+    return (lambda xi: strains.rows("twist", xi)) if beam.strained else (lambda xi: beam._torsion(xi, 1))
 
 
 def ranges(beam: Any, q: ca.SX, v: ca.SX, accelerations: ca.SX, loads: ca.SX) -> tuple[Range, ...]:
@@ -78,7 +85,7 @@ def ranges(beam: Any, q: ca.SX, v: ca.SX, accelerations: ca.SX, loads: ca.SX) ->
     pull = beam.loads.pull(loads) + _inertial(beam, v, accelerations)
     found: Sequence[Range] = fibres(own, curved, pull, holds=EXTENSIBLE)
     if beam.extensible:
-        size = legendre(strains.stretches, STATIONS)
+        size = strains.rows("stretch", STATIONS)
         stretched = largest(size, q[strains.slices["stretch"]])
         found = [dataclasses.replace(found[0], value=found[0].value + stretched)]
     if beam.theory == "euler-bernoulli":

@@ -59,18 +59,18 @@ class RestShape:
             return self.length * ca.SX(ca.DM(self._values(xi)))
         return self.length * self.curvature * ca.SX.ones(len(xi))
 
-    def enough(self, first: int) -> int:
-        """The fewest points, from `first` on, that place the beam at rest to RESOLVED of its length; of numbers."""
+    def enough(self, first: int, panels: int = 1) -> int:
+        """The fewest points of a panel, from `first` on, that place the beam at rest to RESOLVED of its length."""
         xi = np.linspace(0.0, 1.0, 17)
-        exact = self._places(POINTS, xi)
+        exact = self._places(POINTS, 1, xi)
         for m in range(min(first, POINTS), POINTS):
-            if np.abs(self._places(m, xi) - exact).max() <= RESOLVED:
+            if np.abs(self._places(m, panels, xi) - exact).max() <= RESOLVED:
                 return m
         return POINTS
 
-    def _places(self, m: int, xi: Array) -> Array:
-        """At xi (k,) by m points, (k, 2), over the length."""
-        at = points(m)
+    def _places(self, m: int, panels: int, xi: Array) -> Array:
+        """At xi (k,) by m points on each of the panels, (k, 2), over the length."""
+        at = points(m, panels)
         angle = np.asarray(ca.DM(self.angle(at.xi))).ravel()
         return at.cumulative(xi) @ np.column_stack([np.cos(angle), np.sin(angle)])
 

@@ -18,7 +18,6 @@ from pliant.plants.exact_rotations.quadrature import Array, sparse
 
 from .frame_steps import NODES, combined, step
 from .section_frames import Motion, SectionFrames
-from .strain_fields import legendre
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,18 +34,26 @@ class SpatialFrames(SectionFrames):
     @cached_property
     def steps(self) -> list[tuple[ca.SX, Array]]:
         """Of each step from the root over the points to the tip: y at rest (9,), and Y (9, n): y = rest + Y q."""
-        ends, found, slices = np.concatenate([[0.0], self.along.xi, [1.0]]), [], self.strains.slices
+        ends, found, slices = self._ends, [], self.strains.slices
         for start, h in zip(ends[:-1], np.diff(ends)):
             xi = start + h * NODES
             k = np.zeros((3, 3, self.strains.n))
-            k[:, 0, slices["twist"]] = legendre(self.strains.twists, xi)
-            if self.strains.flap is not None:
-                k[:, 1, slices["flap"]] = self.strains.flap.curvature(xi)
-            k[:, 2, slices["bend"]] = self.strains.bend.curvature(xi)
+            for axis, kind in enumerate(("twist", "flap", "bend")):
+                k[:, axis, slices[kind]] = self.strains.rows(kind, xi)
             only_z = np.zeros((3, 3, 3))
             only_z[np.arange(3), 2, np.arange(3)] = 1.0
             found.append((ca.DM(combined(only_z, float(h))) @ self.rest.bent(xi), combined(k, float(h))))
         return found
+
+    @cached_property
+    def _ends(self) -> Array:
+        """Of the steps: root, points, ends of panels, where strains may jump, and tip."""
+        return np.union1d(self.along.xi, np.linspace(0.0, 1.0, self.strains.panels + 1))
+
+    @cached_property
+    def at_points(self) -> list[int]:
+        """Which of the frames, the root's first, are those of the points and of the tip."""
+        return [int(k) for k in np.searchsorted(self._ends, np.append(self.along.xi, 1.0))]
 
     def _root(self, q: ca.SX) -> ca.SX:
         if (root := self.strains.turns) < 0:
@@ -64,15 +71,15 @@ class SpatialFrames(SectionFrames):
 
     def tangents(self, q: ca.SX) -> ca.SX:
         onward, (found, _) = self.onward(q), self.quaternions(q)
-        return self.rooted(q, ca.horzcat(*[matrix(p) @ onward[:, k] for k, p in enumerate(found[1:-1])]))
+        axes = [matrix(found[k]) for k in self.at_points[:-1]]
+        return self.rooted(q, ca.horzcat(*[F @ onward[:, k] for k, F in enumerate(axes)]))
 
     def tip_frame(self, q: ca.SX) -> ca.SX:
         return matrix(self.quaternions(q)[0][-1])
 
     def twisted(self, q: ca.SX) -> ca.SX:
-        """Integral of the twist strain up to the tip [rad]."""
-        twists = q[self.strains.slices["twist"]]
-        return twists[0] if twists.numel() else ca.SX(0)
+        """Integral of the twist up to the tip [rad]."""
+        return self.strains.twisted(q)
 
 
 class SpatialMotion(Motion):
@@ -82,21 +89,21 @@ class SpatialMotion(Motion):
         self._frames, self._q, self._v, self.points, self.d = frames, q, v, frames.points, 3
         n, strains = frames.strains.n, frames.strains
         found, changes = frames.quaternions(q)
-        self._axes = [matrix(p) for p in found]
         G, w = ca.SX(3, n), ca.SX.zeros(3)
         if strains.turns >= 0:
             G[2, strains.turns], w = 1, ca.vertcat(0, 0, v[strains.turns])
-        self._G, self._w = [], []
-        for F, T, (_, Y) in zip(self._axes, changes, frames.steps):
-            FT = F @ T
+        spun = [(G, w)]
+        for p, T, (_, Y) in zip(found, changes, frames.steps):
+            FT = matrix(p) @ T
             G, w = G + FT @ sparse(Y), w + FT @ (sparse(Y) @ v)
-            self._G.append(G)
-            self._w.append(w)
+            spun.append((G, w))
+        self._axes = [matrix(found[k]) for k in frames.at_points]
+        self._G, self._w = ([spun[k][i] for k in frames.at_points] for i in range(2))
         self.frame, self.turning = self._axes[-1], self._G[-1]
         onward, zero = frames.onward(q), ca.SX.zeros(n)
         on_rate = frames.onward(v) - frames.onward(zero)
         m = len(frames.along.xi)
-        axes = self._axes[1:-1]
+        axes = self._axes[:-1]
         t = [axes[k] @ onward[:, k] for k in range(m)]
         rate = [ca.cross(self._w[k], t[k]) + axes[k] @ on_rate[:, k] for k in range(m)]
         on = [sparse(np.asarray(ca.DM(ca.jacobian(onward[:, k], q)))) for k in range(m)]
@@ -142,7 +149,7 @@ class SpatialMotion(Motion):
         """M = sum G^T J G, r = -sum G^T (J w' + w x J w), each J = F diag(..) F^T in inertial axes."""
         n, first = self._frames.strains.n, 3 * self.t[0].shape[0]
         M, r = ca.SX.zeros(n, n), ca.SX.zeros(n)
-        for k, (F, G, w, own) in enumerate(zip(self._axes[1:], self._G, self._w, self._inertias())):
+        for k, (F, G, w, own) in enumerate(zip(self._axes, self._G, self._w, self._inertias())):
             if own.is_zero():
                 continue
             J = F @ own @ F.T
@@ -152,7 +159,7 @@ class SpatialMotion(Motion):
         return M, r
 
     def turning_energy(self) -> ca.SX:
-        spins = (F.T @ w for F, w in zip(self._axes[1:], self._w))
+        spins = (F.T @ w for F, w in zip(self._axes, self._w))
         return sum((ca.bilin(own, w, w) / 2 for own, w in zip(self._inertias(), spins)), ca.SX(0))
 
     def carried(self) -> tuple[ca.SX, ca.SX, ca.SX]:

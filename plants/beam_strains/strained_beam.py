@@ -131,7 +131,7 @@ def of_declaration(plant: Any, along: Points) -> StrainedBeam:
     bend, flap = own._rotations
     travels = sum(s.unit == "m" for s in own.root_coordinates)
     strains = StrainFields(
-        bend, None if own.planar else flap, own.twists, counts["stretches"], counts["shears"], travels
+        bend, None if own.planar else flap, own.twists, counts["stretches"], counts["shears"], own.segments, travels
     )
     kind = PlanarFrames if own.planar else SpatialFrames
     rest = RestShape(plant.rest_curvature, plant.beam.length)

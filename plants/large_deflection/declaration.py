@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
-from pliant.plants.beam_strains.declaration import StrainDeclaration
+from pliant.plants.beam_strains.declaration import StrainDeclaration, numbered
 from pliant.plants.beam_strains.rest_shape import RestShape
-from pliant.plants.beam_strains.strain_fields import integrated, legendre
+from pliant.plants.beam_strains.strain_fields import PanelBends, integrated, legendre
 from pliant.plants.beam_strains.strained_beam import StrainedBeam, of_declaration
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
@@ -24,7 +25,6 @@ from .torsion import TorsionShapes
 
 KINEMATICS = ("strain", "substructured")
 BASES = {"tip-force": 20, "modes": 30, "polynomial": 20}  # basis: most shapes
-MOST_SEGMENTS = 32
 MOST_TWISTS = 12
 TRUNCATED = 2e-3  # error of the rule for bending shapes, well below that of leaving the others out
 EXACT = 1e-6
@@ -65,34 +65,29 @@ class LargeBeamDeclaration(StrainDeclaration):
     beam: Beam = part(Beam)
     gravity: tuple[float, float, float] = quantity("m/s^2", "finite", (0.0, -9.8, 0.0), shape=(3,))
     payload: Payload = part(Payload, default_factory=Payload)
-    kinematics: str = "strain"
-    segments: int = 1  # sub-beams ("substructured")
-    modes: int = 3  # shapes, of each sub-beam if "substructured"
+    modes: int = 3  # shapes, of each segment
     frame: str = "mean-axis"  # of each sub-beam ("substructured")
     basis: str = "auto"  # of the rotations ("strain")
     twists: int = 1  # torsion shapes (planar=False)
-    points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
+    points: int | None = None  # quadrature points of each segment; None: as many as it takes
 
     def __post_init__(self) -> None:
         validate(self)
         owner = "LargeDeflectionBeam"
-        for name, choices in (
-            ("kinematics", KINEMATICS),
-            ("frame", FRAMES),
-            ("basis", ("auto", *BASES)),
-        ):
+        for name, choices in (("kinematics", KINEMATICS), ("frame", FRAMES), ("basis", ("auto", *BASES))):
             require_choice(owner, name, getattr(self, name), choices)
-        self._check_strains(owner, self.kinematics)
+        self._check_strains(owner)
         most = BASES["modes" if self.basis == "auto" else self.basis]
         ranges = {
             "modes": (1, most if self.kinematics == "strain" else 12),
-            "segments": (1, MOST_SEGMENTS if self.kinematics != "strain" else 1),
             "twists": (0, MOST_TWISTS),
         }
         if self.points is not None:
             ranges["points"] = (2, FINEST)
         for name, (least, greatest) in ranges.items():
             object.__setattr__(self, name, require_count(owner, name, getattr(self, name), least, greatest))
+        if self.strained and self.segments > 1:
+            require_choice(owner, "basis of segments", self.basis, ("auto", "polynomial"))
         symbolic = any(is_symbolic(parameters.get(self, path)) for path in parameters.quantities(self))
         if self.points is not None and not symbolic:
             check_given(owner, self.points, *self._resolved)
@@ -104,7 +99,7 @@ class LargeBeamDeclaration(StrainDeclaration):
         """
         if self.basis != "auto":
             return self.basis
-        if self.strained and ("moment" in self.tip_loads or not self.planar):
+        if self.strained and ("moment" in self.tip_loads or not self.planar or self.segments > 1):
             return "polynomial"
         return "tip-force" if self.planar and self.modes <= BASES["tip-force"] else "modes"
 
@@ -113,10 +108,7 @@ class LargeBeamDeclaration(StrainDeclaration):
         kinds = (("bend", self.modes), ("flap", self.modes), ("twist", self.twists))
         bent = []
         for kind, count in kinds[: 1 if self.planar else 3]:
-            own = [str(k + 1) for k in range(count)]
-            if self.kinematics == "substructured":
-                own = [f"{i + 1}_{k}" for i in range(self.segments) for k in own]
-            bent += [kind + k for k in own]
+            bent += numbered(kind, count, self.segments, self.kinematics == "substructured")
         return (*self.root_coordinates, *(Signal(name, "rad") for name in bent), *self.strain_coordinates)
 
     @property
@@ -161,7 +153,8 @@ class LargeBeamDeclaration(StrainDeclaration):
     def label(self) -> str:
         space = "" if self.planar else f", spatial, twists {self.twists}"
         if self.kinematics == "strain":
-            return f"strain, {self.rotation_basis} {self.modes}{space}{self.strain_label}"
+            parts = f"{self.segments} x " * (self.segments > 1)
+            return f"strain, {self.rotation_basis} {parts}{self.modes}{space}{self.strain_label}"
         return f"substructured, {self.segments} x {self.modes}, {self.frame}{space}"
 
     @cached_property
@@ -177,7 +170,7 @@ class LargeBeamDeclaration(StrainDeclaration):
     @cached_property
     def strained_beam(self) -> StrainedBeam:
         own: LargeBeamDeclaration = self.nominal
-        return of_declaration(self, points(own.point_count))
+        return of_declaration(self, points(own.point_count, own.segments))
 
     @property
     def shapes(self) -> tangent_field.Rotations | Chain:
@@ -189,8 +182,10 @@ class LargeBeamDeclaration(StrainDeclaration):
         return Chain(self.segments, self.modes, self.frame, self.root != "clamped")
 
     @cached_property
-    def _rotations(self) -> tuple[tangent_field.Rotations, tangent_field.Rotations]:
+    def _rotations(self) -> tuple[Any, Any]:
         """Bending about z and about y; a payload's inertia differs between them."""
+        if self.strained and self.segments > 1:
+            return PanelBends(self.modes, self.segments, self.turns), PanelBends(self.modes, self.segments, False)
         mass, length, load = self.beam.mass, self.beam.length, self.payload
         root = {"free": "hinged", "moving": "driven"}.get(self.root, self.root)  # what it can take of moments
         bend = tangent_field.rotations(root, self.rotation_basis, self.modes, **load.ratios(mass, length))
@@ -210,7 +205,8 @@ class LargeBeamDeclaration(StrainDeclaration):
         if self.kinematics == "substructured":
             one = Chain(1, self.modes, self.frame, False)
             return [Resolved(named, one.section_angles, True, EXACT)], self.modes + 3
-        kinds = [Resolved(named, psi, True, TRUNCATED) for psi in self._rotations[: 1 if self.planar else 2]]
+        bends = self._rotations if self.segments == 1 else [PanelBends(self.modes, 1, False)] * 2
+        kinds = [Resolved(named, psi, True, TRUNCATED) for psi in bends[: 1 if self.planar else 2]]
         if not self.planar:
             twists = partial(integrated, self.twists) if self.strained else self._torsion
             kinds.append(Resolved(f"twists = {self.twists}", twists, False, EXACT))
@@ -227,4 +223,6 @@ class LargeBeamDeclaration(StrainDeclaration):
         if self.points:
             return self.points
         found = enough(*self._resolved)
-        return RestShape(self.rest_curvature, self.beam.length).enough(found) if self.strained else found
+        if not self.strained:
+            return found
+        return RestShape(self.rest_curvature, self.beam.length).enough(found, self.segments)

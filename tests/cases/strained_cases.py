@@ -40,6 +40,10 @@ STRAINED = {
         planar=False, modes=1, payload=TENSOR, root="driven", shears=1, stretches=1, rest_curvature=0.5, **ALL
     ),
     "space moving": strained(planar=False, modes=1, root="moving", rest_curvature=0.5, tip_loads=("force", "moment")),
+    "segments": strained(root="free", segments=2, payload=LOAD, rest_curvature=curved, **ALL),
+    "space segments": strained(
+        planar=False, segments=2, modes=1, extensible=True, payload=TENSOR, tip_loads=("force", "follower")
+    ),
     "space clamped": strained(planar=False, rotary=0.5, twists=2),
 }
 

@@ -40,6 +40,7 @@ def test_only_what_is_more_than_rotations_makes_coordinates_of_strains():
         {"rest_curvature": 0.1},
         {"rest_curvature": np.sin},
         {"rotary": 0.0},
+        {"segments": 2, "basis": "auto"},
     ):
         assert large(**changes).strained, changes
     assert BEAM.vary("rest_curvature").strained and not BEAM.vary("beam.E").strained
@@ -63,6 +64,11 @@ def test_the_default_beam_has_the_operations_it_had():
         ({"tip_loads": ()}, r"tip_loads = \(\) must name at least one of force, moment, follower"),
         ({"stretches": 0}, r"stretches = 0 must be an integer from 1 to 20"),
         ({"shears": 21}, r"shears = 21 must be an integer from 1 to 20"),
+        (
+            {"segments": 2, "extensible": True, "basis": "modes"},
+            r"basis of segments = 'modes' must be one of 'auto', 'poly",
+        ),
+        ({"segments": 33, "extensible": True}, r"segments = 33 must be an integer from 1 to 32"),
         ({"rotary": -1.0}, r"rotary = -1.0 must be >= 0"),
         ({"rest_curvature": None}, r"rest_curvature = None must be"),
         ({"root": "free", "planar": False}, r"root = 'free' must be one of .*'moving' where planar = False"),
@@ -93,6 +99,13 @@ def test_parameters_can_vary():
     same = dataclasses.replace(varied, basis=plant.rotation_basis, payload=dataclasses.replace(plant.payload, mass=0.0))
     other = dataclasses.replace(other, payload=same.payload)
     np.testing.assert_allclose(same.dynamics(x, p=p), other.dynamics(x), rtol=1e-9)
+
+
+def test_segments_are_numbered_and_named():
+    plant = strained(segments=2, modes=2, extensible=True, stretches=1)
+    assert names(plant.coordinates) == ["bend1_1", "bend1_2", "bend2_1", "bend2_2", "stretch1_1", "stretch2_1"]
+    assert plant.label == "strain, polynomial 2 x 2, stretches 1"
+    assert len(plant.strained_beam.frames.along.xi) == 2 * plant.point_count
 
 
 def test_pickles_and_compares_and_names_its_fidelity():

@@ -41,6 +41,7 @@ def test_physics_keeps_the_strains_and_has_more_shapes_of_each():
         (STRAINED["free"], {"modes": 1, "extensible": False, "theory": "euler-bernoulli"}),
         (STRAINED["moving"], {"modes": 1, "stretches": 1}),
         (strained(extensible=True, modes=3, basis="polynomial"), {"extensible": False, "modes": 2}),
+        (strained(planar=False, segments=2, points=9, extensible=True), {"modes": 1, "twists": 1, "extensible": False}),
         (strained(planar=False, twists=3, points=20, **ALL), {"modes": 1, "twists": 1, "shears": 1}),
     ],
 )
