@@ -25,11 +25,11 @@ from pliant.plants.core.signals import index, names
 
 Array = np.ndarray
 
-ITERATIONS = 12
+ITERATIONS = 60
 CLOSE = 0.25  # correction over prediction: beyond it a step is halved
 LEAST = 1e-4  # step of lambda below which the branch is taken to turn back
 TOLERANCE = 1e-12  # of the forces that balance each other
-KEPT = 0.1  # of the last change: a Jacobian that brings as much is taken again
+KEPT = 0.4  # of the last change: a Jacobian that leaves more is taken again
 HELD = 1e-3  # of the forces on a guess: what loads that hold it may leave
 GROWS = 1e-5  # rate of growth over the frequency beside which rounding makes as much
 
@@ -70,38 +70,34 @@ def _advanced(forces: Forces, q: Array, J: Array, reached: float, step: float) -
     change = forces.net(q, 1.0)[0] - forces.net(q, 0.0)[0]
     predicted = np.linalg.lstsq(J, -change, rcond=None)[0] * step
     slack = 1e-9 * (1 + float(np.linalg.norm(q)))
-    found, moved = _corrected(forces, q + predicted, reached + step)
-    if found is None or moved > CLOSE * np.linalg.norm(predicted) + slack:
+    found = _corrected(forces, q + predicted, J, reached + step)
+    if found is None or np.linalg.norm(found - q - predicted) > CLOSE * np.linalg.norm(predicted) + slack:
         return None
-    half, _ = _corrected(forces, q + predicted / 2, reached + step / 2)
+    half = _corrected(forces, q + predicted / 2, J, reached + step / 2)
     if half is None or np.linalg.norm(half - (q + found) / 2) > CLOSE * np.linalg.norm(found - q) + slack:
         return None
     return found
 
 
-def _corrected(forces: Forces, q: Array, share: float) -> tuple[Array | None, float]:
-    """(the equilibrium near q or None, how far Newton's method went for it); its Jacobian serves while it converges."""
-    start, last, J = q, np.inf, None
+def _corrected(forces: Forces, q: Array, J: Array, share: float) -> Array | None:
+    """The equilibrium near q by Newton's method, or None; a Jacobian, first that given, serves while it converges."""
+    last, fresh = np.inf, False
     for _ in range(ITERATIONS):
         r, size = forces.net(q, share)
-        if J is None:
-            J = forces.jacobian(q, share)
         if not (np.isfinite(r).all() and np.isfinite(J).all()):
-            break
+            return None
         change = np.linalg.lstsq(J, -r, rcond=None)[0]
-        q = q + change
         length = float(np.linalg.norm(change))
+        if fresh and length > 2 * last:
+            return None
+        q = q + change
         if np.abs(r).max() <= TOLERANCE * size or length <= 1e-13 * (1 + float(np.linalg.norm(q))):
-            return q, float(np.linalg.norm(q - start))
-        if length > 2 * last:
-            break
-        if length > KEPT * last or not np.isfinite(last):
-            J = None
+            return q
+        fresh = length > KEPT * last
+        if fresh:
+            J = forces.jacobian(q, share)
         last = length
-    else:
-        if last <= 1e-9 * (1 + float(np.linalg.norm(q))):
-            return q, float(np.linalg.norm(q - start))
-    return None, np.inf
+    return q if last <= 1e-9 * (1 + float(np.linalg.norm(q))) else None
 
 
 def tell_unstable(M: Array, J: Array, told: str, names: tuple[str, ...]) -> None:
