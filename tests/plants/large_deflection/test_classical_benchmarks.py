@@ -144,7 +144,7 @@ HELIX = {  # share of the load: tip, by shooting; the source draws tip_z
 @pytest.mark.filterwarnings("ignore::pliant.plants.core.errors.UnstableRestWarning")  # a dead moment follows no energy
 def test_helicoidal_beam():
     """A. Ibrahimbegovic, Comput. Methods Appl. Mech. Eng. 149 (1997), 49-71: M = 200 pi and F = 50 at the tip wind it
-    up ten times; here up to three, as many as twelve curvatures of each kind show. After J. C. Simo and L. Vu-Quoc,
+    up ten times; here up to three, which twelve curvatures of each kind show. After J. C. Simo and L. Vu-Quoc,
     Comput. Methods Appl. Mech. Eng. 58 (1986), 79-116, who bend it by the moment alone.
     """
     plant = LargeDeflectionBeam(
@@ -154,6 +154,21 @@ def test_helicoidal_beam():
     for share, known in HELIX.items():
         y = measured(plant, *plant.equilibrium(tip_force_z=50 * share, tip_moment_z=200 * np.pi * share))
         np.testing.assert_allclose([y[f"tip_{k}"] for k in "xyz"], known, atol=1e-4, err_msg=str(share))
+
+
+@pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore::pliant.plants.core.errors.UnstableRestWarning")
+def test_helicoidal_beam_winds_up_ten_times():
+    """The whole load, on ten segments, without extension and shear; digits by shooting. (With them, E A = kappa G A, it
+    is F L/(E A) = 0.05 longer along z.)
+    """
+    plant = LargeDeflectionBeam(
+        beam=section(10.0, 100.0, 1e4, 1e4, 1.0), planar=False, segments=10, modes=4, twists=4, points=6,
+        tip_loads=("force", "moment"), **WEIGHTLESS,
+    )  # fmt: skip
+    y = measured(plant, *plant.equilibrium(tip_force_z=50.0, tip_moment_z=200 * np.pi))
+    np.testing.assert_allclose([y[f"tip_{k}"] for k in "xyz"], [0.00480, 0.00007, -0.12644], atol=1e-4)
+    assert y["tip_angle"] == pytest.approx(20 * np.pi, rel=1e-2)
 
 
 def test_helicoidal_beam_winds_up():
