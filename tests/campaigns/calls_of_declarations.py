@@ -78,6 +78,7 @@ def declaration_calls() -> list[Call]:
         "stretches": Count(2),
         "shears": Count(2),
         "tip_loads": Names(("force", "moment")),
+        "rest_curvature": Number(0.125),
         "rotary": Number(1.0, low=0.0),
     }
     craft = {
