@@ -168,7 +168,6 @@ def test_helicoidal_beam_winds_up_ten_times():
     )  # fmt: skip
     y = measured(plant, *plant.equilibrium(tip_force_z=50.0, tip_moment_z=200 * np.pi))
     np.testing.assert_allclose([y[f"tip_{k}"] for k in "xyz"], [0.00480, 0.00007, -0.12644], atol=1e-4)
-    assert y["tip_angle"] == pytest.approx(20 * np.pi, rel=1e-2)
 
 
 def test_helicoidal_beam_winds_up():
