@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.imports import linalg
+from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.exact_rotations.projection import nearest
 from pliant.plants.exact_rotations.quadrature import Array
 from pliant.plants.validity.ranges import Range, largest
@@ -18,6 +19,7 @@ from pliant.plants.validity.rotating_sections import FIBRE, fibres
 from pliant.plants.validity.slender import STATIONS
 
 from .declaration import MOST_STRAINS
+from .rest_shape import is_curved
 from .section_frames import TIP
 
 BeamT = TypeVar("BeamT")
@@ -37,16 +39,45 @@ def ladder(beam: BeamT) -> tuple[BeamT, ...]:
     return tuple(found)
 
 
-def richer(beam: Any, more: int) -> dict[str, int]:
-    """Stretches and shears of the physics, with `more` of each."""
-    return {name: min(getattr(beam, name) + more, MOST_STRAINS) for name in ("stretches", "shears")}
+def richest(beam: Any, more: int) -> dict[str, Any]:
+    """What the physics of a beam has beside bending and torsion, with `more` stretches and shears than the beam's."""
+    found: dict[str, Any] = {"kinematics": "strain", "points": None, "extensible": True, "theory": "timoshenko"}
+    found |= {name: min(getattr(beam, name) + more, MOST_STRAINS) for name in ("stretches", "shears")}
+    return found if beam.strained and beam.segments > 1 else found | {"segments": 1}
+
+
+def effects(beam: Any) -> dict[str, bool]:
+    """What the physics has beside exact rotations, and whether this beam has it."""
+    return {"extension": beam.extensible, "shear": beam.theory == "timoshenko"}
+
+
+def lacking(effect: str) -> dict[str, Any]:
+    """The fields of a beam without an effect."""
+    return {"extension": {"extensible": False}, "shear": {"theory": "euler-bernoulli"}}[effect]
+
+
+def planar_chain(beam: Any) -> PlanarChain | str:
+    """The beam as a link in the plane; in words why it is none."""
+    if not beam.planar or beam.root not in ("clamped", "driven") or beam.tip_loads != ("force",):
+        return f"a beam in the plane, clamped or driven, is known; this one is {beam.root}, planar = {beam.planar}"
+    if is_curved(beam.rest_curvature):
+        return "a straight beam is known; this one is curved at rest"
+    clamped = beam.root == "clamped"
+    return PlanarChain(
+        links=(beam.beam,),
+        root="clamped" if clamped else "motion",
+        turning=() if clamped else ("hub_angle",),
+        hub_inertia=(0.0,),
+        friction=(0.0,),
+        payload=beam.payload,
+        gravity=beam.gravity[:2],
+        sheared=beam.theory == "timoshenko",
+    )
 
 
 def unmodelled(beam: Any) -> tuple[str, ...]:
     """What even the physics leaves out."""
-    plane = ("bending out of the plane", "torsion") if beam.planar else ()
-    lacking = ("shear",) * (beam.theory == "euler-bernoulli") + ("extension",) * (not beam.extensible)
-    return (*plane, *lacking, "plasticity")
+    return (*(("bending out of the plane", "torsion") if beam.planar else ()), "plasticity")
 
 
 def embedding(fine: Any, simpler: Any) -> Array:

@@ -102,13 +102,17 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return tuple(steps)
 
     def physics(self, more: int = 0) -> Self:
-        """Exact rotations, with `more` than five shapes; in space as many twists as shapes."""
+        """Exact rotations, extension and shear, with `more` than five shapes; in space as many twists as shapes."""
         modes = min(PHYSICS_SHAPES + more, BASES[self.rotation_basis])
         twists = min(modes, MOST_TWISTS) if not self.planar else self.twists
-        changes: dict[str, Any] = {"kinematics": "strain", "segments": 1, "points": None}
-        if self.strained:
-            changes |= fidelities.richer(self, more)
-        return dataclasses.replace(self, modes=modes, twists=twists, **changes)
+        return dataclasses.replace(self, modes=modes, twists=twists, **fidelities.richest(self, more))
+
+    @property
+    def effects(self) -> dict[str, bool]:
+        return fidelities.effects(self)
+
+    def _lacking(self, effect: str) -> Self:
+        return dataclasses.replace(self, **fidelities.lacking(effect))
 
     @property
     def unmodelled(self) -> tuple[str, ...]:
@@ -116,24 +120,13 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
 
     @property
     def planar_chain(self) -> PlanarChain | str:
-        if not self.planar or self.root == "hinged":
-            return f"a beam in the plane, clamped or driven, is known; this one is {self.root}, planar = {self.planar}"
-        return PlanarChain(
-            links=(self.beam,),
-            root="clamped" if self.root == "clamped" else "motion",
-            turning=() if self.root == "clamped" else ("hub_angle",),
-            hub_inertia=(0.0,),
-            friction=(0.0,),
-            payload=self.payload,
-            gravity=self.gravity[:2],
-            sheared=False,
-        )
+        return fidelities.planar_chain(self)
 
     def embedding(self, simpler: PhysicsContract) -> Array:
         """Turns of the root and twists as they are, curvatures projected."""
         if not (isinstance(simpler, LargeBeamDeclaration) and simpler.kinematics == self.kinematics == "strain"):
             return super().embedding(simpler)
-        if self.strained:
+        if self.strained or simpler.strained:
             return np.kron(np.eye(2), fidelities.embedding(self, simpler))
         bend, flap = (own.embedding(other) for own, other in zip(self._rotations, simpler._rotations))
         blocks = [bend] if self.planar else [bend, flap, np.eye(self.twists, simpler.twists)]

@@ -71,7 +71,8 @@ def _finer(drawn: Drawn, n: int) -> Plant:
         bodies = tuple(dataclasses.replace(a, body=panel, modes=None) for a in plant.appendages)
         changes: dict[str, Any] = {"kinematics": "stiffened", "appendages": bodies}
     elif drawn.kind == "cantilever drop":
-        changes = {**EXACT, "modes": n, "segments": 1, "points": None}
+        changes = {**EXACT, "modes": n, "segments": 1, "points": None, "stretches": n - 6, "shears": n - 6}
+        changes |= {"extensible": True, "theory": "timoshenko"}
     elif drawn.kind == "two-link reach":
         changes = {**EXACT, "modes": (n, n), "theory": "timoshenko", "reduction": "full", "tip_slope": True}
     else:

@@ -49,7 +49,7 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
     has = chosen.effects
     names = {name: has.get(name, False) for name in physics.physics.effects}
     found = [_effect(motions, physics, chosen, name, kept) for name, kept in names.items()]
-    if physics.physics != chosen and (not names or any(names.values())):
+    if physics.physics != chosen and names.get("bending", True):
         found.append(_shapes(motions, physics, chosen, [name for name, kept in names.items() if not kept]))
     found += [Effect(name, change, False) for name, change in physics.estimated.items()]
     return tuple(sorted(found, key=lambda e: -e.change))
