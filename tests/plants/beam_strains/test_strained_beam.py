@@ -53,6 +53,7 @@ def test_energy_changes_at_the_net_power(name):
     assert np.sum(parts) == pytest.approx(put_in - lost, abs=1e-11 * np.abs(parts).sum())
 
 
+@pytest.mark.every(2)
 @pytest.mark.parametrize("name", STRAINED)
 def test_rates_among_the_outputs_are_derivatives_of_the_outputs_and_all_vanish_at_rest(name):
     plant = STRAINED[name]
@@ -101,11 +102,11 @@ def test_it_moves_alike_in_other_units(name):
 
 
 def test_a_free_beam_that_nothing_acts_on_keeps_its_momentum():
-    """Linear from the mean velocity, angular from all its points and sections (1e-3 s of a motion, no damping)."""
+    """Linear that of the root's coordinates, angular that of a turn of the whole about the origin; no damping."""
     beam = dataclasses.replace(STRAINED["free"].beam, damping=0.0)
     plant = dataclasses.replace(STRAINED["free"], beam=beam, gravity=(0.0, 0.0, 0.0))
     x = unit_states(plant, np.random.default_rng(5))
-    motion = plant.simulate(x, None, [0.0, 0.05, 0.1], rtol=1e-10, atol=1e-12)
+    motion = plant.simulate(x, None, [0.0, 0.02, 0.04], rtol=1e-10, atol=1e-12)
     n = plant.nx // 2
 
     def momenta(state):
