@@ -5,7 +5,9 @@
 From e'S e <= c follows e+'S e+ <= c where  r sqrt(c) + sqrt(g'S g) <= sqrt(c),  r^2 the largest of F'S F against S.
 That is a hypothesis on S, which not every weight of the last state fulfils: P_T does where it is the cost to go of the
 held law, else r > 1 and a state inside goes out. Then S solves the Lyapunov equation F'S F - S + M = 0 of the law
-itself, M what it costs in a period ("Nonlinear Systems", Khalil 2002, Section 4.3, in discrete time).
+itself, M what it costs in a period ("Nonlinear Systems", Khalil 2002, Section 4.3, in discrete time). A motion that
+costs nothing for a period makes r = 1, and rounding says on which side: S of the law that decays more slowly, F/s with
+s between the largest |eigenvalue| of F and 1, has r <= s.
 """
 
 from __future__ import annotations
@@ -54,11 +56,11 @@ def invariant(hold: Hold, P: Array) -> tuple[Array, float] | None:
     None where neither P nor the law's own cost to go is a Lyapunov function of the law: nothing can be said.
     """
     F = hold.closed
-    own = _own(hold)
-    for S in (P, own):
+    radius = float(np.abs(np.linalg.eigvals(F)).max(initial=0.0))
+    for S in (P, _own(hold, F, radius, 1.0), _own(hold, F, radius, (1 + radius) / 2)):
         if S is None:
             continue
-        outside = gain(np.eye(len(S)), S, P) if S is own else 1.0
+        outside = gain(np.eye(len(S)), S, P) if S is not P else 1.0
         S = S / outside**2 if 0 < outside < np.inf else S
         r, push = gain(F, S, S), float(np.sqrt(max(hold.rest @ S @ hold.rest, 0.0)))
         if r < 1 and np.any(S):
@@ -88,11 +90,10 @@ def axes(P: Array) -> tuple[Array, Array]:
     return unit[:, None] * vector[:, costly] / np.sqrt(value[costly]), unit[:, None] * vector[:, ~costly]
 
 
-def _own(hold: Hold) -> Array | None:
-    """The held law's cost to go, None where it does not stay bounded."""
-    F, n = hold.closed, len(hold.A)
-    if np.abs(np.linalg.eigvals(F)).max(initial=0.0) >= 1:
+def _own(hold: Hold, F: Array, radius: float, slower: float) -> Array | None:
+    """The held law's cost to go, as if it decayed more slowly, F/slower; None where it does not stay bounded."""
+    if radius >= slower or radius >= 1:
         return None
-    law = np.vstack([np.eye(n), -hold.K])
-    S = sla.solve_discrete_lyapunov(F.T, law.T @ hold.cost @ law)
+    law = np.vstack([np.eye(len(F)), -hold.K])
+    S = sla.solve_discrete_lyapunov(F.T / slower, law.T @ hold.cost @ law)
     return np.asarray((S + S.T) / 2)

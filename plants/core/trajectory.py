@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -61,20 +61,6 @@ class Trajectory(OwnsArrays):
             if value is not None:
                 shape = (len(self.t), len(signals))
                 object.__setattr__(self, name, read_only(f"Trajectory.{name}", value, shape))
-
-    @classmethod
-    def of_run(cls, **fields: Any) -> Self:
-        """From arrays that a simulation has just made, which become its own, write-protected, and a plant's signals:
-        nothing is checked again where all numbers are finite.
-        """
-        arrays = [fields[name] for name in ARRAYS if fields.get(name) is not None]
-        if not all(isfinite(np.vdot(array, array)) for array in arrays):
-            return cls(**fields)
-        made = object.__new__(cls)
-        for array in arrays:
-            array.setflags(write=False)
-        made.__dict__.update(fields)
-        return made
 
     @classmethod
     def from_arrays(
@@ -237,3 +223,18 @@ def _signal(pair: Any) -> Signal:
     if not (isinstance(pair, list) and len(pair) == 2 and all(isinstance(word, str) for word in pair)):
         raise ValueError(f"{pair!r} must be a name and a unit")
     return Signal(*pair)
+
+
+def of_run(**fields: Any) -> Trajectory:
+    """From arrays that a simulation has just made, which become its own, write-protected, and a plant's signals.
+
+    Nothing is checked again where all numbers are finite.
+    """
+    arrays = [fields[name] for name in ARRAYS if fields.get(name) is not None]
+    if not all(isfinite(np.vdot(array, array)) for array in arrays):
+        return Trajectory(**fields)
+    made = object.__new__(Trajectory)
+    for array in arrays:
+        array.setflags(write=False)
+    made.__dict__.update(fields)
+    return made

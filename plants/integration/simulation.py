@@ -11,7 +11,7 @@ from pliant.plants.core.argument_gates import require_flag, require_function, re
 from pliant.plants.core.parameters import require_choice, require_parts, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import read_only_times
-from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.core.trajectory import Trajectory, of_run
 from pliant.plants.motions import adaptive_steps
 from pliant.plants.motions.held_inputs import HeldInput, Input, sampling_grid
 from pliant.plants.motions.observations import observer
@@ -108,7 +108,7 @@ def simulate(
         energy = plant.energy(states, p=p)  # type: ignore[attr-defined]
         largest = np.abs(energy).max() or 1.0
         stats["energy_balance"] = float(np.abs(energy - energy[0] - work).max() / largest)
-    made = Trajectory.of_run(
+    made = of_run(
         t=t,
         x=states,
         u=samples,

@@ -80,4 +80,5 @@ def test_the_environments_say_so_in_the_step_in_which_it_happens(soft) -> None:
 def test_no_rung_is_taken_for_shown_where_physics_itself_leaves_its_range(soft) -> None:
     found = choose(soft, 10.0)  # a tolerance that every rung keeps
     assert not found.met and all(r.bound is not None for r in found.rungs)
-    assert found.missing[0].startswith("strain of") and "Missing: strain of" in found.text
+    assert found.missing[0].startswith("turn of") and "Missing: turn of" in found.text  # more points would hold
+    assert found.beyond[0].startswith("strain of") and "made for: strain of" in found.text  # nothing here would
