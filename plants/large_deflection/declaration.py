@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
+from pliant.plants.beam_strains.declaration import StrainDeclaration, numbered
+from pliant.plants.beam_strains.rest_shape import RestShape
+from pliant.plants.beam_strains.strain_fields import PanelBends, integrated, legendre
+from pliant.plants.beam_strains.strained_beam import StrainedBeam, of_declaration
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core import parameters
-from pliant.plants.core.parameters import flag, is_symbolic, part, quantity, require_choice, require_count, validate
+from pliant.plants.core.parameters import is_symbolic, part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Sensed, Signal
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.exact_rotations.quadrature import points
 
 from . import tangent_field
@@ -19,17 +23,15 @@ from .resolution import FINEST, Resolved, check_given, enough
 from .sub_beam_chain import FRAMES, Chain
 from .torsion import TorsionShapes
 
-ROOTS = ("clamped", "hinged", "driven")
 KINEMATICS = ("strain", "substructured")
 BASES = {"tip-force": 20, "modes": 30, "polynomial": 20}  # basis: most shapes
-MOST_SEGMENTS = 32
 MOST_TWISTS = 12
 TRUNCATED = 2e-3  # error of the rule for bending shapes, well below that of leaving the others out
 EXACT = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class LargeBeamDeclaration(LagrangianPlant):
+class LargeBeamDeclaration(StrainDeclaration):
     """A beam, its root and its payload; `LargeDeflectionBeam` adds their energies and equations.
 
     `basis`, of n = `modes` rotation shapes: "tip-force", curvatures that vanish at an end free to turn; "modes",
@@ -61,38 +63,31 @@ class LargeBeamDeclaration(LagrangianPlant):
     """
 
     beam: Beam = part(Beam)
-    root: str = "clamped"
     gravity: tuple[float, float, float] = quantity("m/s^2", "finite", (0.0, -9.8, 0.0), shape=(3,))
     payload: Payload = part(Payload, default_factory=Payload)
-    kinematics: str = "strain"
-    segments: int = 1  # sub-beams ("substructured")
-    modes: int = 3  # shapes, of each sub-beam if "substructured"
+    modes: int = 3  # shapes, of each segment
     frame: str = "mean-axis"  # of each sub-beam ("substructured")
     basis: str = "auto"  # of the rotations ("strain")
-    planar: bool = flag(True)
     twists: int = 1  # torsion shapes (planar=False)
-    points: int | None = None  # quadrature points, of each sub-beam if "substructured"; None: as many as it takes
+    points: int | None = None  # quadrature points of each segment; None: as many as it takes
 
     def __post_init__(self) -> None:
         validate(self)
         owner = "LargeDeflectionBeam"
-        for name, choices in (
-            ("root", ROOTS),
-            ("kinematics", KINEMATICS),
-            ("frame", FRAMES),
-            ("basis", ("auto", *BASES)),
-        ):
+        for name, choices in (("kinematics", KINEMATICS), ("frame", FRAMES), ("basis", ("auto", *BASES))):
             require_choice(owner, name, getattr(self, name), choices)
+        self._check_strains(owner)
         most = BASES["modes" if self.basis == "auto" else self.basis]
         ranges = {
             "modes": (1, most if self.kinematics == "strain" else 12),
-            "segments": (1, MOST_SEGMENTS if self.kinematics != "strain" else 1),
             "twists": (0, MOST_TWISTS),
         }
         if self.points is not None:
             ranges["points"] = (2, FINEST)
         for name, (least, greatest) in ranges.items():
             object.__setattr__(self, name, require_count(owner, name, getattr(self, name), least, greatest))
+        if self.strained and self.segments > 1:
+            require_choice(owner, "basis of segments", self.basis, ("auto", "polynomial"))
         symbolic = any(is_symbolic(parameters.get(self, path)) for path in parameters.quantities(self))
         if self.points is not None and not symbolic:
             check_given(owner, self.points, *self._resolved)
@@ -104,41 +99,22 @@ class LargeBeamDeclaration(LagrangianPlant):
         """
         if self.basis != "auto":
             return self.basis
+        if self.strained and ("moment" in self.tip_loads or not self.planar or self.segments > 1):
+            return "polynomial"
         return "tip-force" if self.planar and self.modes <= BASES["tip-force"] else "modes"
 
     @property
     def coordinates(self) -> tuple[Signal, ...]:
-        turning = {"clamped": (), "hinged": ("root_angle",), "driven": ("hub_angle",)}[self.root]
         kinds = (("bend", self.modes), ("flap", self.modes), ("twist", self.twists))
         bent = []
         for kind, count in kinds[: 1 if self.planar else 3]:
-            own = [str(k + 1) for k in range(count)]
-            if self.kinematics == "substructured":
-                own = [f"{i + 1}_{k}" for i in range(self.segments) for k in own]
-            bent += [kind + k for k in own]
-        return tuple(Signal(name, "rad") for name in (*turning, *bent))
-
-    @property
-    def _tip_force(self) -> tuple[Signal, ...]:
-        return tuple(Signal(f"tip_force_{axis}", "N") for axis in ("xy" if self.planar else "xyz"))
-
-    @property
-    def inputs(self) -> tuple[Signal, ...]:
-        return (Signal("hub_acceleration", "rad/s^2"),) if self.root == "driven" else self._tip_force
-
-    @property
-    def driven(self) -> dict[int, int]:
-        return {0: 0} if self.root == "driven" else {}
-
-    @property
-    def disturbances(self) -> tuple[Signal, ...]:
-        return self._tip_force if self.root == "driven" else ()
+            bent += numbered(kind, count, self.segments, self.kinematics == "substructured")
+        return (*self.root_coordinates, *(Signal(name, "rad") for name in bent), *self.strain_coordinates)
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
-        turning = () if self.root == "clamped" else (self.coordinates[0],)
         return (
-            *turning,
+            *self.root_coordinates,
             Signal("tip_x", "m"),
             Signal("tip_y", "m"),
             Signal("tip_u", "m"),
@@ -154,10 +130,11 @@ class LargeBeamDeclaration(LagrangianPlant):
         )
 
     def sensors(self) -> tuple[Sensed, ...]:
-        """An encoder of a root that turns, a strain gauge at one that does not hinge, a gyro at the tip."""
-        turning = () if self.root == "clamped" else (Sensed("encoder", self.coordinates[0].name),)
+        """An encoder of a root in a bearing, a strain gauge at one that carries a moment, a gyro at the tip."""
+        turning = [Sensed("encoder", s.name) for s in self.root_coordinates if s.unit == "rad" and self.root != "free"]
         gauge = Sensed("strain gauge", "root_curvature", scale=1 / self.beam.half_depth)
-        return (*turning, *(() if self.root == "hinged" else (gauge,)), Sensed("gyro", "tip_angle_rate"))
+        carries = self.root not in ("hinged", "free")
+        return (*turning, *((gauge,) if carries else ()), Sensed("gyro", "tip_angle_rate"))
 
     @property
     def deflections(self) -> tuple[str, ...]:
@@ -170,13 +147,14 @@ class LargeBeamDeclaration(LagrangianPlant):
 
     @property
     def seen_from(self) -> str | None:
-        return "hub_angle" if self.root == "driven" else None
+        return {"driven": "hub_angle", "moving": "root_angle"}.get(self.root)
 
     @property
     def label(self) -> str:
         space = "" if self.planar else f", spatial, twists {self.twists}"
         if self.kinematics == "strain":
-            return f"strain, {self.rotation_basis} {self.modes}{space}"
+            parts = f"{self.segments} x " * (self.segments > 1)
+            return f"strain, {self.rotation_basis} {parts}{self.modes}{space}{self.strain_label}"
         return f"substructured, {self.segments} x {self.modes}, {self.frame}{space}"
 
     @cached_property
@@ -189,6 +167,11 @@ class LargeBeamDeclaration(LagrangianPlant):
         at = points(own.point_count)
         return of_rotations(self.beam, self.payload, *own._rotations, at, None if self.planar else own._torsion)
 
+    @cached_property
+    def strained_beam(self) -> StrainedBeam:
+        own: LargeBeamDeclaration = self.nominal
+        return of_declaration(self, points(own.point_count, own.segments))
+
     @property
     def shapes(self) -> tangent_field.Rotations | Chain:
         """What the bending coordinates turn."""
@@ -199,10 +182,13 @@ class LargeBeamDeclaration(LagrangianPlant):
         return Chain(self.segments, self.modes, self.frame, self.root != "clamped")
 
     @cached_property
-    def _rotations(self) -> tuple[tangent_field.Rotations, tangent_field.Rotations]:
+    def _rotations(self) -> tuple[Any, Any]:
         """Bending about z and about y; a payload's inertia differs between them."""
+        if self.strained and self.segments > 1:
+            return PanelBends(self.modes, self.segments, self.turns), PanelBends(self.modes, self.segments, False)
         mass, length, load = self.beam.mass, self.beam.length, self.payload
-        bend = tangent_field.rotations(self.root, self.rotation_basis, self.modes, **load.ratios(mass, length))
+        root = {"free": "hinged", "moving": "driven"}.get(self.root, self.root)  # what it can take of moments
+        bend = tangent_field.rotations(root, self.rotation_basis, self.modes, **load.ratios(mass, length))
         return bend, tangent_field.rotations(
             "clamped", self.rotation_basis, self.modes, **load.ratios(mass, length, axis=1)
         )
@@ -219,12 +205,24 @@ class LargeBeamDeclaration(LagrangianPlant):
         if self.kinematics == "substructured":
             one = Chain(1, self.modes, self.frame, False)
             return [Resolved(named, one.section_angles, True, EXACT)], self.modes + 3
-        kinds = [Resolved(named, psi, True, TRUNCATED) for psi in self._rotations[: 1 if self.planar else 2]]
+        bends = self._rotations if self.segments == 1 else [PanelBends(self.modes, 1, False)] * 2
+        kinds = [Resolved(named, psi, True, TRUNCATED) for psi in bends[: 1 if self.planar else 2]]
         if not self.planar:
-            kinds.append(Resolved(f"twists = {self.twists}", self._torsion, False, EXACT))
-        return kinds, 2 * self.modes + 1
+            twists = partial(integrated, self.twists) if self.strained else self._torsion
+            kinds.append(Resolved(f"twists = {self.twists}", twists, False, EXACT))
+        if not self.strained:
+            return kinds, 2 * self.modes + 1
+        counts = self.strain_counts
+        kinds += [Resolved(f"{name} = {n}", partial(legendre, n), True, TRUNCATED) for name, n in counts.items() if n]
+        across = self.modes + self.turns + counts["shears"] + 1  # shapes that move the axis the same way, and one
+        return kinds, max(2 * self.modes + 1, across, counts["stretches"] + 1)
 
     @cached_property
     def point_count(self) -> int:
         """Quadrature points, of each sub-beam if "substructured"."""
-        return self.points or enough(*self._resolved)
+        if self.points:
+            return self.points
+        found = enough(*self._resolved)
+        if not self.strained:
+            return found
+        return RestShape(self.rest_curvature, self.beam.length).enough(found, self.segments)

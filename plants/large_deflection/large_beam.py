@@ -1,16 +1,20 @@
-"""A beam that bends as far as it likes: clamped, hinged or driven at its root, a payload and a force at its tip.
+"""A beam that bends as far as it likes: clamped, hinged, driven, carried or free, a payload and loads at its tip.
 
-States   q = [hub_angle or root_angle where the root turns, bend1 .. bendn], x = [q; dq/dt]; angles in rad. In space
-         (planar=False) flaps (about y) and twists follow the bends, which are about z, as is the root's turn
-Inputs   tip_force_x, tip_force_y (tip_force_z) [N], inertial axes; with a driven root hub_acceleration [rad/s^2], and
-         the tip force is a disturbance
-Outputs  tip position, displacement from the straight beam along x and its rate [m, m/s]; rotation of the tip's
-         section [rad] and its rate; tip deflection across the root's direction and its rate; the root's angle where it
-         turns; curvature about z at the root [1/m]. In space tip_z, its rate, and the tip's twist: past what bending
-         brings ("strain"), or the sub-beams' sum
-Valid    inextensible and unshearable; sections keep their rotary inertia. "strain": any rotation in the plane, below
-         one turn against the root in space. "substructured": rotations within a sub-beam small, see `sub_beam_chain`.
-         How small each is meant: `ranges`
+States   q = [root_x, root_y (root_z) [m] where the root travels, hub_angle or root_angle where it turns, bend1 ..
+         bendn], x = [q; dq/dt]; angles in rad. In space (planar=False) flaps (about y) and twists follow the bends,
+         which are about z, as is the root's turn; then stretch1 .., shear1 .. (shear_z1 ..) [1] where they are strains
+Inputs   tip_force_x, tip_force_y (tip_force_z) [N] and tip_moment (_x, _y, _z) [N m] in inertial axes,
+         follower_force_x, .. [N] in the tip's, as `tip_loads` says. With a driven root hub_acceleration [rad/s^2], with
+         a moving one root_x_acceleration, root_y_acceleration (root_z_acceleration) [m/s^2] and
+         root_angle_acceleration [rad/s^2] are inputs, and the loads disturbances
+Outputs  tip position, displacement from the beam at rest along x and its rate [m, m/s]; rotation of the tip's section
+         [rad] and its rate; tip deflection across the root's direction, less that at rest, and its rate; the root's
+         place and angle where it moves; curvature about z at the root, less that at rest [1/m]. In space tip_z, its
+         rate, and the tip's twist: past what bending brings ("strain"), or the sub-beams' sum. Of a spatial beam of
+         strains the tip's rotation and twist are integrals of the curvatures about the sections' own z and x
+Valid    inextensible unless `extensible`, unshearable unless theory="timoshenko"; sections keep their rotary inertia.
+         "strain": any rotation in the plane; in space below one turn against the root, any of a beam of strains.
+         "substructured": rotations within a sub-beam small, see `sub_beam_chain`. How small each is meant: `ranges`
 Source   "Substructuring Technique for Dynamics Analysis of Flexible Beams with Large Deformation", Eqs (1)-(39)
 """
 
@@ -23,6 +27,7 @@ from typing import Any, Self
 import casadi as ca
 import numpy as np
 
+from pliant.plants.beam_strains import fidelities
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_finite, shown
 from pliant.plants.core.casadi_functions import last_call
@@ -32,6 +37,7 @@ from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.exact_rotations.quadrature import Array
+from pliant.plants.exact_rotations.tangent_sums import TangentSums
 from pliant.plants.validity.ranges import Range, largest
 from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
 from pliant.plants.validity.slender import STATIONS
@@ -39,14 +45,36 @@ from pliant.plants.validity.slender import STATIONS
 from .cross_sections import PlanarSections
 from .declaration import BASES, MOST_TWISTS, LargeBeamDeclaration
 from .sub_beam_chain import Chain
-from .tangent_field import Tangents
 
 PHYSICS_SHAPES = 5  # that physics has by itself
+LADDER = (  # kinematics, segments, modes
+    ("strain", 1, 1),
+    ("strain", 1, 2),
+    ("substructured", 1, 2),
+    ("strain", 1, 3),
+    ("strain", 1, 4),
+    ("substructured", 2, 2),
+    ("substructured", 3, 2),
+    ("strain", 1, 6),
+    ("substructured", 4, 2),
+    ("strain", 1, 8),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LargeDeflectionBeam(LargeBeamDeclaration):
-    """rho A L^3 W dt/dq . (dt/dq q'' + t'') + rho I L S q'' + (E I/L) K (q + damping q') = gravity + tip force."""
+    """rho A L^3 W dt/dq . (dt/dq q'' + t'') + rho I L S q'' + (E I/L) K (q + damping q') = gravity + tip force.
+
+    With extension, shear, a curvature at rest, other loads at the tip or a root that travels the coordinates are
+    strains, see `plants/beam_strains`; `kinematics` is then "strain".
+
+    Example
+    -------
+    >>> beam = Beam(length=78.54, area=1.0, I_y=1/12, I_z=1/12, J=1/6, density=1.0, E=1e7, G=5e6)
+    >>> bend = LargeDeflectionBeam(beam=beam, planar=False, rest_curvature=0.01, modes=6, twists=5, gravity=(0, 0, 0))
+    >>> x, u = bend.equilibrium(tip_force_z=600.0)
+    >>> dict(zip((s.name for s in bend.outputs), bend.measure(x, u)))["tip_z"]  # 53.47, as of 45 degrees of radius 100
+    """
 
     @classmethod
     def textbook(cls) -> Self:
@@ -60,20 +88,13 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return cls(beam=beam, basis="modes")
 
     def ladder(self) -> tuple[Self, ...]:
-        """Rotation fields with one to eight shapes and chains of sub-beams; in space twice the twists last."""
+        """Rotation fields with one to eight shapes and chains of sub-beams; in space twice the twists last. With more
+        than bending: first without extension and shear.
+        """
+        if self.strained:
+            return fidelities.ladder(self)
         steps: list[Self] = []
-        for kinematics, segments, modes in (
-            ("strain", 1, 1),
-            ("strain", 1, 2),
-            ("substructured", 1, 2),
-            ("strain", 1, 3),
-            ("strain", 1, 4),
-            ("substructured", 2, 2),
-            ("substructured", 3, 2),
-            ("strain", 1, 6),
-            ("substructured", 4, 2),
-            ("strain", 1, 8),
-        ):
+        for kinematics, segments, modes in LADDER:
             step = dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
             steps.append(step)
         if not self.planar:
@@ -85,12 +106,13 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         modes = min(PHYSICS_SHAPES + more, BASES[self.rotation_basis])
         twists = min(modes, MOST_TWISTS) if not self.planar else self.twists
         changes: dict[str, Any] = {"kinematics": "strain", "segments": 1, "points": None}
+        if self.strained:
+            changes |= fidelities.richer(self, more)
         return dataclasses.replace(self, modes=modes, twists=twists, **changes)
 
     @property
     def unmodelled(self) -> tuple[str, ...]:
-        plane = ("bending out of the plane", "torsion") if self.planar else ()
-        return (*plane, "shear", "extension", "plasticity")
+        return fidelities.unmodelled(self)
 
     @property
     def planar_chain(self) -> PlanarChain | str:
@@ -111,6 +133,8 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         """Turns of the root and twists as they are, curvatures projected."""
         if not (isinstance(simpler, LargeBeamDeclaration) and simpler.kinematics == self.kinematics == "strain"):
             return super().embedding(simpler)
+        if self.strained:
+            return np.kron(np.eye(2), fidelities.embedding(self, simpler))
         bend, flap = (own.embedding(other) for own, other in zip(self._rotations, simpler._rotations))
         blocks = [bend] if self.planar else [bend, flap, np.eye(self.twists, simpler.twists)]
         return np.kron(np.eye(2), linalg.block_diag(*blocks))
@@ -123,10 +147,12 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
     def _g(self) -> ca.SX:
         return ca.SX(ca.vertcat(*self.gravity[: 2 if self.planar else 3]))
 
-    def _tip(self, at: Tangents) -> ca.SX:
+    def _tip(self, at: TangentSums) -> ca.SX:
         return self.beam.length * at.sum(self.fields.tangents.points.weight)
 
     def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        if self.strained:
+            return self.strained_beam.kinetic_energy(q, v)
         beam, at = self.beam, self.fields.tangents.at(q, v)
         T = beam.mass * beam.length**2 * at.kinetic() + self.fields.sections.kinetic(q, v)
         if self._loaded:
@@ -136,6 +162,8 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return T
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
+        if self.strained:
+            return self.strained_beam.potential_energy(q)
         beam, at = self.beam, self.fields.tangents.at(q, ca.SX.zeros(q.shape[0]))
         straight = ca.DM.zeros(at.d)
         straight[0] = 1.0
@@ -148,9 +176,13 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return self.fields.sections.strain_energy(q) - ca.dot(self._g, fallen)
 
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        if self.strained:
+            return self.strained_beam.dissipation(q, v)
         return self.fields.sections.dissipation(q, v)
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        if self.strained:
+            return self.strained_beam.generalized_force(q, w if self.driven else u)
         tip = self._tip(self.fields.tangents.at(q, v))
         return ca.jtimes(tip, q, w if self.root == "driven" else u, True)
 
@@ -159,6 +191,9 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         """What the base class derives from the energies, from the positions' Jacobians: a fraction of the size."""
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
+        if self.strained:
+            M, r = self.strained_beam.equations(q, v, w if self.driven else u)
+            return M, r, ca.bilin(M, v, v) / 2, self.potential_energy(q)
         beam, at, points = self.beam, self.fields.tangents.at(q, v), self.fields.tangents.points
         M, r = self.fields.sections.inertia(q, v)
         M = M + beam.mass * beam.length**2 * at.mass()
@@ -177,6 +212,8 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
+        if self.strained:
+            return self.strained_beam.output(q, v)
         at = self.fields.tangents.at(q, v)
         tip, rate = self._tip(at), self.beam.length * at.sum_rate(self.fields.tangents.points.weight)
         turning = [] if self.root == "clamped" else [q[0]]
@@ -195,6 +232,9 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
         """Small strains; in space rotations below one turn, or of a chain small turns within each sub-beam."""
         n, at = self.coordinates_slice.stop, STATIONS
+        if self.strained:
+            given = (u, w) if self.driven else (u[:0], u)
+            return fidelities.ranges(self, x[:n], x[n:], *given)
         q, beam, shapes = x[:n], self.beam, self.fields.shapes
         spin = x[n] ** 2 if self.root != "clamped" else ca.SX(0)
         force = ca.norm_2(w if self.root == "driven" else u)
@@ -208,16 +248,19 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
             twists = None if self.planar else _largest_twist(q[first + 2 * each :], self.segments, self.twists)
             curved = [(curvature / L, moment) for (_, curvature), moment in zip(planes, MOMENTS)]
             slope = ca.norm_2(ca.vertcat(*[s for s, _ in planes]))
-            return (*fibres(beam, curved, pull), *sub_beams(beam, slope, twists))
+            return (*fibres(beam, curved, pull, holds=fidelities.EXTENSIBLE), *sub_beams(beam, slope, twists))
         m = self.modes + (self.root != "clamped")
         curved = [(largest(shapes.curvature(at), q[:m]) / L, "I_z")]
         if self.planar:
-            return tuple(fibres(beam, curved, pull))
+            return tuple(fibres(beam, curved, pull, holds=fidelities.EXTENSIBLE))
         own: LargeBeamDeclaration = self.nominal
         flap, flaps = own._rotations[1], q[m : m + self.modes]
         curved.append((largest(flap.curvature(at), flaps) / L, "I_y"))
         about_z = shapes(at)[:, m - self.modes :]  # against the root
-        return (*fibres(beam, curved, pull), below_one_turn((about_z, flap(at)), q[m - self.modes : m], flaps))
+        return (
+            *fibres(beam, curved, pull, holds=fidelities.EXTENSIBLE),
+            below_one_turn((about_z, flap(at)), q[m - self.modes : m], flaps),
+        )
 
     def outline(self, x: Array, points: int = 60) -> Array:
         """The bent beam from root to tip at a state x (nx,): inertial positions (1, points, 2 or 3) [m]."""
@@ -229,9 +272,9 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         xi = require_finite(name, np.atleast_1d(real_array(name, xi)), (-1,))
         if xi.size and not (xi.min() >= 0 and xi.max() <= 1):
             raise ValueError(f"{name} = {shown(xi)} must be within [0, 1]")
-        t = self.fields.tangents.values(x[self.coordinates_slice])
         own: Any = self.nominal
-        return own.beam.length * self.fields.tangents.points.cumulative(xi) @ t
+        tangents = own.strained_beam.frames if self.strained else self.fields.tangents
+        return own.beam.length * tangents.points.cumulative(xi) @ tangents.values(x[self.coordinates_slice])
 
 
 def _largest_twist(q: ca.SX, segments: int, count: int) -> ca.SX:

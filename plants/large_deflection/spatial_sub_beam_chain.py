@@ -18,23 +18,11 @@ import numpy as np
 
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
-from pliant.plants.exact_rotations.quadrature import Array, Points, points, sparse
+from pliant.plants.exact_rotations.quadrature import Array, Points, points
+from pliant.plants.exact_rotations.tangent_sums import DifferentiatedTangents
 
 from .cross_sections import payload_tensor, rotation, spin, turned_about_z
 from .sub_beam_chain import Chain
-from .tangent_field import Tangents
-
-
-class _ChainTangents(Tangents):
-    """Tangents whose derivatives come from differentiating them as they stand."""
-
-    def __init__(self, field: SpatialChain, q: ca.SX, v: ca.SX) -> None:
-        t = field.tangents(q)
-        self.d, self.t = 3, [t[c, :].T for c in range(3)]
-        self.rate = [ca.jtimes(e, q, v) for e in self.t]
-        self.bias = [ca.jtimes(e, q, v) for e in self.rate]
-        self.points = field.points
-        self._P = [sparse(field.points.root) @ ca.jacobian(e, q) for e in self.t]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +101,9 @@ class SpatialChain:
             found.append(frames[i] @ ca.horzcat(1 - (y**2 + z**2) / 2, y, z).T)
         return ca.horzcat(*found)
 
-    def at(self, q: ca.SX, v: ca.SX) -> Tangents:
+    def at(self, q: ca.SX, v: ca.SX) -> DifferentiatedTangents:
         """The tangents and their derivatives at coordinates q and rates v (n,)."""
-        return _ChainTangents(self, q, v)
+        return DifferentiatedTangents(self.points, self.tangents(q), q, v)
 
     def values(self, q: Array) -> Array:
         """t (points, 3) at numeric q."""

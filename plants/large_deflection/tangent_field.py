@@ -22,6 +22,7 @@ from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.exact_rotations.projection import nearest
 from pliant.plants.exact_rotations.quadrature import Array, Points, sparse
+from pliant.plants.exact_rotations.tangent_sums import TangentSums
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +47,7 @@ class TangentField(OwnsArrays):
         return np.asarray(ca.Function("t", [self.angles], [self.tangent]).map(len(angles))(angles.T)).T
 
 
-class Tangents:
+class Tangents(TangentSums):
     """A field at q, v: t (d lists of (m,)), and P_c = root dt_c/dq, from which mass matrix and forces follow."""
 
     def __init__(self, field: TangentField, q: ca.SX, v: ca.SX) -> None:
@@ -77,41 +78,6 @@ class Tangents:
                 for slopes in self.slope
             ]
         return self._P
-
-    def mass(self) -> ca.SX:
-        """sum_ab W_ab dt_a/dq . dt_b/dq, (n, n); times rho A L^3 it is the mass matrix."""
-        n = self.P[0].shape[1]
-        M = ca.SX(n, n)
-        for i in range(n):
-            for j in range(i + 1):
-                M[i, j] = M[j, i] = sum(ca.dot(p[:, i], p[:, j]) for p in self.P)
-        return ca.densify(M)
-
-    def kinetic(self) -> ca.SX:
-        """sum_ab W_ab t_a' . t_b' / 2 from the rates themselves."""
-        return sum((ca.sumsqr(sparse(self.points.root) @ rate) for rate in self.rate), ca.SX(0)) / 2
-
-    def inertia_force(self) -> ca.SX:
-        """sum_ab W_ab dt_a/dq . (t_b'' where q'' = 0), (n,): to be subtracted from the forces."""
-        root = sparse(self.points.root)
-        return sum((p.T @ (root @ c) for p, c in zip(self.P, self.bias)), ca.SX(0))
-
-    def sum(self, weight: Array) -> ca.SX:
-        """sum_b weight_b t_b, (d,)."""
-        return ca.vertcat(*[ca.dot(ca.DM(weight), t) for t in self.t])
-
-    def sum_rate(self, weight: Array) -> ca.SX:
-        """Its time derivative, (d,)."""
-        return ca.vertcat(*[ca.dot(ca.DM(weight), t) for t in self.rate])
-
-    def sum_bias(self, weight: Array) -> ca.SX:
-        """Its second time derivative where q'' = 0, (d,)."""
-        return ca.vertcat(*[ca.dot(ca.DM(weight), t) for t in self.bias])
-
-    def sum_jacobian(self, weight: Array) -> ca.SX:
-        """Its derivative by q, (d, n)."""
-        through = ca.DM(np.linalg.solve(self.points.root.T, weight))
-        return ca.vertcat(*[through.T @ p for p in self.P])
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,9 +45,15 @@ def axial_strains(plant: PlantLike, motion: Trajectory) -> list[float]:
     return [float(np.nanmax(reached[:, k])) for k, r in enumerate(plant.validity) if r.quantity.startswith(AXIAL)]
 
 
-def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX, name: str = "the beam") -> list[Range]:
+def fibres(
+    beam: Beam,
+    curvatures: Sequence[tuple[ca.SX, str]],
+    pull: ca.SX,
+    name: str = "the beam",
+    holds: str = NONE_HOLDS,
+) -> list[Range]:
     """Strain of the outer fibres, sqrt(3 I/A) from the axis as in a rectangle, for the largest |curvature| [1/m] about
-    each axis ("I_z", "I_y"), and of the axis under a force `pull` [N].
+    each axis ("I_z", "I_y"), and of the axis under a force `pull` [N]; `holds`: what stretches.
     """
     bent = ca.SX(0)
     for curvature, moment in curvatures:
@@ -56,7 +62,7 @@ def fibres(beam: Beam, curvatures: Sequence[tuple[ca.SX, str]], pull: ca.SX, nam
     found = [Range(f"strain of {name}'s fibres", "1", FIBRE, keeps, NONE_HOLDS, bent)]
     keeps = "an inextensible beam misplaces its points by less than 1 % of the length"
     stretched = ca.fabs(pull) / (beam.E * beam.area)
-    return [*found, Range(f"{AXIAL} of {name}", "1", FIBRE, keeps, NONE_HOLDS, stretched)]
+    return [*found, Range(f"{AXIAL} of {name}", "1", FIBRE, keeps, holds, stretched)]
 
 
 def strains_of(name: str, link: StrainLink, q: ca.SX, pull: ca.SX) -> list[Range]:

@@ -73,6 +73,13 @@ def declaration_calls() -> list[Call]:
         "basis": Choice("auto"),
         "planar": Flag(True),
         "points": Count(20, none=True),
+        "theory": Choice("euler-bernoulli"),
+        "extensible": Flag(True),
+        "stretches": Count(2),
+        "shears": Count(2),
+        "tip_loads": Names(("force", "moment")),
+        "rest_curvature": Number(0.125),
+        "rotary": Number(1.0, low=0.0),
     }
     craft = {
         "hub": Object(hub()),

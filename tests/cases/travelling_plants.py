@@ -43,6 +43,9 @@ for label, made in {
     "single link varied": RIGID.vary("payload.mass"),
     "two links": dataclasses.replace(TwoLinkArm.textbook(), reduction="rigid"),
     "large beam": LargeDeflectionBeam.textbook(),
+    "large beam of strains": dataclasses.replace(
+        LargeDeflectionBeam.textbook(), root="free", modes=1, extensible=True, rest_curvature=np.sin
+    ),
     "slider-crank": SliderCrank.textbook(),
     "spacecraft": dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="rigid"),
 }.items():

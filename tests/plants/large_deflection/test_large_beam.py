@@ -160,12 +160,12 @@ def test_step_past_the_limit_is_refused():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"root": "free"}, r"root = 'free' must be one of 'clamped', 'hinged', 'driven'"),
+        ({"root": "afloat"}, r"root = 'afloat' must be one of 'clamped', 'hinged', 'driven', 'free', 'moving'"),
         ({"kinematics": "linear"}, r"kinematics = 'linear' must be one of"),
         ({"frame": "buckens"}, r"frame = 'buckens' must be one of"),
         ({"basis": "sine"}, r"basis = 'sine' must be one of"),
         ({"modes": 0}, r"modes = 0 must be an integer from 1 to 30"),
-        ({"segments": 2}, r"segments = 2 must be an integer from 1 to 1"),
+        ({"segments": 2}, r"basis of segments = 'modes' must be one of 'auto', 'polynomial'"),
         ({"segments": 0, "kinematics": "substructured"}, r"segments = 0 must be an integer from 1 to 32"),
         ({"gravity": (0.0, -9.8)}, r"gravity = \(0.0, -9.8\) must be three numbers"),
         ({"gravity": (0.0, float("nan"), 0.0)}, r"gravity\[1\] = nan"),
