@@ -39,6 +39,11 @@ def gallery(
     A scene whose table was made there with at least this budget, by this version on this machine, is taken as it is; a
     run that was killed goes on with the rows that it kept. A scene that cannot be charted stands in the index with the
     reason. Returns the charts.
+
+    Example
+    -------
+    >>> found = gallery("charts", scenes=("spin-up", "two-link-reach"), budget=30.0)
+    >>> [(chart.scene, chart.fastest()) for chart in found]
     """
     folder = require_path("gallery.out", out)
     names = require_names("gallery.scenes", tuple(shipped.SCENES) if scenes is None else scenes, tuple(shipped.SCENES))

@@ -94,17 +94,26 @@ def sentence(chart: Chart) -> str:
 
 
 def beside(chart: Chart) -> str:
-    """How many times as long each other program takes, at least and at most, and where least."""
+    """How many times as long each other program takes, at least and at most, and where least; beside each of 1,024
+    motions at once too.
+    """
     told = []
     for name in dict.fromkeys(peer.peer for peer in chart.peers):
-        found = [
-            (times, p.error or 0.0) for p in chart.peers if p.peer == name and (times := chart.ahead(p)) is not None
-        ]
-        if found:
-            (least, at), (most, _) = min(found), max(found)
-            far = f"{least:.2g} to {most:.2g} times, least" if len(found) > 1 else f"{least:.2g} times,"
-            told.append(f"{name}: {far} where it errs by {measured(at, chart.unit)}.")
+        found = _ahead(chart, name, 1)
+        if not found:
+            continue
+        (least, at), (most, _) = min(found), max(found)
+        far = f"{least:.3g} to {most:.3g} times, least" if len(found) > 1 else f"{least:.3g} times,"
+        text = f"{name}: {far} where it errs by {measured(at, chart.unit)}"
+        many = [times for times, _ in _ahead(chart, name, 1024)]
+        told.append(f"{text}; {min(many):.3g} times or more beside each of 1,024 at once." if many else f"{text}.")
     return " ".join(told)
+
+
+def _ahead(chart: Chart, name: str, lanes: int) -> list[tuple[float, float]]:
+    """(times, error) of a program's rows that the chart has one as good of."""
+    own = [(chart.ahead(peer, lanes), peer.error or 0.0) for peer in chart.peers if peer.peer == name]
+    return [(times, error) for times, error in own if times is not None]
 
 
 def tables(chart: Chart) -> str:

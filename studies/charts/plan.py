@@ -13,7 +13,10 @@ from dataclasses import dataclass
 from pliant.plants import Plant
 from pliant.studies.fidelity.speed_accuracy import LANES, SUBSTEPS, TOLERANCES, Row
 
-EXPLICIT, IMPLICIT = ("dop853", "rk4", "rk8"), ("rosenbrock", "rodas5p")  # compiled; the latter take long to
+EXPLICIT, IMPLICIT = (
+    ("dop853", "rk4", "rk8"),
+    ("rosenbrock", "rodas5p"),
+)  # compiled; the latter in the budget
 STEPPED_NATIVELY = ("rk4", "rk8")  # by `simulate`, in the same library as dop853
 STEPPED = (("rk4", "double"), ("rk4", "single"), ("rk8", "double"), ("rk8", "single"))
 LONG = (("rosenbrock", "double"),)  # a kernel in single precision takes as long to compile again

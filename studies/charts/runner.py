@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
+from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.plants.native import kernel_loader
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.speed_accuracy import ROOTS, RUNS_AWAY, SPENT, Row, comparable_seconds
 from pliant.studies.physics.physics_motion import compared
 
 from .linear_runs import linear_run, simplifies
+from .plan import IMPLICIT
 from .stepper_runs import motion, repeats, seconds_a_period, stepper
 
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
@@ -25,7 +27,7 @@ FLOOR = 1e-3  # .. or below this share of the tolerance
 SLOW = 2.0  # [s] a run expected to take longer is not made
 SHORT = 0.1  # [s] runs are repeated where they take less
 COMPILES = {"rk4": 1.5e-4, "rk8": 2e-4}  # [s] for each operation of the rates: what a kernel that is new may take ..
-IMPLICIT = 1.7e-3  # .. and one of a method that needs Jacobians
+LONGER = 1.7e-3  # .. and one of a method that needs Jacobians
 
 
 class Runner:
@@ -64,6 +66,8 @@ class Runner:
         if why:
             found = dataclasses.replace(row, failure=why)
         else:
+            if row.path == "simulate" and row.method in IMPLICIT and _cost(row) not in self.built:
+                compile_motions(plant, deadline - clock.perf_counter(), row.method)
             try:
                 made = {"simulate": self._simulated, "stepper": self._stepped, "linear": self._linear}[row.path]
                 timed = made(plant, row)
@@ -112,7 +116,7 @@ class Runner:
         if expected > SLOW and row.lanes == 1:
             return f"too slow: about {expected:.2g} s a run, limit {SLOW:g} s"
         if row.path == "stepper" and _kernel(row) not in self.built and kernel_loader.wanted():
-            expected += COMPILES.get(row.method, IMPLICIT) * plant._dynamics.function.n_instructions()
+            expected += COMPILES.get(row.method, LONGER) * plant._dynamics.function.n_instructions()
         return SPENT if clock.perf_counter() + expected > deadline else ""
 
     def _expected(self, row: Row) -> float:

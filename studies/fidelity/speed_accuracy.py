@@ -23,7 +23,13 @@ from pathlib import Path
 from typing import Any
 
 from pliant.plants import Trajectory
-from pliant.plants.core.argument_gates import require_choice, require_number, require_path, require_text
+from pliant.plants.core.argument_gates import (
+    require_choice,
+    require_instance,
+    require_number,
+    require_path,
+    require_text,
+)
 from pliant.plants.files.atomic_files import Together, write_text
 from pliant.studies.common.formatting import duration
 from pliant.studies.peers.peer_rows import PeerRow
@@ -168,13 +174,15 @@ class Chart:
         ]
         return min(found, key=lambda r: r.seconds or 0.0, default=None)
 
-    def ahead(self, peer: PeerRow) -> float | None:
-        """How many times faster than another program's row the fastest of one lane is that errs no more; None where
-        none is as good, or the other has no result.
+    def ahead(self, peer: PeerRow, lanes: int = 1) -> float | None:
+        """How many times faster than another program's row the fastest of one lane, or of 1,024, is that errs no more;
+        None where none is as good, or the other has no result.
         """
+        require_instance("ahead.peer", peer, PeerRow)
+        require_choice("Chart.ahead", "lanes", lanes, LANES)
         if peer.failure is not None or peer.seconds is None or peer.error is None:
             return None
-        good = [r for r in self.measured if r.path != "linear" and r.lanes == 1 and (r.error or 0.0) <= peer.error]
+        good = [r for r in self.measured if r.path != "linear" and r.lanes == lanes and (r.error or 0.0) <= peer.error]
         return peer.seconds / min((r.seconds or 0.0) for r in good) if good else None
 
     def holding(self, row: Row | None) -> Chart:

@@ -32,6 +32,7 @@ METHOD_MARKERS = {
     "rk4": "s",
     "rk8": "^",
     "rosenbrock": "D",
+    "rodas5p": "d",
     "midpoint": "P",
     "cvodes": "X",
     "ltv": "*",
@@ -39,7 +40,7 @@ METHOD_MARKERS = {
     "reduced": "p",
 }
 METHOD_NAMES = {"ltv": "LTV along a motion", "linear": "linear, about the start", "reduced": "linear, half the states"}
-PEER_MARKERS = ("v", "<", ">", "d", "8", "1", "2", "3")
+PEER_MARKERS = ("v", "<", ">", "8", "1", "2", "3", "4")
 PEER = "#6a6f76"
 FEW_DECADES = 60.0  # times: axes that are shorter have more labels
 WIDTH, HEIGHT = 11.0, 4.4  # [in], of the panels

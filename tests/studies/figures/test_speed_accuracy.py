@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 from made_up_charts import made_up_chart
 
-from pliant.studies.fidelity.speed_accuracy import Reference
-from pliant.studies.figures.speed_accuracy import RAMPS, save, speed_accuracy, variant_colours
+from pliant.studies.fidelity.speed_accuracy import LINEAR, METHODS, Reference
+from pliant.studies.figures.speed_accuracy import (
+    METHOD_MARKERS,
+    PEER_MARKERS,
+    RAMPS,
+    save,
+    speed_accuracy,
+    variant_colours,
+)
 from pliant.studies.figures.style import COLOURS, INK
 
 FOUND = made_up_chart()
@@ -52,6 +59,11 @@ def test_a_hue_for_each_kinematics_from_light_to_dark():
     light = [oklab(colours[f"linear, {k}"], "none")[0] for k in (1, 2, 3)]
     assert light == sorted(light, reverse=True)
     assert set(variant_colours(("a", "b"))) == {"a", "b"} and variant_colours(()) == {}
+
+
+def test_every_method_has_a_marker_of_its_own():
+    assert set(METHOD_MARKERS) == {*METHODS, *LINEAR}
+    assert len({*METHOD_MARKERS.values(), *PEER_MARKERS}) == len(METHOD_MARKERS) + len(PEER_MARKERS)
 
 
 def test_every_measured_row_is_in_the_panel_of_its_lanes():
