@@ -88,6 +88,11 @@ class StrainDeclaration(LagrangianPlant):
         return parted or varies or any(_differs(self, name) for name in CHANGES)
 
     @property
+    def stiff(self) -> bool:
+        """Waves along the axis and of shear run through a slender beam while it hardly bends."""
+        return self.extensible or self.theory == "timoshenko"
+
+    @property
     def loads(self) -> TipLoads:
         """What acts on the tip."""
         return TipLoads(self.tip_loads, self.planar)

@@ -40,9 +40,11 @@ def ladder(beam: BeamT) -> tuple[BeamT, ...]:
 
 
 def richest(beam: Any, more: int) -> dict[str, Any]:
-    """What the physics of a beam has beside bending and torsion, with `more` stretches and shears than the beam's."""
+    """What the physics of a beam has beside bending and torsion: with any `more`, one more stretch and shear than the
+    beam's, which are small and smooth, so that one tells what those left out do.
+    """
     found: dict[str, Any] = {"kinematics": "strain", "points": None, "extensible": True, "theory": "timoshenko"}
-    found |= {name: min(getattr(beam, name) + more, MOST_STRAINS) for name in ("stretches", "shears")}
+    found |= {name: min(getattr(beam, name) + min(more, 1), MOST_STRAINS) for name in ("stretches", "shears")}
     return found if beam.strained and beam.segments > 1 else found | {"segments": 1}
 
 

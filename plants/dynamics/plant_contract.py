@@ -60,6 +60,13 @@ class PhysicsContract(Declaration):
         """What even `physics` leaves out, in words. Default: what every variant of the ladder does."""
         return ("what every variant of its ladder leaves out",)
 
+    @property
+    def stiff(self) -> bool:
+        """Whether it has modes so much faster than those that its motions show that explicit steps are bounded by
+        stability. Default: no.
+        """
+        return False
+
     def estimates(self, motion: Trajectory) -> dict[str, Array]:
         """{effect that even `physics` leaves out: about the most that it would change each of [y; x] by on a motion of
         this plant, (ny + nx,)}. Default: nothing is estimated.

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -47,6 +47,7 @@ from .declaration import BASES, MOST_TWISTS, LargeBeamDeclaration
 from .sub_beam_chain import Chain
 
 PHYSICS_SHAPES = 5  # that physics has by itself
+BeamT = TypeVar("BeamT")
 LADDER = (  # kinematics, segments, modes
     ("strain", 1, 1),
     ("strain", 1, 2),
@@ -91,15 +92,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         """Rotation fields with one to eight shapes and chains of sub-beams; in space twice the twists last. With more
         than bending: first without extension and shear.
         """
-        if self.strained:
-            return fidelities.ladder(self)
-        steps: list[Self] = []
-        for kinematics, segments, modes in LADDER:
-            step = dataclasses.replace(self, kinematics=kinematics, segments=segments, modes=modes, points=None)
-            steps.append(step)
-        if not self.planar:
-            steps.append(dataclasses.replace(steps[-1], twists=min(max(2 * self.twists, 1), MOST_TWISTS)))
-        return tuple(steps)
+        return fidelities.ladder(self) if self.strained else _ladder_of_rotations(self)
 
     def physics(self, more: int = 0) -> Self:
         """Exact rotations, extension and shear, with `more` than five shapes; in space as many twists as shapes."""
@@ -268,6 +261,17 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         own: Any = self.nominal
         tangents = own.strained_beam.frames if self.strained else self.fields.tangents
         return own.beam.length * tangents.points.cumulative(xi) @ tangents.values(x[self.coordinates_slice])
+
+
+def _ladder_of_rotations(beam: BeamT) -> tuple[BeamT, ...]:
+    own: Any = beam
+    steps: list[BeamT] = []
+    for kinematics, segments, modes in LADDER:
+        steps.append(dataclasses.replace(own, kinematics=kinematics, segments=segments, modes=modes, points=None))
+    if not own.planar:
+        last: Any = steps[-1]
+        steps.append(dataclasses.replace(last, twists=min(max(2 * own.twists, 1), MOST_TWISTS)))
+    return tuple(steps)
 
 
 def _largest_twist(q: ca.SX, segments: int, count: int) -> ca.SX:

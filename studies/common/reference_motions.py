@@ -19,6 +19,7 @@ from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.argument_gates import require_finite, shown
 from pliant.plants.validity.ranges import in_words
 
+STIFF = "rodas5p"  # the adaptive method of plants that are stiff; of others it is dop853
 TIGHT = 1e-10  # rtol of a converged motion; atol is a hundredth
 Progress = Callable[[float, str], None]  # fraction done, what is being done
 
@@ -85,6 +86,8 @@ class Motions:
 
     def at_nodes(self, plant: Plant, held: np.ndarray, times: np.ndarray, **options: Any) -> Trajectory:
         """The motion from the start at other times (m,), the input held (m, nu) from each to the next."""
+        if plant.stiff:
+            options.setdefault("method", STIFF)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)  # `outside` tells it, once for each fidelity
             return plant.simulate(self.start(plant), held, times, **options)

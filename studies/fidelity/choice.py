@@ -111,8 +111,8 @@ def choose(
     if met and climb.physics[0] is not None:
         told(0.7, "integrator")
         fastest, largest = integrators(played[0], climb.physics[0], plant, tolerance)
-        if measured is not None and measured.reference.uncertainty < tolerance:
-            charted = measured.fastest(tolerance - measured.reference.uncertainty, plant.label)
+        if measured is not None:
+            charted = measured.fastest(tolerance, plant.label)
             rows = [row for row in (fastest, charted) if row is not None]
             fastest = min(rows, key=lambda row: row.seconds or 0.0, default=None)
     found = Choice(

@@ -83,6 +83,10 @@ class Climb:
         return rung.bound is not None and rung.bound <= self.tolerance and not self.outside and not self.failed
 
     def _tried(self, plant: Plant) -> Rung:
+        own = [p is not None and p.motion is not None and plant.label == p.physics.label for p in self.physics]
+        if all(own):
+            note = "physics itself: its error is what is known of it"
+            return Rung(plant.label, plant.nx, self.uncertainty, self.uncertainty, note=note)
         if not any(self.physics):
             return Rung(plant.label, plant.nx, float("inf"), float("inf"), note="not tried: physics is not known")
         error, outside, note = 0.0, "", ""

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from euler_elastica import elastica
 from strained_cases import SECTION, strained
 
 from pliant.plants.beam_strains.load_path import follow, tell_unstable
