@@ -55,7 +55,8 @@ def effects(beam: Any) -> dict[str, bool]:
 
 def lacking(effect: str) -> dict[str, Any]:
     """The fields of a beam without an effect."""
-    return {"extension": {"extensible": False}, "shear": {"theory": "euler-bernoulli"}}[effect]
+    fields: dict[str, dict[str, Any]] = {"extension": {"extensible": False}, "shear": {"theory": "euler-bernoulli"}}
+    return fields[effect]
 
 
 def planar_chain(beam: Any) -> PlanarChain | str:

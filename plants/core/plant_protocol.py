@@ -34,6 +34,9 @@ class PlantLike(Protocol):
     def outputs(self) -> tuple[Signal, ...]: ...
 
     @property
+    def signals(self) -> dict[str, tuple[Signal, ...]]: ...
+
+    @property
     def label(self) -> str: ...
 
     @property

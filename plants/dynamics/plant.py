@@ -25,6 +25,7 @@ from pliant.plants.validity.ranges import Left, Range, left
 
 from . import arguments, equilibrium, linear_models, python_control
 from .declaration import Array
+from .equilibrium import RestConditions
 from .plant_contract import PlantContract
 
 if TYPE_CHECKING:
@@ -122,9 +123,9 @@ class Plant(PlantContract):
         equilibrium.tell_unstable(self, x0, u0, p)
         return x0, u0
 
-    def rest_conditions(self, p: Any = None) -> equilibrium.RestConditions:
+    def rest_conditions(self, p: Any = None) -> RestConditions:
         """What must vanish at rest, and its slopes."""
-        return equilibrium.RestConditions(self, p)
+        return RestConditions(self, p)
 
     def explain_stop(self, passed: Array, last: Array, w: Any, p: Any) -> None:
         """Raise the error that says why an integration stopped at `last` (nx,) after the states `passed` (k, nx)."""

@@ -16,14 +16,14 @@ Source   R. E. Bellman, R. E. Kalaba, "Quasilinearization and Nonlinear Boundary
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 
 from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import GAUSS
 
-from .block_collocation import BUTCHER, HeldModel
+from .block_collocation import BUTCHER, BlockCollocation, HeldModel
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
@@ -75,7 +75,7 @@ class CorrectedMotion:
         self._blocks = min(BLOCKS, len(nodes.h))
         self._goes_on = goes_on
         self._own = False  # whether its linear model is about the motion as it is
-        self._model, self._steps = model, None
+        self._model, self._steps = model, cast(BlockCollocation | None, None)
         self.outputs = self._measured()
 
     @classmethod
@@ -157,10 +157,9 @@ class CorrectedMotion:
 
     def step(self, anew: bool = True) -> None:
         """One pass, with the linear model made anew or that of the last."""
-        if anew or self._model is None:
-            self._linearise()
+        model = self._linearise() if anew or self._model is None else self._model
         if self._steps is None:
-            self._steps = self._model.over(self.nodes.all[self.nodes.ends])
+            self._steps = model.over(self.nodes.all[self.nodes.ends])
         n = self.x.shape[1]
         c = self._rates(self.x) - self.rate
         delta, moved, slopes = self._steps.response(c.reshape(-1, 2, n), self._start)
@@ -171,7 +170,7 @@ class CorrectedMotion:
         before, self.outputs = self.outputs, self._measured()
         self.changes.append(float(np.abs(self.outputs - before).max()))
 
-    def _linearise(self) -> None:
+    def _linearise(self) -> HeldModel:
         """A of each block, in its middle, at the accelerations of the motion as it is."""
         ends = self.nodes.all[self.nodes.ends]
         edges = np.round(np.linspace(0, len(ends) - 1, self._blocks + 1)).astype(int)
@@ -180,7 +179,9 @@ class CorrectedMotion:
         A = self._jacobians(t, x, self.u[at], rate)
         if not np.isfinite(A).all():
             raise NotSettled("the linear model along the motion is not finite")
-        self._model, self._steps, self._own = HeldModel(ends[edges], A), None, True
+        made = HeldModel(ends[edges], A)
+        self._model, self._steps, self._own = made, None, True
+        return made
 
     def _jacobians(self, t: Array, x: Array, u: Array, rate: Array) -> Array:
         """A (b, nx, nx) at points, of the plant that serves Newton's method."""
