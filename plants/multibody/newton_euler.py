@@ -1,0 +1,74 @@
+"""Forces of a tree by Newton and Euler: down the tree go the motions of its frames, up the forces that they take.
+
+Where the node of a beam is reached, the forces on its sections' shifts and turns act on its coordinates: Q += T^T Q_s.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from pliant.plants.multibody_parts import beam_forces
+from pliant.plants.multibody_parts.spatial import Motion, Wrench
+
+from .layout import BASE
+from .walk import Walk
+
+
+def motions(walk: Walk, gravity: ca.SX) -> list[Motion]:
+    """Of every node's frame, at zero accelerations of the coordinates, the base still."""
+    base, found = Motion(ca.SX.zeros(3), ca.SX.zeros(3), -gravity), list[Motion]()
+    for node, edge in zip(walk.tree.nodes, walk.edges, strict=True):
+        motion = base if node.parent == BASE else found[node.parent]
+        for step in edge.steps:
+            motion = step.down(motion)
+        found.append(motion)
+    return found
+
+
+def forces(walk: Walk, gravity: ca.SX, external: dict[int, Wrench]) -> ca.SX:
+    """What inertia, weight and `external` wrenches (on nodes) leave to be balanced at zero accelerations, by
+    coordinates; strain apart.
+    """
+    moves, nodes = motions(walk, gravity), walk.tree.nodes
+    loads, Q = _nothing(walk), dict[int, ca.SX]()
+    for k, (node, motion) in enumerate(zip(nodes, moves, strict=True)):
+        if node.inertia is not None:
+            U = motion.U
+            loads[k] = node.inertia.inertial(motion, U)
+            if node.beam is not None:
+                load, within = beam_forces.inertial(node.beam, motion, U, *walk.bent(k))
+                loads[k] = loads[k] + load
+                Q |= {key: within[i] for i, key in enumerate(walk.beam_keys.get(k, ()))}
+        if k in external:
+            loads[k] = Wrench(loads[k].f - external[k].f, loads[k].n - external[k].n)
+    return _taken(walk, loads, Q)
+
+
+def work(walk: Walk, external: dict[int, Wrench]) -> ca.SX:
+    """Generalised forces of wrenches on nodes."""
+    loads = [external.get(k, load) for k, load in enumerate(_nothing(walk))]
+    return _taken(walk, loads, {})
+
+
+def _nothing(walk: Walk) -> list[Wrench]:
+    return [Wrench(ca.SX.zeros(3), ca.SX.zeros(3)) for _ in walk.tree.nodes]
+
+
+def _taken(walk: Walk, loads: list[Wrench], Q: dict[int, ca.SX]) -> ca.SX:
+    """Generalised forces of loads on the nodes, each about its frame's origin in its axes, added to Q."""
+    loads, nodes = list(loads), walk.tree.nodes
+    for k in reversed(range(len(nodes))):
+        (steps, section, keys), load, parent = walk.edges[k], loads[k], nodes[k].parent
+        for step in reversed(steps):
+            for key, work in step.work(load).items():
+                Q[key] = Q.get(key, ca.SX(0)) + work
+            load = step.up(load)
+        if section is not None:
+            for i, key in enumerate(walk.beam_keys.get(parent, ())):
+                Q[key] = Q.get(key, ca.SX(0)) + sum(
+                    (section.T[r, i] * Q[s] for r, s in enumerate(keys) if s in Q and section.T[r, i].nnz()),
+                    ca.SX(0),
+                )
+        if parent != BASE:
+            loads[parent] = loads[parent] + load
+    return ca.vertcat(*[Q.get(i, ca.SX(0)) for i in range(walk.q.shape[0])])
