@@ -23,10 +23,10 @@ class TreeFidelity(TreeDeclaration):
     def sensors(self) -> tuple[Sensed, ...]:
         units = {s.name: s.unit for s in self.coordinates}
         found = [Sensed("encoder", j.position, scale=PINION if units[j.position] == "m" else 1.0) for j in self.joints]
-        for b in self.flexible:
+        for b in self.slender:
             beam: Any = b.beam
             depths = ((3 * beam.I_z / beam.area) ** 0.5, (3 * beam.I_y / beam.area) ** 0.5)
-            for axis, depth, n in zip("yz", depths, self.counts(b)[:2], strict=True):
+            for axis, depth, n in zip("yz", depths, b.modes[:2], strict=True):
                 if n:
                     found.append(Sensed("strain gauge", f"{b.name}_curvature_{axis}", scale=1 / depth))
         return tuple(found)

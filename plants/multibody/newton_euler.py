@@ -9,6 +9,7 @@ import casadi as ca
 
 from pliant.plants.multibody_parts import beam_forces
 from pliant.plants.multibody_parts.spatial import Motion, Wrench
+from pliant.plants.validity.slender import Pull
 
 from .layout import BASE
 from .walk import Walk
@@ -29,8 +30,30 @@ def forces(walk: Walk, gravity: ca.SX, external: dict[int, Wrench]) -> ca.SX:
     """What inertia, weight and `external` wrenches (on nodes) leave to be balanced at zero accelerations, by
     coordinates; strain apart.
     """
-    moves, nodes = motions(walk, gravity), walk.tree.nodes
-    loads, Q = _nothing(walk), dict[int, ca.SX]()
+    loads, Q = _loads(walk, motions(walk, gravity), external)
+    return _taken(walk, loads, Q)
+
+
+def pulls(walk: Walk, gravity: ca.SX, external: dict[int, Wrench]) -> dict[int, Pull]:
+    """The axial forces of every beam at zero accelerations, by node: what hangs on it counts as at its end."""
+    moves, found = motions(walk, gravity), dict[int, Pull]()
+    loads, _ = _loads(walk, moves, external)
+    carried = _nothing(walk)
+    for k in reversed(range(len(loads))):
+        node, w = walk.tree.nodes[k], moves[k].omega
+        if node.beam is not None:
+            found[k] = Pull(-moves[k].a[0], w[1] ** 2 + w[2] ** 2, -carried[k].f[0])
+        load = loads[k] + carried[k]
+        for step in reversed(walk.edges[k].steps):
+            load = step.up(load)
+        if node.parent != BASE:
+            carried[node.parent] = carried[node.parent] + load
+    return found
+
+
+def _loads(walk: Walk, moves: list[Motion], external: dict[int, Wrench]) -> tuple[list[Wrench], dict[int, ca.SX]]:
+    """(what each node takes, what its beam's coordinates take) at zero accelerations, less the external wrenches."""
+    nodes, loads, Q = walk.tree.nodes, _nothing(walk), dict[int, ca.SX]()
     for k, (node, motion) in enumerate(zip(nodes, moves, strict=True)):
         if node.inertia is not None:
             U = motion.U
@@ -41,7 +64,7 @@ def forces(walk: Walk, gravity: ca.SX, external: dict[int, Wrench]) -> ca.SX:
                 Q |= {key: within[i] for i, key in enumerate(walk.beam_keys.get(k, ()))}
         if k in external:
             loads[k] = Wrench(loads[k].f - external[k].f, loads[k].n - external[k].n)
-    return _taken(walk, loads, Q)
+    return loads, Q
 
 
 def work(walk: Walk, external: dict[int, Wrench]) -> ca.SX:

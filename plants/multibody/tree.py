@@ -23,7 +23,6 @@ from typing import Any, Self
 import casadi as ca
 import numpy as np
 
-from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_all, require_text
 from pliant.plants.core.casadi_functions import entries, last_call
@@ -34,14 +33,14 @@ from pliant.plants.multibody_parts.tree_beam import TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.multibody_parts.urdf import read
 from pliant.plants.validity.ranges import Range
-from pliant.plants.validity.slender import NONE_HOLDS, small_slopes
+from pliant.plants.validity.slender import NONE_HOLDS, pulled, small_slopes
 
 from .composite import mass_matrix
 from .fidelity import TreeFidelity
 from .from_urdf import bodies
 from .kinematics import drawn, poses, twists, weight_energy
 from .layout import vector
-from .newton_euler import forces, work
+from .newton_euler import forces, pulls, work
 from .walk import Walk
 
 
@@ -186,13 +185,19 @@ class FlexibleTree(TreeFidelity):
         return ca.vertcat(*y)
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
-        """Small slopes, without stiffening also the shortening that it leaves out."""
-        found: list[Range] = []
-        for body, (beam, at) in zip(self.flexible, self._beams(), strict=True):
-            parts = beam.parted(x[at])[:2]
-            for axis, basis, q in zip("yz", beam.bent_bases, parts, strict=True):
-                link = ElasticLink(beam.beam, basis, beam.stiffened)
-                found += small_slopes(f"{body.name} in x-{axis}", link, q, f"{NONE_HOLDS} for trees")
+        """Small slopes and strains; without stiffening also the shortening and the axial force that it leaves out."""
+        n, found = len(self.coordinates), list[Range]()
+        walk = self._walk(x[:n], x[n:])
+        axial = pulls(walk, vector(self.gravity), self._wrenches(walk, w))
+        bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)
+        for body, (k, beam), (_, numbers), (_, at) in bent:
+            planes = zip("yz", beam.planes, numbers.planes, beam.parted(x[at])[:2], strict=True)
+            for axis, link, number, q in planes:
+                name = f"{body.name} in x-{axis}"
+                found += [
+                    *small_slopes(name, link, q, f"{NONE_HOLDS} for trees"),
+                    *pulled(name, link, number, axial[k]),
+                ]
         return tuple(found)
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:

@@ -16,7 +16,7 @@ quasi-coordinates then give, whatever is left out of these functions, forces tha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -25,6 +25,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import beams
+from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.euler_bernoulli_modes import quadrature
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.casadi_functions import entries
@@ -75,6 +76,13 @@ class TreeBeam:
     @cached_property
     def bent_bases(self) -> tuple[beams.Basis, beams.Basis]:
         return beams.basis(self.basis, self.counts[0]), beams.basis(self.basis, self.counts[1])
+
+    @cached_property
+    def planes(self) -> tuple[ElasticLink, ElasticLink]:
+        """The beam as a link that bends in x-y, and as one that bends in x-z."""
+        other = replace(self.beam, I_y=self.beam.I_z, I_z=self.beam.I_y)
+        first, second = self.bent_bases
+        return ElasticLink(self.beam, first, self.stiffened), ElasticLink(other, second, self.stiffened)
 
     @cached_property
     def stretch(self) -> tuple[RodIntegrals, RodIntegrals]:

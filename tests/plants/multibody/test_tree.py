@@ -11,7 +11,6 @@ from pliant.plants import (
     ElasticJoint,
     FlexibleTree,
     Joint,
-    LagrangianPlant,
     Payload,
     SingleLinkArm,
     TreeBody,
@@ -92,56 +91,6 @@ def test_bends_alike_in_both_planes():
     other = sign * q[order]
     given = made[0].dynamics(np.r_[q, q])[n:]
     np.testing.assert_allclose(made[1].dynamics(np.r_[other, other])[n:], sign * given[order], rtol=1e-8, atol=1e-6)
-
-
-@pytest.mark.parametrize("kinematics", ["linear", "stiffened"])
-def test_equations_are_those_of_the_energies(space, kinematics):
-    """Recursion against Lagrange's equations of the energies, T = v'Mv/2 of the recursion's own M."""
-    tree = space(kinematics)
-    symbols = tree.symbols[:4]
-    found = ca.Function("found", list(symbols), list(tree.equations(*symbols)[:2]))
-    wanted = ca.Function("wanted", list(symbols), list(LagrangianPlant.equations.__wrapped__(tree, *symbols)[:2]))
-    rng = np.random.default_rng(4)
-    for _ in range(3):
-        n = len(tree.coordinates)
-        x = np.r_[rng.uniform(-2, 2, 4), 0.02 * rng.uniform(-1, 1, n - 4), rng.uniform(-2, 2, n)]
-        given = (0.0, x, rng.uniform(-1, 1, tree.nu), rng.uniform(-1, 1, tree.nw))
-        for a, b in zip(found(*given), wanted(*given), strict=True):
-            np.testing.assert_allclose(np.array(a), np.array(b), rtol=0, atol=1e-11 * np.abs(np.array(b)).max())
-
-
-def test_power_is_the_rate_of_energy(space):
-    """dE/dt = power put in less power lost, exactly: with springs, friction, damping, motors and loads."""
-    tree = space()
-    gear = ElasticJoint(stiffness=200.0, damping=0.3, ratio=20.0, rotor_inertia=1e-4, rotor_friction=1e-3)
-    joints = [
-        {"elastic": gear, "damping": 0.1},
-        {"friction": 0.2, "stiffness": 3.0, "rest": 0.4},
-        {"drive": "acceleration"},
-        {"drive": "none", "armature": 0.01},
-    ]
-    bodies = tuple(
-        dataclasses.replace(
-            b,
-            joint=dataclasses.replace(b.joint, **changes),
-            beam=b.beam and dataclasses.replace(b.beam, damping=1e-3),
-        )
-        for b, changes in zip(tree.bodies, joints, strict=True)
-    )
-    tree = dataclasses.replace(tree, bodies=bodies)
-    t, x, u, w, _ = tree.symbols
-    _, _, T, V = tree.equations(t, x, u, w)
-    rate = ca.jtimes(T + V, x, tree.expressions[0])
-    balance = ca.Function("balance", [x, u, w], [rate - tree.net_power(), rate])
-    rng = np.random.default_rng(5)
-    for _ in range(3):
-        n = len(tree.coordinates)
-        x0 = np.r_[rng.uniform(-1, 1, 5), 0.01 * rng.uniform(-1, 1, n - 5), rng.uniform(-1, 1, n)]
-        lacking, rate_there = balance(x0, rng.uniform(-1, 1, tree.nu), rng.uniform(-1, 1, tree.nw))
-        T0 = tree.kinetic(x0)
-        speeds = np.abs(tree.dynamics(x0)).max()
-        assert abs(float(lacking)) < 1e-12 * max(1.0, T0) * speeds
-        assert abs(float(rate_there)) > 1e-6
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -281,3 +230,84 @@ def test_a_bent_body_is_drawn_bent():
     y = dict(zip((s.name for s in tree.outputs), tree.measure(x), strict=True))
     np.testing.assert_allclose(line[-1], [y["tip_x"], y["tip_y"], y["tip_z"]], atol=1e-12)
     np.testing.assert_allclose(y["tip_z"], y["b_deflection_z"], atol=1e-12)
+
+
+def test_spinning_beam_has_the_frequencies_of_a_rotating_one():
+    """Both planes against `beams.rotating_frequencies`, a series of its own that is tested by published tables."""
+    beam = Beam(length=1.0, area=1e-4, I_y=2e-9, I_z=1e-9, J=2e-9, density=2700.0, E=7e10, G=2.7e10)
+    body = TreeBody(name="b", joint=Joint(name="j", drive="acceleration"), beam=beam, modes=(8, 8, 0, 0))
+    tree = FlexibleTree.serial([body], gravity=(0, 0, 0))
+    x = np.zeros(tree.nx)
+    for plane, moment, at in (("lag", beam.I_z, slice(1, 9)), ("flap", beam.I_y, slice(9, 17))):
+        unit = np.sqrt(beam.E * moment / (beam.linear_density * beam.length**4))
+        x[17] = 3.0 * unit
+        A = tree.jacobians(x)[0][17:, :17]
+        found = np.sort(np.sqrt(np.linalg.eigvals(-A[at, at]).real))[:3] / unit
+        wanted = beams.rotating_frequencies(3.0, 3, plane=plane, stiffened=True)
+        np.testing.assert_allclose(found, wanted, rtol=1e-6)
+
+
+def frame_element(beam, length):
+    """(M, K) (12, 12) of an Euler-Bernoulli beam element in space, cubic shapes, linear stretch and twist; node
+    freedoms x, y, z and turns about them (J. S. Przemieniecki, "Theory of Matrix Structural Analysis", 1968).
+    """
+    M, K, rho = np.zeros((12, 12)), np.zeros((12, 12)), beam.linear_density
+    for (i, j), mass, stiffness in (
+        ((0, 6), rho, beam.E * beam.area),
+        ((3, 9), beam.density * beam.polar_moment, beam.G * beam.J),
+    ):
+        at = np.ix_((i, j), (i, j))
+        M[at] += mass * length / 6 * np.array([[2, 1], [1, 2]])
+        K[at] += stiffness / length * np.array([[1, -1], [-1, 1]])
+    a = length
+    bent = np.array([[156, 22 * a, 54, -13 * a], [22 * a, 4 * a**2, 13 * a, -3 * a**2], [54, 13 * a, 156, -22 * a],
+                     [-13 * a, -3 * a**2, -22 * a, 4 * a**2]])  # fmt: skip
+    stiff = np.array([[12, 6 * a, -12, 6 * a], [6 * a, 4 * a**2, -6 * a, 2 * a**2], [-12, -6 * a, 12, -6 * a],
+                      [6 * a, 2 * a**2, -6 * a, 4 * a**2]])  # fmt: skip
+    for rows, EI, sign in (((1, 5, 7, 11), beam.E * beam.I_z, 1.0), ((2, 4, 8, 10), beam.E * beam.I_y, -1.0)):
+        s = np.outer([1, sign, 1, sign], [1, sign, 1, sign])
+        M[np.ix_(rows, rows)] += rho * a / 420 * bent * s
+        K[np.ix_(rows, rows)] += EI / a**3 * stiff * s
+    return M, K
+
+
+def test_a_bent_frame_has_the_frequencies_of_frame_elements():
+    """Two beams welded at an angle in space with a load at the end, against 2 x 24 elements of the textbook."""
+    first = Beam(length=0.9, area=1e-4, I_y=2e-9, I_z=1e-9, J=2.5e-9, density=2700.0, E=7e10, G=2.7e10)
+    second = Beam(length=0.6, area=8e-5, I_y=6e-10, I_z=9e-10, J=1.2e-9, density=2700.0, E=7e10, G=2.7e10)
+    rpy, load = (0.4, -0.7, 1.1), Payload(mass=0.3, inertia=0.002)
+    bodies = [
+        TreeBody(name="a", joint=Joint(name="held", drive="acceleration"), beam=first, modes=(7, 7, 4, 4)),
+        TreeBody(name="b", joint=Joint(name="weld", kind="fixed", rotation=rpy), beam=second, modes=(7, 7, 4, 4)),
+    ]
+    tree = FlexibleTree.serial(bodies, payload=load, gravity=(0, 0, 0))
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    R = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    R = R @ np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    count = 24
+    M, K = np.zeros((2, 6 * (2 * count + 1), 6 * (2 * count + 1)))
+    for k in range(2 * count):
+        beam, turn = (first, np.eye(3)) if k < count else (second, R)
+        T = np.kron(np.eye(4), turn)
+        at = slice(6 * k, 6 * k + 12)
+        own, stiff = frame_element(beam, beam.length / count)
+        M[at, at] += T @ own @ T.T
+        K[at, at] += T @ stiff @ T.T
+    M[-6:, -6:] += np.diag([load.mass] * 3 + [load.inertia] * 3)
+    values = np.sort(np.linalg.eigvals(np.linalg.solve(M[6:, 6:], K[6:, 6:])).real)
+    np.testing.assert_allclose(tree.natural_frequencies()[:8], np.sqrt(values[:8]), rtol=2e-5)
+
+
+def test_ranges_tell_of_axial_force_and_slopes():
+    """A hanging beam with a load: tension (M + m) g at the root; N/(E A); "linear" also over the buckling load."""
+    beam = Beam(length=1.0, area=1e-4, I_y=2e-9, I_z=1e-9, J=2e-9, density=2700.0, E=7e10, G=2.7e10)
+    body = TreeBody(name="b", joint=Joint(name="j"), beam=beam, beam_rotation=(0, np.pi / 2, 0), modes=(1, 1, 0, 0))
+    tree = FlexibleTree.serial([body], payload=Payload(mass=2.0), kinematics="linear")
+    value = ca.Function("f", list(tree.symbols), [ca.vertcat(*[r.value for r in tree.validity])])
+    found = np.array(value(0, np.zeros(6), [0.0], np.zeros(6), [])).ravel()
+    words = [r.quantity for r in tree.validity]
+    strain = found[words.index("axial strain of b in x-y")]
+    np.testing.assert_allclose(strain, 9.81 * (2.0 + beam.mass) / (beam.E * beam.area), rtol=1e-12)
+    soft, stiff = (found[words.index(f"axial force of b in x-{a} over its buckling load")] for a in "yz")
+    np.testing.assert_allclose(soft / stiff, 2.0, rtol=1e-12)
+    assert soft > 0.045  # beyond the range: 22 N of about 170
