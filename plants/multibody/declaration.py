@@ -18,10 +18,10 @@ from pliant.plants.multibody_parts.tree_beam import FAMILIES, TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
 from .layout import Layout, layout
+from .measurements import AXES, DEVICES, signals
 
 KINEMATICS = ("rigid", "linear", "stiffened")
 BASES = ("polynomial", "clamped-free")
-AXES = ("x", "y", "z")
 
 
 def in_tree(name: str, given: tuple[TreeBody, ...], root: str) -> tuple[TreeBody, ...]:
@@ -55,6 +55,11 @@ def loads_gate(name: str, value: Any) -> tuple[str, ...]:
     return require_names(name, as_tuple(name, value))
 
 
+def devices_gate(name: str, value: Any) -> tuple[str, ...]:
+    """Names of devices."""
+    return require_names(name, as_tuple(name, value), tuple(DEVICES), "device")
+
+
 @dataclass(frozen=True, kw_only=True)
 class TreeDeclaration(LagrangianPlant):
     """Bodies, places and fidelity; `FlexibleTree` adds their equations."""
@@ -65,6 +70,7 @@ class TreeDeclaration(LagrangianPlant):
     payload: Payload = part(Payload, default_factory=Payload)
     gravity: Any = quantity("m/s^2", "finite", (0.0, 0.0, -9.81), shape=(3,))
     loads: tuple[str, ...] = field(default=("tip",), metadata={"gate": loads_gate})
+    devices: tuple[str, ...] = field(default=(), metadata={"gate": devices_gate})
     kinematics: str = "stiffened"
     basis: str = "polynomial"
     base: str = "fixed"
@@ -205,7 +211,12 @@ class TreeDeclaration(LagrangianPlant):
             found += [Signal(f"{b.name}_deflection_{axis}", "m") for axis in "yz"]
             found += [Signal(f"{b.name}_deflection_{axis}_rate", "m/s") for axis in "yz"]
             found += [Signal(f"{b.name}_curvature_{axis}", "1/m") for axis in "yz"]
-        for place in ("tip", *(f.name for f in self.frames)):
+        for place in self.places:
             found += [Signal(f"{place}_{axis}", "m") for axis in AXES]
             found += [Signal(f"{place}_{axis}_rate", "m/s") for axis in AXES]
-        return tuple(found)
+        return (*found, *signals(self.devices, self.places))
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """The tip and the frames: where positions are told and devices stand."""
+        return ("tip", *(f.name for f in self.frames))

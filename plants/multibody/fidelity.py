@@ -11,6 +11,7 @@ from pliant.plants.dynamics.plant_contract import PINION
 from pliant.plants.multibody_parts.tree_body import MOST_MODES
 
 from .declaration import TreeDeclaration
+from .measurements import sensed
 
 PHYSICS = 4  # shapes of a family that physics has by itself
 UNMODELLED = ("exact rotations of the beams", "shear and rotary inertia of the beams", "plasticity", "backlash")
@@ -29,7 +30,7 @@ class TreeFidelity(TreeDeclaration):
             for axis, depth, n in zip("yz", depths, b.modes[:2], strict=True):
                 if n:
                     found.append(Sensed("strain gauge", f"{b.name}_curvature_{axis}", scale=1 / depth))
-        return tuple(found)
+        return (*found, *sensed(self.devices, self.places))
 
     @property
     def deflections(self) -> tuple[str, ...]:

@@ -7,23 +7,55 @@ from __future__ import annotations
 
 import casadi as ca
 
+from pliant.plants.core.casadi_functions import entries
 from pliant.plants.multibody_parts import beam_forces
 from pliant.plants.multibody_parts.spatial import Motion, Wrench
 from pliant.plants.validity.slender import Pull
 
 from .layout import BASE
-from .walk import Walk
+from .walk import Edge, Walk
 
 
-def motions(walk: Walk, gravity: ca.SX) -> list[Motion]:
-    """Of every node's frame, at zero accelerations of the coordinates, the base still."""
+def motions(walk: Walk, gravity: ca.SX, a: ca.SX | None = None) -> list[Motion]:
+    """Of every node's frame, the base still, at accelerations `a` of the coordinates (None: zero)."""
     base, found = Motion(ca.SX.zeros(3), ca.SX.zeros(3), -gravity), list[Motion]()
     for node, edge in zip(walk.tree.nodes, walk.edges, strict=True):
         motion = base if node.parent == BASE else found[node.parent]
+        given = {} if a is None else _given(walk, node.parent, edge, a)
         for step in edge.steps:
             motion = step.down(motion)
+            if given:
+                motion = step.pushed(motion, given)
         found.append(motion)
     return found
+
+
+def _given(walk: Walk, parent: int, edge: Edge, a: ca.SX) -> dict[int, ca.SX]:
+    """Accelerations by key of an edge's coordinates, its section's too."""
+    found = {key: a[key] for key in walk.joint_keys.values()}
+    if edge.section is not None:
+        at = walk.beam_keys.get(parent, range(0))
+        pushed = edge.section.T @ entries(a, slice(at.start, at.stop))
+        found |= {key: pushed[i] for i, key in enumerate(edge.keys)}
+    return found
+
+
+def reaction(walk: Walk, moves: list[Motion], a: ca.SX, external: dict[int, Wrench]) -> Wrench:
+    """What the tree does to its base, in the base's axes about its origin, where its frames make those moves."""
+    loads, _ = _loads(walk, moves, external)
+    total = Wrench(ca.SX.zeros(3), ca.SX.zeros(3))
+    for k in reversed(range(len(loads))):
+        node, load = walk.tree.nodes[k], loads[k]
+        if node.beam is not None and node.beam.n:
+            for key, one in zip(walk.beam_keys[k], node.beam.coupling(walk.bent(k)[0]), strict=True):
+                load = load + Wrench(a[key] * one.f, a[key] * one.n)
+        for step in reversed(walk.edges[k].steps):
+            load = step.up(load)
+        if node.parent == BASE:
+            total = Wrench(total.f - load.f, total.n - load.n)
+        else:
+            loads[node.parent] = loads[node.parent] + load
+    return total
 
 
 def forces(walk: Walk, gravity: ca.SX, external: dict[int, Wrench]) -> ca.SX:

@@ -5,7 +5,9 @@ Inputs   torques of the joints [N m] (forces [N] of those that slide), of motors
          of joints whose motion is given; disturbances: force [N] and torque [N m] at the tip, at other frames that
          `loads` names, in the base's axes
 Outputs  joints and motors [rad, m]; by flexible body the deflections of its end across its beam [m], their rates and
-         the curvatures at its root [1/m]; position [m] and velocity [m/s] of the tip and of every frame, base's axes
+         the curvatures at its root [1/m]; position [m] and velocity [m/s] of the tip and of every frame, base's axes;
+         where `devices` has them "gyro" [rad/s] and "accelerometer" [m/s^2] there, in the place's own axes, and the
+         "reaction" on the base [N, N m]
 Valid    beams inextensible or stretched to first order, their slopes up to 0.3 rad; "linear" up to a fifth of the
          first bending frequency of spin
 Source   R. Featherstone, "Rigid Body Dynamics Algorithms" (2008), composite bodies and recursive Newton-Euler; A. A.
@@ -40,6 +42,7 @@ from .fidelity import TreeFidelity
 from .from_urdf import bodies
 from .kinematics import drawn, poses, twists, weight_energy
 from .layout import vector
+from .measurements import readings
 from .newton_euler import forces, pulls, work
 from .walk import Walk
 
@@ -179,9 +182,14 @@ class FlexibleTree(TreeFidelity):
             y += [*beam.deflection(q[at]), *beam.deflection(v[at]), *beam.curvature(q[at])]
         walk = self._walk(q, v)
         stands, moves = poses(walk), twists(walk)
-        for place in ("tip", *(f.name for f in self.frames)):
-            k = self.tree.places[place]
+        at_places = [self.tree.places[place] for place in self.places]
+        for k in at_places:
             y += [stands[k].p, stands[k].R @ moves[k].v]
+        if self.devices:
+            M, r, _, _ = self.equations(t, x, u, w)
+            a = _without(self.acceleration(M, r, u)[0], len(self.moving), len(self.moving) + len(self.motors))
+            loads = self._wrenches(walk, w)
+            y += readings(walk, a, vector(self.gravity), loads, self.devices, at_places)
         return ca.vertcat(*y)
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:

@@ -57,6 +57,12 @@ class Spin:
         spun[self.axis] = omega[self.axis] + self.rate
         return Motion(spun, turned, self.within(motion.a))
 
+    def pushed(self, motion: Motion, given: dict[int, ca.SX]) -> Motion:
+        """A motion beyond, with accelerations of the coordinates added."""
+        alpha = ca.SX(motion.alpha)
+        alpha[self.axis] += float(self.acting.along[self.axis]) * given[self.acting.key]
+        return Motion(motion.omega, alpha, motion.a)
+
     def up(self, load: Wrench) -> Wrench:
         return Wrench(self.out(load.f), self.out(load.n))
 
@@ -98,6 +104,9 @@ class Fixed:
     def down(self, motion: Motion) -> Motion:
         return Motion(*map(self.within, motion))
 
+    def pushed(self, motion: Motion, given: dict[int, ca.SX]) -> Motion:
+        return motion
+
     def up(self, load: Wrench) -> Wrench:
         return Wrench(self.out(load.f), self.out(load.n))
 
@@ -129,6 +138,10 @@ class Move:
     def down(self, motion: Motion) -> Motion:
         a = motion.a + motion.U @ self.r + 2 * ca.cross(motion.omega, self.rate) + self.bias
         return Motion(motion.omega, motion.alpha, a)
+
+    def pushed(self, motion: Motion, given: dict[int, ca.SX]) -> Motion:
+        more = sum((ca.SX(ca.DM(one.along)) * given[one.key] for one in self.acting), ca.SX.zeros(3))
+        return Motion(motion.omega, motion.alpha, motion.a + more)
 
     def up(self, load: Wrench) -> Wrench:
         return Wrench(load.f, load.n + ca.cross(self.r, load.f))

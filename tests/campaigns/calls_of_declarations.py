@@ -149,6 +149,7 @@ def tree_calls() -> list[Call]:
         "payload": Object(Payload(mass=1.0)),
         "gravity": Array((0.0, 0.0, -9.5)),
         "loads": Names(("tip",)),
+        "devices": Names(("gyro",)),
         "kinematics": Choice("linear"),
         "basis": Choice("clamped-free"),
         "base": Choice("fixed"),
