@@ -6,6 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from pliant.controllers import LQR
+from pliant.envs.scenes import Scene
 from pliant.plants import (
     Beam,
     ElasticJoint,
@@ -181,6 +183,29 @@ def test_momentum_of_a_machine_that_floats_in_the_plane():
     np.testing.assert_allclose(kept, kept[:1].repeat(6, axis=0), rtol=0, atol=1e-10 * np.abs(kept).max())
 
 
+@pytest.mark.parametrize("kinematics", ["linear", "stiffened"])
+@pytest.mark.parametrize("seconds", [1, pytest.param(20, marks=pytest.mark.campaign)])
+def test_work_done_equals_energy_gained(space, kinematics, seconds):
+    """Every kind of joint and body, an elastic gear, springs and damping, gravity aslant."""
+    soft = Beam.rectangular(0.9, 0.04, 0.03, beams.Material(density=2700.0, E=4e9, G=1.6e9, damping=1e-4))
+    gear = ElasticJoint(stiffness=30.0, damping=0.02, ratio=20.0, rotor_inertia=1e-5)
+    bodies = tuple(
+        dataclasses.replace(
+            b,
+            joint=dataclasses.replace(b.joint, damping=0.3, stiffness=200.0 if b.joint.slides else 8.0, elastic=e),
+            beam=b.beam and soft,
+            modes=(1, 1, 1, 0),
+        )
+        for b, e in zip(space().bodies, (gear, None, None, None), strict=True)
+    )
+    tree = dataclasses.replace(space(kinematics), bodies=bodies, gravity=(0.1, -0.3, -0.5))
+    torque = np.array([0.02, 0.5, 0.5, 0.1])
+    t = np.linspace(0, seconds, 4 * seconds + 1)
+    motion = tree.simulate(np.zeros(tree.nx), lambda t: torque * np.sin(2 * t), t, rtol=1e-9, audit=True)
+    assert np.ptp(tree.energy(motion.x)) > 1e-2
+    assert motion.stats["energy_balance"] < 1e-9
+
+
 def test_given_motion_is_an_input():
     strip = Beam.rectangular(1.0, width=0.04, depth=0.008, material=beams.ALUMINIUM)
     body = TreeBody(name="b", joint=Joint(name="j", drive="acceleration"), beam=strip, modes=(2, 0, 0, 0))
@@ -218,6 +243,37 @@ def test_what_follows_from_the_equations(space):
     assert tree.ladder() == (tree,)
     lines = tree.outline(x0, 5)
     np.testing.assert_allclose(lines[-1][-1], [np.cos(0.3), -np.sin(0.3)], atol=1e-12)
+
+
+def test_controllers_and_environments_play_it():
+    """A scene of it: LQR brings it to the goal, the vector environment steps, a picture has its lines."""
+    rod = Beam.tube(0.5, 0.012, 0.01, beams.Material(density=2700.0, E=70e9, G=27e9, damping=3e-4))
+    bodies = [
+        TreeBody(
+            name="a", joint=Joint(name="a", axis=(0, 1, 0), damping=0.5), mass=2.0, centre=(0.2, 0, 0), inertia=0.05
+        ),
+        TreeBody(name="b", joint=Joint(name="b", axis=(0, 1, 0), position=(0.4, 0, 0)), beam=rod, modes=(0, 1, 0, 0)),
+    ]
+    tree = FlexibleTree.serial(bodies, payload=Payload(mass=0.5, inertia=0.001))
+    scene = Scene(
+        name="tree-slew",
+        about="a tree goes from rest to rest",
+        plant=tree,
+        start=(("a", 0.0), ("b", 0.0)),
+        goal=(("a", 0.4), ("b", -0.3)),
+        duration=1.5,
+        limits=(60.0, 30.0),
+        weights=(("a", 10.0), ("b", 10.0), ("a_rate", 0.1), ("b_rate", 0.1), ("b_deflection_z", 100.0)),
+        effort=(("a_torque", 1e-3), ("b_torque", 1e-3)),
+        observe=("a", "b", "a_rate", "b_rate"),
+        compare=("tip_x", "tip_z"),
+    )
+    motion = tree.simulate(scene.initial[0], LQR.for_scene(scene), scene.times, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose([motion["a"][-1], motion["b"][-1]], [0.4, -0.3], atol=1e-3)
+    env = scene.vector_env(4)
+    env.reset(seed=0)
+    observation = env.step(np.zeros((4, 2), dtype=np.float32))[0]
+    assert np.isfinite(observation).all()
 
 
 def test_a_bent_body_is_drawn_bent():
