@@ -15,6 +15,7 @@ from .measurements import sensed
 
 PHYSICS = 4  # shapes of a family that physics has by itself
 UNMODELLED = ("exact rotations of the beams", "shear and rotary inertia of the beams", "plasticity", "backlash")
+RIGID = ("bending of the bodies", "backlash")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,8 +62,13 @@ class TreeFidelity(TreeDeclaration):
         return (dataclasses.replace(self, kinematics="rigid"), *(self._with(*rung) for rung in rungs))
 
     def physics(self, more: int = 0) -> Self:
-        """Stiffened, with `more` than four shapes a family."""
-        return self._with("stiffened", min(PHYSICS + more, MOST_MODES))
+        """Stiffened, every beam bending in both planes and twisting, with `more` than four shapes a family; stretching
+        where it does already.
+        """
+        n = min(PHYSICS + more, MOST_MODES)
+        modes = {b.name: (n, n, n, min(b.modes[3], 1) * n) for b in self.slender}
+        bodies = tuple(dataclasses.replace(b, modes=modes[b.name]) if b.name in modes else b for b in self.bodies)
+        return dataclasses.replace(self, bodies=bodies, kinematics="stiffened")
 
     @property
     def effects(self) -> dict[str, bool]:
@@ -75,4 +81,5 @@ class TreeFidelity(TreeDeclaration):
 
     @property
     def unmodelled(self) -> tuple[str, ...]:
-        return UNMODELLED
+        stiff = () if all(b.modes[3] for b in self.slender) else ("stretch of the beams",)
+        return (*UNMODELLED, *stiff) if self.slender else RIGID

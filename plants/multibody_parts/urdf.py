@@ -112,10 +112,8 @@ def _link(element: ET.Element) -> Link:
         numbers(f"link {name!r} inertia {word}", tensor.get(word), 1, "kg m^2")[0] for word in MOMENTS
     )
     inertia = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-    still = not any(map(any, inertia))
-    if still != (m == 0):
-        said = f"mass value = {m!r} and {'no inertia' if still else 'an inertia'}"
-        raise ValueError(f"link {name!r} has {said}, must have both or neither [kg, kg m^2]")
+    if m == 0 and any(map(any, inertia)):
+        raise ValueError(f"link {name!r} has mass value = {m!r} and an inertia, must have both or neither [kg, kg m^2]")
     check_inertia(f"link {name!r} inertia", inertia)
     return Link(name, m, *_origin(inertial, what), inertia)
 
@@ -145,7 +143,9 @@ def _joint(element: ET.Element, mimic: str) -> UrdfJoint:
     axis, dynamics, limit = (_one(element, what, tag) for tag in ("axis", "dynamics", "limit"))
     along = numbers(f"{what} axis xyz", axis.get("xyz"), 3, "1") if axis is not None else (1.0, 0.0, 0.0)
     length = math.hypot(*along)
-    if not length > 1e-9:
+    if kind == "fixed":
+        along, length = (0.0, 0.0, 1.0), 1.0  # means nothing there
+    elif not length > 1e-9:
         raise ValueError(f"{what} axis xyz = {along} must have a length > 0")
     lost = {}
     for word in ("damping", "friction"):
@@ -196,7 +196,15 @@ def read(path: str | Path, mimic: str = "refused") -> Machine:
         twice = next((n for k, n in enumerate(names) if n in names[:k]), None)
         if twice is not None:
             raise ValueError(f"{kind} {twice!r} stands there twice, must have a name of its own")
-    return _ordered({k.name: k for k in links}, joints)
+    machine = _ordered({k.name: k for k in links}, joints)
+    for joint in machine.joints:
+        moved = machine.links[joint.child]
+        if joint.kind != "fixed" and moved.mass > 0 and not any(map(any, moved.inertia)):
+            raise ValueError(
+                f"link {moved.name!r} has mass value = {moved.mass!r} and no inertia, must have both where joint "
+                f"{joint.name!r} moves it [kg, kg m^2]"
+            )
+    return machine
 
 
 def _ordered(links: dict[str, Link], joints: list[UrdfJoint]) -> Machine:

@@ -65,7 +65,7 @@ TABLE = {
     "inertia of nothing": (mass("0"), r"link 'a' has mass value = 0\.0 and an inertia, must have both or neither"),
     "no inertia of mass": (
         mass("2", NONE),
-        r"'a' has mass value = 2\.0 and no inertia, must have both or neither",
+        r"'a' has mass value = 2\.0 and no inertia, must have both where joint 'j1'",
     ),
     "nothing to move": (
         robot(LINKS.replace(HEAVY, "")),
@@ -171,6 +171,19 @@ def test_refused(tmp_path, name):
     path.write_text(text)
     with pytest.raises(ValueError, match=words):
         FlexibleTree.from_urdf(path)
+
+
+def test_points_of_mass_and_axes_of_nothing_are_taken_where_they_are_welded(tmp_path):
+    """As exporters write them: a welded link's mass alone, a fixed joint's axis 0 0 0."""
+    links = (
+        LINKS.replace("</inertial></link>", "</inertial></link>", 1)
+        + f'<link name="c">{HEAVY.replace(INERTIA, NONE)}</link>'
+    )
+    weld = joint("j3", "b", "c", '<origin xyz="1 0 0"/><axis xyz="0 0 0"/>', "fixed")
+    path = tmp_path / "good.urdf"
+    path.write_text(robot(links, joint("j1", "base", "a", kind="fixed") + J2 + weld))
+    tree = FlexibleTree.from_urdf(path)
+    assert abs(float(tree.mass_matrix([0, 0])[0, 0]) - 0.03) < 1e-12  # about x, on which the point lies
 
 
 def test_no_file(tmp_path):
