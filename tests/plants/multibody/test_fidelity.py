@@ -13,8 +13,8 @@ def test_ladder(space):
     assert tree.physics().label == "stiffened, polynomial 4+4+4+4, 4+4+4+0"
     assert "stretch of the beams" in tree.unmodelled  # the fore beam's
     assert tree.physics(20).flexible[0].modes == (12, 12, 12, 12)
-    planar = dataclasses.replace(tree, bodies=(dataclasses.replace(tree.bodies[0], modes=(2, 0, 0, 0)),))
-    assert dataclasses.replace(planar, tip="").physics().label == "stiffened, polynomial 4+4+4+0"
+    planar = (dataclasses.replace(tree.bodies[0], modes=(2, 0, 0, 0)),)
+    assert dataclasses.replace(tree, bodies=planar, tip="").physics().label == "stiffened, polynomial 4+4+4+0"
 
 
 def test_effects(space):
