@@ -31,14 +31,13 @@ from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.multibody_parts.joint import ElasticJoint
 from pliant.plants.multibody_parts.spatial import Wrench
-from pliant.plants.multibody_parts.tree_beam import TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.multibody_parts.urdf import read
 from pliant.plants.validity.ranges import Range
 from pliant.plants.validity.slender import NONE_HOLDS, pulled, small_slopes
 
 from .composite import mass_matrix
-from .fidelity import TreeFidelity
+from .elasticity import TreeElasticity
 from .from_urdf import bodies
 from .kinematics import drawn, poses, twists, weight_energy
 from .layout import vector
@@ -48,7 +47,7 @@ from .walk import Walk
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlexibleTree(TreeFidelity):
+class FlexibleTree(TreeElasticity):
     """M(q) q'' + h(q, q') + K q + D q' = B u + sum over frames of J^T w.
 
     `bodies` stand parents first. `tip` is the body or the frame that holds the payload ("": the end of the last body);
@@ -95,56 +94,13 @@ class FlexibleTree(TreeFidelity):
             M[n + k, n + k] = self.moving[i].elastic.rotor_inertia  # type: ignore[union-attr]
         return M
 
-    def _beams(self) -> list[tuple[TreeBeam, slice]]:
-        found, at = [], len(self.moving) + len(self.motors)
-        for _, beam in self.tree.beams:
-            found.append((beam, slice(at, at + beam.n)))
-            at += beam.n
-        return found
-
-    def _twists(self, q: ca.SX) -> list[tuple[int, int, Any, ca.SX]]:
-        """(joint, motor, elastic joint, twist of its spring [rad]) of coordinates, or of their rates."""
-        n = len(self.moving)
-        gears: list[Any] = [self.moving[i].elastic for i in self.motors]
-        return [
-            (i, n + k, g, q[n + k] / g.ratio - q[i]) for k, (i, g) in enumerate(zip(self.motors, gears, strict=True))
-        ]
-
-    def _resistance(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        """Forces (n,) of strain, springs and damping, against the motion."""
-        found = ca.SX.zeros(q.shape[0])
-        for i, joint in enumerate(self.moving):
-            dry = joint.friction * v[i] / ca.sqrt(v[i] ** 2 + joint.friction_rate**2)
-            found[i] = joint.stiffness * (q[i] - joint.rest) + joint.damping * v[i] + dry
-        for (i, k, gear, twist), (_, _, _, rate) in zip(self._twists(q), self._twists(v), strict=True):
-            torque = gear.stiffness * twist + gear.damping * rate
-            found[i] -= torque
-            found[k] += torque / gear.ratio + gear.rotor_friction * v[k]
-        for beam, at in self._beams():
-            found[at] = beam.stiffness() @ (q[at] + beam.beam.damping * v[at])
-        return found
-
     def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
         return ca.dot(v, self._mass_matrix(self._walk(q, v)) @ v) / 2
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
         g, still = vector(self.gravity), ca.SX.zeros(q.shape[0])
         V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(still, still), g)
-        for i, joint in enumerate(self.moving):
-            V += joint.stiffness * ((q[i] - joint.rest) ** 2 - joint.rest**2) / 2
-        V += sum((gear.stiffness * twist**2 / 2 for _, _, gear, twist in self._twists(q)), ca.SX(0))
-        return V + sum((ca.dot(q[at], beam.stiffness() @ q[at]) / 2 for beam, at in self._beams()), ca.SX(0))
-
-    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        D = ca.SX(0)
-        for i, joint in enumerate(self.moving):
-            dry = joint.friction * (ca.sqrt(v[i] ** 2 + joint.friction_rate**2) - joint.friction_rate)
-            D += joint.damping * v[i] ** 2 / 2 + dry
-        for _, k, gear, rate in self._twists(v):
-            D += gear.damping * rate**2 / 2 + gear.rotor_friction * v[k] ** 2 / 2
-        for beam, at in self._beams():
-            D += beam.beam.damping * ca.dot(v[at], beam.stiffness() @ v[at]) / 2
-        return D
+        return V + self._spring_energy(q)
 
     def _driving(self, n: int, u: ca.SX) -> ca.SX:
         force = ca.SX.zeros(n)

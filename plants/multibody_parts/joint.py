@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pliant.plants.core.argument_gates import require_number, require_text, shown, unit_vector
-from pliant.plants.core.parameters import flag, quantity, require_choice, validate
+from pliant.plants.core.parameters import flag, is_symbolic, quantity, require_choice, validate
 
 KINDS = ("revolute", "prismatic", "fixed")
 DRIVES = ("torque", "acceleration", "none")
@@ -68,7 +68,7 @@ class Joint:
     section. Of a prismatic joint N m reads N, and rad m. `friction` is dry, friction rate/sqrt(rate^2 +
     friction_rate^2). `armature` is the inertia of a stiff gear's rotor, felt at the joint. `drive`: the input is a
     "torque", an "acceleration" (the motion is then given, its torque a reaction), or there is "none". Limits are told,
-    not enforced.
+    and held where `stop_stiffness` > 0: by the spring k d^2/2 with d = (z + sqrt(z^2 + stop_width^2))/2, z beyond them.
 
     >>> Joint(name="shoulder", axis=(0, 0, 1), damping=0.1)
     """
@@ -85,6 +85,8 @@ class Joint:
     friction_rate: Any = quantity("rad/s", "positive", 0.01)
     stiffness: Any = quantity("N m/rad", "nonnegative", 0.0)
     rest: Any = quantity("rad", "finite", 0.0)
+    stop_stiffness: Any = quantity("N m/rad", "nonnegative", 0.0)
+    stop_width: Any = quantity("rad", "positive", 0.01)
     armature: Any = quantity("kg m^2", "nonnegative", 0.0)
     drive: str = "torque"
     elastic: ElasticJoint | None = field(default=None, metadata={"gate": _elastic_gate})
@@ -108,6 +110,13 @@ class Joint:
                 f"Joint.elastic of joint {self.name!r} must be None where kind = {self.kind!r}, drive = {self.drive!r}:"
                 " a motor drives a joint that moves, by its torque"
             )
+
+    def beyond(self, q: Any) -> list[tuple[float, Any]]:
+        """(side, z) of each stop: z how far the coordinate is beyond it, towards side = 1 or -1."""
+        if not is_symbolic(self.stop_stiffness) and self.stop_stiffness == 0:
+            return []
+        sides = ((1.0, self.upper), (-1.0, self.lower))
+        return [(side, side * (q - limit)) for side, limit in sides if limit is not None]
 
     @property
     def moves(self) -> bool:

@@ -126,10 +126,11 @@ def tree_calls() -> list[Call]:
         "turned": Flag(True),
         "rest": Number(0.5),
         "friction_rate": Number(0.5, **POSITIVE),
+        "stop_width": Number(0.5, **POSITIVE),
         "drive": Choice("torque"),
         "elastic": Object(gear, none=True),
     }
-    joint |= {n: Number(0.5, low=0.0) for n in ("damping", "friction", "stiffness", "armature")}
+    joint |= {n: Number(0.5, low=0.0) for n in ("damping", "friction", "stiffness", "stop_stiffness", "armature")}
     joint |= {n: Number(0.5, none=True) for n in ("lower", "upper", "effort", "speed")}
     body = {
         "name": Text("b"),

@@ -57,11 +57,11 @@ def space_fixture():
 @pytest.fixture(scope="session")
 def robots():
     """The folder of example-robot-data's URDF files."""
-    pytest.importorskip("pinocchio", reason="the tests' extra: pip install pin example-robot-data")
+    pytest.importorskip("pinocchio", reason="the extra `robots` is not installed: pip install pin")
     places = [
         Path(p) / "cmeel.prefix/share/example-robot-data/robots" for p in (*sys.path, os.environ.get("ROBOTS", ""))
     ]
     found = next((p for p in places if p.is_dir()), None)
     if found is None:
-        pytest.skip("example-robot-data is not installed: pip install example-robot-data")
+        pytest.skip("the extra `robots` is not installed: pip install example-robot-data")
     return found

@@ -138,19 +138,6 @@ def test_velocities_are_the_rates_of_positions(space):
     assert len(tree.output_rates) == 4 + 6
 
 
-def test_elastic_joint_has_its_closed_form_frequency():
-    """omega^2 = k (1/J + 1/(N^2 J_m)): two inertias on a spring, the rotor's N^2 J_m at the joint (Spong, 1987)."""
-    gear = ElasticJoint(stiffness=800.0, ratio=50.0, rotor_inertia=2e-5)
-    body = TreeBody(name="arm", joint=Joint(name="hub", elastic=gear), inertia=0.3)
-    tree = FlexibleTree.serial([body], gravity=(0, 0, 0))
-    closed = np.sqrt(800.0 * (1 / 0.3 + 1 / (50.0**2 * 2e-5)))
-    np.testing.assert_allclose(tree.natural_frequencies(), [closed], rtol=1e-10)
-    assert [s.name for s in tree.states] == ["hub", "hub_motor", "hub_rate", "hub_motor_rate"]
-    assert tree.joints[0].position == "hub_motor"
-    rate = tree.dynamics([0.0, 0.5, 0.0, 0.0], [0.0])  # the spring turns by 0.5/50
-    np.testing.assert_allclose(rate[2:], [8.0 / 0.3, -8.0 / 50.0 / 2e-5])
-
-
 def test_torsion_and_stretch_have_their_closed_form_frequencies():
     """A clamped rod: (k - 1/2) pi/L times the wave speed; sqrt(G J/(rho I_p)) and sqrt(E/rho)."""
     beam = Beam.circular(1.2, 0.02, beams.STEEL)
