@@ -30,6 +30,9 @@ from pliant.plants.large_deflection.transfer_matrices import TransferMatrices
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.multibody.tree import FlexibleTree
+from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, Joint
+from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
@@ -39,13 +42,17 @@ from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
 __all__ = [
     "Appendage",
     "Beam",
+    "ElasticJoint",
     "Environment",
     "EquilibriumError",
     "FlexibleSpacecraft",
+    "FlexibleTree",
+    "Frame",
     "Hinge",
     "Hub",
     "InfeasibleError",
     "IntegrationError",
+    "Joint",
     "LTVModel",
     "LagrangianPlant",
     "LargeDeflectionBeam",
@@ -67,6 +74,7 @@ __all__ = [
     "Thruster",
     "Trajectory",
     "TransferMatrices",
+    "TreeBody",
     "TwoLinkArm",
     "UncontrollableError",
     "ValidityWarning",

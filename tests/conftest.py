@@ -22,7 +22,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pliant.plants import LargeDeflectionBeam, Payload, SingleLinkArm, SliderCrank, TwoLinkArm
+from pliant.plants import (
+    ElasticJoint,
+    FlexibleTree,
+    Joint,
+    LargeDeflectionBeam,
+    Payload,
+    SingleLinkArm,
+    SliderCrank,
+    TreeBody,
+    TwoLinkArm,
+)
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Hinge
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit
@@ -70,6 +80,18 @@ def craft(drive="torque", outside=None, **changes):
     return FlexibleSpacecraft(hub=hub, appendages=parts, environment=outside, **changes)
 
 
+def tree(**changes):
+    """A beam on an elastic joint and a rigid slider, in space."""
+    gear = ElasticJoint(stiffness=500.0, damping=0.1, ratio=20.0, rotor_inertia=1e-3)
+    bodies = [
+        TreeBody(name="boom", joint=Joint(name="j1", elastic=gear), inertia=0.1, beam=ARM.link1, modes=(1, 1, 0, 0)),
+        TreeBody(
+            name="hand", joint=Joint(name="j2", axis=(0.0, 0.6, 0.8)), mass=0.3, centre=(0.2, 0.0, 0.1), inertia=0.02
+        ),
+    ]
+    return FlexibleTree.serial(bodies, **changes)
+
+
 HUBS = {"hub_inertia": (0.1, 0.02)}
 OFFSET = Payload(mass=0.5, inertia=0.002, offset=(0.03, 0.04, 0.0))
 
@@ -107,6 +129,8 @@ OTHERS = {
     "large driven": large(root="driven", modes=2),
     "large chain": large(kinematics="substructured", segments=2, modes=2),
     "large space": large(planar=False, modes=1),
+    "tree": tree(),
+    "tree rigid": tree(kinematics="rigid"),
     "crank": CRANK,
     "crank free": crank(crank_speed=None, modes=1),
     "crank rigid": crank(kinematics="rigid", crank_speed=None),
@@ -126,8 +150,17 @@ PLANTS = LAGRANGIAN | CRAFTS
 # What these vary, others vary beside something else: in `make campaign` alone.
 SELDOM = {
     *("two no slope", "two polynomial", "two one-sided", "two rigid-inertia", "two rigid-coupling"),
-    *("one linear", "one gravity", "one driven", "one strain sheared", "large hinged", "large driven", "crank rigid"),
-    *("craft linear", "craft bare"),
+    *(
+        "one linear",
+        "one gravity",
+        "one driven",
+        "one strain sheared",
+        "large hinged",
+        "large driven",
+        "crank rigid",
+        "tree rigid",
+    ),
+    *("craft linear", "craft bare", "tree rigid"),
 }
 DAMPED = ("two damped", "one damped")
 UNDAMPED = tuple(name for name in ARMS if name not in DAMPED)

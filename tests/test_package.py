@@ -114,10 +114,11 @@ PUBLIC = {  # every __all__ of version 0.1, before the modules moved into rooms
     "pliant.envs.scene": "Scene minimum_jerk once_per_scene",
     "pliant.envs.scenes": "SCENES Scene get minimum_jerk names",
     "pliant.plants": (
-        "Appendage Beam Environment EquilibriumError FlexibleSpacecraft Hinge Hub InfeasibleError IntegrationError "
-        "LTVModel LagrangianPlant LargeDeflectionBeam LinearModel MassMatrixError Material ModalData Orbit Payload "
-        "Plant PliantError Signal SingleLinkArm SliderCrank StabilityLimitError Sun Surface Terms Thruster Trajectory "
-        "TransferMatrices TwoLinkArm UncontrollableError Wheel beams paper_terms step_limit"
+        "Appendage Beam ElasticJoint Environment EquilibriumError FlexibleSpacecraft FlexibleTree Frame Hinge Hub "
+        "InfeasibleError IntegrationError Joint LTVModel LagrangianPlant LargeDeflectionBeam LinearModel "
+        "MassMatrixError Material ModalData Orbit Payload Plant PliantError Signal SingleLinkArm SliderCrank "
+        "StabilityLimitError Sun Surface Terms Thruster Trajectory TransferMatrices TreeBody TwoLinkArm "
+        "UncontrollableError Wheel beams paper_terms step_limit"
     ),
     "pliant.plants.beams": (
         "ALUMINIUM BASES BOUNDARIES Basis Beam Material ModeShapes OffsetPayload Payload PayloadModes Polynomials "

@@ -16,6 +16,7 @@ ROOMS = {  # a plant, and the room that may know its class
     "LargeDeflectionBeam": "plants/large_deflection",
     "SliderCrank": "plants/slider_crank",
     "FlexibleSpacecraft": "plants/spacecraft",
+    "FlexibleTree": "plants/multibody",
     "LagrangianPlant": "plants/dynamics",
     "MechanicalPlant": "plants/dynamics",
 }

@@ -88,6 +88,19 @@ def slider_crank(n: Names) -> Figure:
     return _lines([[("", turn, bend)]], ["deflection of the rod's middle [um]"], x="crank angle from the start [deg]")
 
 
+@styled
+def flexible_tree(n: Names) -> Figure:
+    figure, (ax, other) = panels(1, 2, height=3.0)
+    crane, run = n["crane"], n["swung"]
+    for k in range(0, 101, 20):
+        for line in crane.outline(run.x[k]):
+            ax.plot(*line.T, color=COLOURS[0], alpha=0.3 + 0.7 * k / 100)
+    ax.set(xlabel="x [m]", ylabel="z [m]", title="every 0.2 s", aspect="equal")
+    other.plot(run.t, 1e3 * run["boom_deflection_z"], color=COLOURS[1])
+    other.set(xlabel="time [s]", title="deflection of the boom's end [mm]")
+    return figure
+
+
 def spacecraft(n: Names) -> Figure:
     return motions.snapshots(n["slewing"], [("LQR", n["turn"])])
 
@@ -221,6 +234,7 @@ PICTURES: dict[str, Callable[[Names], Figure]] = {
         single_link_arm,
         large_deflection_beam,
         slider_crank,
+        flexible_tree,
         spacecraft,
         rotating_beam,
         linearisation,

@@ -35,6 +35,7 @@ class Range:
     keeps: str  # what is true within, as in "static deflections err by less than 5 %"
     holds: str  # the kinematics that hold beyond
     value: ca.SX = field(repr=False, compare=False)
+    measures: str = ""  # by which it is asked for, where it is
 
 
 class Left(NamedTuple):

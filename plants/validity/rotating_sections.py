@@ -42,7 +42,7 @@ FINER = 'more segments, or kinematics="strain"'
 def axial_strains(plant: PlantLike, motion: Trajectory) -> list[float]:
     """The largest strain of each beam's axis on a motion of its plant."""
     reached = values(plant, motion)
-    return [float(np.nanmax(reached[:, k])) for k, r in enumerate(plant.validity) if r.quantity.startswith(AXIAL)]
+    return [float(np.nanmax(reached[:, k])) for k, r in enumerate(plant.validity) if r.measures == AXIAL]
 
 
 def fibres(
@@ -62,7 +62,7 @@ def fibres(
     found = [Range(f"strain of {name}'s fibres", "1", FIBRE, keeps, NONE_HOLDS, bent)]
     keeps = "an inextensible beam misplaces its points by less than 1 % of the length"
     stretched = ca.fabs(pull) / (beam.E * beam.area)
-    return [*found, Range(f"{AXIAL} of {name}", "1", FIBRE, keeps, holds, stretched)]
+    return [*found, Range(f"{AXIAL} of {name}", "1", FIBRE, keeps, holds, stretched, AXIAL)]
 
 
 def strains_of(name: str, link: StrainLink, q: ca.SX, pull: ca.SX) -> list[Range]:

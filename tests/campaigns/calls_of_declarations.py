@@ -10,10 +10,14 @@ from kinds_of_numbers import POSITIVE, Array, Count, Counts, Number
 from pliant.plants import (
     Appendage,
     Beam,
+    ElasticJoint,
     Environment,
     FlexibleSpacecraft,
+    FlexibleTree,
+    Frame,
     Hinge,
     Hub,
+    Joint,
     LargeDeflectionBeam,
     Material,
     Orbit,
@@ -24,6 +28,7 @@ from pliant.plants import (
     Sun,
     Surface,
     Thruster,
+    TreeBody,
     TwoLinkArm,
     Wheel,
 )
@@ -101,6 +106,69 @@ def declaration_calls() -> list[Call]:
         Call("LargeDeflectionBeam", LargeDeflectionBeam, beam, compare=False),
         Call("FlexibleSpacecraft", FlexibleSpacecraft, craft, compare=False),
         Call("SliderCrank", SliderCrank, crank, compare=False),
+        *tree_calls(),
+    ]
+
+
+def tree() -> FlexibleTree:
+    """Two beams in space."""
+    return FlexibleTree.serial(
+        [
+            TreeBody(name="one", joint=Joint(name="j1"), inertia=0.5, beam=BEAM, modes=(1, 1, 1, 0)),
+            TreeBody(name="two", joint=Joint(name="j2", axis=(0.0, 1.0, 0.0)), mass=1.0, inertia=0.5),
+        ]
+    )
+
+
+def tree_calls() -> list[Call]:
+    """Trees and what they are made of."""
+    gear = ElasticJoint(stiffness=0.5, rotor_inertia=0.5)
+    elastic = {n: Number(0.5, **POSITIVE) for n in ("stiffness", "ratio", "rotor_inertia")}
+    lossy = {n: Number(0.5, low=0.0) for n in ("damping", "rotor_friction")}
+    place = {"position": Array((0.5, 0.0, 0.25)), "rotation": Array((0.5, 0.0, 0.25)), "station": Number(0.5, low=0.0)}
+    joint = {
+        "name": Text("j"),
+        "kind": Choice("prismatic"),
+        "axis": Array((0.0, 0.0, 1.0)),
+        "turned": Flag(True),
+        "rest": Number(0.5),
+        "friction_rate": Number(0.5, **POSITIVE),
+        "stop_width": Number(0.5, **POSITIVE),
+        "drive": Choice("torque"),
+        "elastic": Object(gear, none=True),
+    }
+    joint |= {n: Number(0.5, low=0.0) for n in ("damping", "friction", "stiffness", "stop_stiffness", "armature")}
+    joint |= {n: Number(0.5, none=True) for n in ("lower", "upper", "effort", "speed")}
+    body = {
+        "name": Text("b"),
+        "joint": Object(Joint(name="j")),
+        "mass": Number(0.5, low=0.0),
+        "centre": Array((0.5, 0.0, 0.25)),
+        "inertia": Number(0.5, low=0.0),
+        "beam": Object(BEAM, none=True),
+        "beam_rotation": Array((0.5, 0.0, 0.25)),
+        "modes": Counts((2, 2, 1, 0)),
+    }
+    made = tree()
+    whole = {
+        "bodies": Objects(made.bodies),
+        "frames": Objects((Frame(name="f", body="one"),)),
+        "tip": Text("two", empty=True),
+        "payload": Object(Payload(mass=1.0)),
+        "gravity": Array((0.0, 0.0, -9.5)),
+        "loads": Names(("tip",)),
+        "devices": Names(("gyro",)),
+        "kinematics": Choice("linear"),
+        "basis": Choice("clamped-free"),
+        "base": Choice("fixed"),
+    }
+    return [
+        Call("ElasticJoint", ElasticJoint, elastic | lossy, compare=False),
+        Call("Joint", Joint, joint | place, compare=False),
+        Call("Frame", Frame, {"name": Text("f"), "body": Text("b")} | place, compare=False),
+        Call("TreeBody", TreeBody, body, compare=False),
+        Call("FlexibleTree", FlexibleTree, whole, compare=False),
+        Call("FlexibleTree.serial", FlexibleTree.serial, {"bodies": Objects(made.bodies)}, compare=False),
     ]
 
 

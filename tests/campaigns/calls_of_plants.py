@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from argument_kinds import Call, Choice, Flag, Kind, Names, Object
-from calls_of_declarations import declaration_calls, part_calls
+from calls_of_declarations import declaration_calls, part_calls, tree
 from further_kinds import ByName
 from kinds_of_numbers import POSITIVE, Array, Count, Number
 
@@ -28,6 +28,7 @@ PLANTS = {
     "LargeDeflectionBeam": LargeDeflectionBeam.textbook(),
     "SliderCrank": SliderCrank.textbook(),
     "FlexibleSpacecraft": FlexibleSpacecraft.textbook(),
+    "FlexibleTree": tree(),
 }
 ARM = PLANTS["SingleLinkArm"]
 
@@ -139,6 +140,7 @@ def own_calls() -> list[Call]:
             {"x": Array(rest(chain)), "u": Array(np.zeros(chain.nu), none=True), "method": Choice("sweep")},
         ),
         Call("SliderCrank.state", crank.state, {"angle": Number(0.5), "speed": Number(1.0, none=True)}),
+        Call("FlexibleTree.lines", tree().lines, {"x": Array(rest(tree())), "points": Count(10, low=2)}),
         Call("FlexibleSpacecraft.momentum", craft.momentum, {"x": s}),
         Call("FlexibleSpacecraft.turn", craft.turn, {"x": s}),
         Call("FlexibleSpacecraft.consistent", craft.consistent, {"x": Array(rest(craft), wrong=False, finite=False)}),

@@ -11,6 +11,8 @@ from travelling import RIGID, SLEW, Roll, fields
 from pliant.plants import (
     Environment,
     FlexibleSpacecraft,
+    FlexibleTree,
+    Joint,
     LargeDeflectionBeam,
     Orbit,
     SingleLinkArm,
@@ -19,6 +21,7 @@ from pliant.plants import (
     Surface,
     Thruster,
     TransferMatrices,
+    TreeBody,
     TwoLinkArm,
     Wheel,
     beams,
@@ -47,6 +50,7 @@ for label, made in {
         LargeDeflectionBeam.textbook(), root="free", modes=1, extensible=True, rest_curvature=np.sin
     ),
     "slider-crank": SliderCrank.textbook(),
+    "tree": FlexibleTree.serial([TreeBody(name="a", joint=Joint(name="j"), mass=1.0, inertia=0.1)]),
     "spacecraft": dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="rigid"),
 }.items():
     traveller(label, plant_goes)(lambda made=made: made)

@@ -1,0 +1,211 @@
+"""A tree of rigid and flexible bodies on a fixed base.
+
+States   q = [joints in the order of the tree, motors of elastic joints, elastic coordinates body by body], x = [q; v]
+Inputs   torques of the joints [N m] (forces [N] of those that slide), of motors at their own shafts, or accelerations
+         of joints whose motion is given; disturbances: force [N] and torque [N m] at the tip, at other frames that
+         `loads` names, in the base's axes
+Outputs  joints and motors [rad, m]; by flexible body the deflections of its end across its beam [m], their rates and
+         the curvatures at its root [1/m]; position [m] and velocity [m/s] of the tip and of every frame, base's axes;
+         where `devices` has them "gyro" [rad/s] and "accelerometer" [m/s^2] there, in the place's own axes, and the
+         "reaction" on the base [N, N m]
+Valid    beams inextensible or stretched to first order, their slopes up to 0.3 rad; "linear" up to a fifth of the
+         first bending frequency of spin
+Source   R. Featherstone, "Rigid Body Dynamics Algorithms" (2008), composite bodies and recursive Newton-Euler; A. A.
+         Shabana, "Dynamics of Multibody Systems", floating frame of reference, each frame clamped to its beam's root.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import casadi as ca
+import numpy as np
+
+from pliant.plants.beams.section import Beam
+from pliant.plants.core.argument_gates import require_all, require_text
+from pliant.plants.core.casadi_functions import entries, last_call
+from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.multibody_parts.joint import ElasticJoint
+from pliant.plants.multibody_parts.spatial import Wrench
+from pliant.plants.multibody_parts.tree_body import TreeBody
+from pliant.plants.multibody_parts.urdf import read
+from pliant.plants.validity.ranges import Range
+from pliant.plants.validity.slender import NONE_HOLDS, pulled, small_slopes
+
+from .composite import mass_matrix
+from .elasticity import TreeElasticity
+from .from_urdf import bodies
+from .kinematics import drawn, poses, twists, weight_energy
+from .layout import vector
+from .measurements import readings
+from .newton_euler import forces, pulls, work
+from .walk import Walk
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlexibleTree(TreeElasticity):
+    """M(q) q'' + h(q, q') + K q + D q' = B u + sum over frames of J^T w.
+
+    `bodies` stand parents first. `tip` is the body or the frame that holds the payload ("": the end of the last body);
+    `frames` are further places, of which `loads` feel forces. `modes` of the bodies, `kinematics` ("rigid", "linear",
+    "stiffened") and `basis` ("polynomial", "clamped-free") are the fidelity.
+
+    >>> arm = FlexibleTree.serial([TreeBody(name="link", joint=Joint(name="hub"), beam=strip)], gravity=(0, 0, 0))
+    """
+
+    @classmethod
+    def serial(cls, bodies: Any, **options: Any) -> Self:
+        """A chain: each body hangs on the one before it, whatever its `parent` says; keywords as the class has them."""
+        chain = require_all(f"{cls.__name__}.serial.bodies", bodies, TreeBody)
+        return cls(bodies=tuple(dataclasses.replace(b, parent="") for b in chain), **options)
+
+    @last_call
+    def _walk(self, q: ca.SX, v: ca.SX) -> Walk:
+        n, m = len(self.moving), len(self.moving) + len(self.motors)
+        return Walk(self.tree, _without(q, n, m), _without(v, n, m))
+
+    def _all(self, inner: ca.SX) -> ca.SX:
+        """(n,) of what the recursion gives, which knows no motors."""
+        n = len(self.moving)
+        joints, bent = entries(inner, slice(0, n)), entries(inner, slice(n, inner.shape[0]))
+        return ca.vertcat(joints, ca.SX.zeros(len(self.motors)), bent)
+
+    def _wrenches(self, walk: Walk, w: ca.SX) -> dict[int, Wrench]:
+        """Disturbances on their places, in these's axes."""
+        found = {}
+        for i, place in enumerate(self.loads):
+            k = self.tree.places[place]
+            found[k] = Wrench(walk.within(k, w[6 * i : 6 * i + 3]), walk.within(k, w[6 * i + 3 : 6 * i + 6]))
+        return found
+
+    def _mass_matrix(self, walk: Walk) -> ca.SX:
+        n, m = len(self.moving), len(self.motors)
+        inner = mass_matrix(walk)
+        M = ca.SX(inner.shape[0] + m, inner.shape[0] + m)
+        at = [*range(n), *range(n + m, M.shape[0])]
+        M[at, at] = inner
+        for i, joint in enumerate(self.moving):
+            M[i, i] += joint.armature
+        for k, i in enumerate(self.motors):
+            M[n + k, n + k] = self.moving[i].elastic.rotor_inertia  # type: ignore[union-attr]
+        return M
+
+    def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        return ca.dot(v, self._mass_matrix(self._walk(q, v)) @ v) / 2
+
+    def potential_energy(self, q: ca.SX) -> ca.SX:
+        g, still = vector(self.gravity), ca.SX.zeros(q.shape[0])
+        V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(still, still), g)
+        return V + self._spring_energy(q)
+
+    def _driving(self, n: int, u: ca.SX) -> ca.SX:
+        force = ca.SX.zeros(n)
+        for k, (_, i) in enumerate(self._inputs):
+            if i not in self.driven:
+                force[i] = u[k]
+        return force
+
+    def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        walk = self._walk(q, v)
+        return self._driving(q.shape[0], u) + self._all(work(walk, self._wrenches(walk, w)))
+
+    @last_call
+    def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        n = len(self.coordinates)
+        q, v = x[:n], x[n:]
+        walk = self._walk(q, v)
+        inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, w)))
+        M, r = self._mass_matrix(walk), self._driving(n, u) - self._resistance(q, v) - inertial
+        M, r = ca.cse([M, r])
+        return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
+
+    def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        n = len(self.coordinates)
+        q, v = x[:n], x[n:]
+        driven = {i for _, i in self._inputs}
+        y = [q[i] for i in range(len(self.moving)) if i not in driven]
+        y += [q[i] for i in sorted(driven)]
+        bent = dict(zip((b.name for b in self.flexible), self._beams(), strict=True))
+        for body in self.slender:
+            if body.name not in bent:
+                y += [ca.SX.zeros(6)]
+                continue
+            beam, at = bent[body.name]
+            y += [*beam.deflection(q[at]), *beam.deflection(v[at]), *beam.curvature(q[at])]
+        walk = self._walk(q, v)
+        stands, moves = poses(walk), twists(walk)
+        at_places = [self.tree.places[place] for place in self.places]
+        for k in at_places:
+            y += [stands[k].p, stands[k].R @ moves[k].v]
+        if self.devices:
+            M, r, _, _ = self.equations(t, x, u, w)
+            a = _without(self.acceleration(M, r, u)[0], len(self.moving), len(self.moving) + len(self.motors))
+            loads = self._wrenches(walk, w)
+            y += readings(walk, a, vector(self.gravity), loads, self.devices, at_places)
+        return ca.vertcat(*y)
+
+    def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
+        """Small slopes and strains; without stiffening also the shortening and the axial force that it leaves out."""
+        n, found = len(self.coordinates), list[Range]()
+        walk = self._walk(x[:n], x[n:])
+        axial = pulls(walk, vector(self.gravity), self._wrenches(walk, w))
+        bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)
+        for body, (k, beam), (_, numbers), (_, at) in bent:
+            planes = zip("yz", beam.planes, numbers.planes, beam.parted(x[at])[:2], strict=True)
+            for axis, link, number, q in planes:
+                name = f"{body.name} in x-{axis}"
+                found += [
+                    *small_slopes(name, link, q, f"{NONE_HOLDS} for trees"),
+                    *pulled(name, link, number, axial[k]),
+                ]
+        return tuple(found)
+
+    def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
+        """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
+        else along z.
+        """
+        seen = [0, 2] if self.nominal.gravity[2] else [0, 1]
+        return [line[:, seen] for line in self.lines(x, points)]
+
+    def lines(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
+        """The bodies as lines (points, 3) [m] in the base's axes, at a state x (nx,)."""
+        own, n = self.nominal, len(self.coordinates)
+        x, points = one_state(self, x), line_points(self, points)
+        return drawn(own._walk(ca.SX(ca.DM(x[:n])), ca.SX(ca.DM(x[n:]))), points)
+
+    @classmethod
+    def from_urdf(
+        cls,
+        path: str | Path,
+        *,
+        flexible: Mapping[str, Beam] | None = None,
+        joints: Mapping[str, ElasticJoint] | None = None,
+        modes: Mapping[str, tuple[int, ...]] | None = None,
+        drives: Mapping[str, str] | None = None,
+        tip: str = "",
+        mimic: str = "refused",
+        **options: Any,
+    ) -> Self:
+        """A machine from a URDF file, fixed at its root link.
+
+        `flexible` links become beams from their own origin to their farthest joint, in the place of the file's inertia,
+        with `modes` shapes (in x-y, in x-z, twist, stretch; 2, 2, 1, 0 by default); `joints` get motors behind elastic
+        gears; `drives` says which have no input or a given motion. `tip` is the link that holds the payload and is
+        measured. A joint that mimics another is refused, or moves by itself with mimic="free". Further
+        keywords as the class has them.
+
+        >>> arm = FlexibleTree.from_urdf("arm.urdf", flexible={"forearm": tube}, tip="tool0")
+        """
+        machine = read(path, mimic)
+        tip = require_text("from_urdf.tip", tip, empty=True)
+        parts = bodies(machine, flexible, joints, modes, drives, tip)
+        return cls(bodies=parts, tip=tip, root=machine.root, **options)
+
+
+def _without(v: ca.SX, n: int, m: int) -> ca.SX:
+    """A column without entries n to m."""
+    return ca.vertcat(entries(v, slice(0, n)), entries(v, slice(m, v.shape[0])))

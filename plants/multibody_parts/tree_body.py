@@ -1,0 +1,76 @@
+"""A body of a tree: a rigid part, a beam, or both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pliant.plants.beams.section import Beam
+from pliant.plants.core.argument_gates import require_counts, shown
+from pliant.plants.core.parameters import is_symbolic, part, quantity, validate
+
+from .joint import AS_BUILT, Joint, name_gate, place_gate
+
+MOST_MODES = 12  # of one family: beyond, RK4's step falls as 1/n^4
+
+
+def _beam_gate(name: str, value: Any) -> Any:
+    if value is not None and not isinstance(value, Beam):
+        raise ValueError(f"{name} = {shown(value)} must be a Beam or None")
+    return value
+
+
+@dataclass(frozen=True, kw_only=True)
+class TreeBody:
+    """A body that `joint` hangs on `parent` (another body's name, that of the base, or "" for the body before it).
+
+    The rigid part has `mass`, its mass centre at `centre` and `inertia` about that, one moment about all axes or 3 x 3,
+    in the axes of the body's frame, which stands where the joint is. A `beam` starts there too, along x of axes turned
+    by `beam_rotation` (roll, pitch, yaw): it bends in its x-y plane by `modes[0]` shapes and in x-z by `modes[1]`,
+    twists by `modes[2]` and stretches by `modes[3]`, and what hangs on the body hangs on its sections. A section's
+    turning inertia counts in torsion alone.
+
+    >>> TreeBody(name="forearm", joint=Joint(name="elbow"), beam=strip, modes=(2, 2, 1, 0))
+    """
+
+    name: str = field(metadata={"gate": name_gate})
+    joint: Joint = part(Joint)
+    parent: str = field(default="", metadata={"gate": place_gate})
+    mass: Any = quantity("kg", "nonnegative", 0.0, uncertain=True)
+    centre: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
+    inertia: Any = quantity("kg m^2", "finite", 0.0, or_shape=(3, 3))
+    beam: Beam | None = field(default=None, metadata={"gate": _beam_gate})
+    beam_rotation: Any = quantity("rad", "finite", (0.0, 0.0, 0.0), shape=(3,), fixed=AS_BUILT)
+    modes: tuple[int, ...] = (2, 2, 1, 0)
+
+    def __post_init__(self) -> None:
+        validate(self)
+        object.__setattr__(self, "modes", require_counts("TreeBody", "modes", self.modes, 0, MOST_MODES, length=4))
+        check_inertia(f"TreeBody.inertia of body {self.name!r}", self.inertia)
+
+    @property
+    def weightless(self) -> bool:
+        """Whether it has neither mass nor inertia, as a body that only places another."""
+        entries = [self.mass, *np.ravel(np.array(self.inertia, dtype=object))]
+        return self.beam is None and not any(is_symbolic(e) or e != 0.0 for e in entries)
+
+
+def check_inertia(name: str, inertia: Any) -> None:
+    """ValueError unless a numeric inertia is one that a rigid body can have."""
+    rows = inertia if isinstance(inertia, tuple) else ((inertia, 0.0, 0.0), (0.0, inertia, 0.0), (0.0, 0.0, inertia))
+    if any(is_symbolic(item) for row in rows for item in row):
+        return
+    tensor = np.array(rows, dtype=float)
+    slack = 1e-9 * np.abs(tensor).max()
+    if np.abs(tensor - tensor.T).max() > slack:
+        raise ValueError(f"{name} = {shown(inertia)} must be symmetric [kg m^2]")
+    principal = np.linalg.eigvalsh(tensor)
+    if principal[0] < -slack:
+        raise ValueError(f"{name} = {shown(inertia)} must have principal moments >= 0 [kg m^2], has {principal[0]:.4g}")
+    if principal[0] + principal[1] < principal[2] - slack:
+        raise ValueError(
+            f"{name} = {shown(inertia)} must have no principal moment above the sum of the others [kg m^2], has "
+            f"{principal[2]:.6g} > {principal[0] + principal[1]:.6g}"
+        )
