@@ -21,16 +21,18 @@ def test_ladder_shares_names_and_goes_from_cheap_to_dear(name):
     assert all(found == sorted(found) for found in sizes)
 
 
-def test_what_is_modelled_is_no_longer_said_to_be_left_out():
-    assert BEAM.unmodelled == ("bending out of the plane", "torsion", "shear", "extension", "plasticity")
-    assert STRAINED["free"].unmodelled == ("bending out of the plane", "torsion", "plasticity")
-    assert STRAINED["moving"].unmodelled == ("bending out of the plane", "torsion", "shear", "plasticity")
+def test_which_effects_of_physics_a_beam_has_and_what_physics_leaves_out():
+    assert BEAM.unmodelled == STRAINED["free"].unmodelled == ("bending out of the plane", "torsion", "plasticity")
     assert STRAINED["space"].unmodelled == ("plasticity",)
+    assert BEAM.effects == {"extension": False, "shear": False}
+    assert STRAINED["moving"].effects == {"extension": True, "shear": False}
+    assert BEAM.physics().effects == {"extension": True, "shear": True}
+    assert BEAM.physics().without("shear").without("extension").theory == "euler-bernoulli"
 
 
-def test_physics_keeps_the_strains_and_has_more_shapes_of_each():
+def test_physics_has_all_strains_and_more_shapes():
     plant = STRAINED["free"].physics(2)
-    assert (plant.modes, plant.stretches, plant.shears) == (7, 4, 4) and plant.extensible
+    assert (plant.modes, plant.stretches, plant.shears) == (7, 3, 3) and plant.extensible
     assert plant.theory == "timoshenko"
 
 
