@@ -16,11 +16,10 @@ from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.plants.native import kernel_loader
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.speed_accuracy import ROOTS, RUNS_AWAY, SPENT, Row, comparable_seconds
-from pliant.studies.physics.physics_motion import compared
+from pliant.studies.fidelity.stepper_runs import motion, outputs_of, repeats, seconds_a_period, stepper
 
 from .linear_runs import linear_run, simplifies
 from .plan import IMPLICIT
-from .stepper_runs import motion, repeats, seconds_a_period, stepper
 
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
 FLOOR = 1e-3  # .. or below this share of the tolerance
@@ -156,7 +155,7 @@ class Runner:
             )
         states, first = motion(step, start, motions.held, scene.times)
         times = [motion(step, start, motions.held, scene.times)[1] for _ in range(repeats(first))]
-        outputs = np.asarray(plant.measure(states, motions.held, t=scene.times))[:, compared(motions, plant)]
+        outputs = outputs_of(motions, plant, states)
         return self._told(plant, row, outputs, times, native=step.native)
 
     def _linear(self, plant: Plant, row: Row) -> Row:

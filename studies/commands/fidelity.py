@@ -133,6 +133,9 @@ def choose(
     tolerance: Annotated[float | None, typer.Option(help="Largest error [m]; the scene's own if not given.")] = None,
     plot: Picture = None,
     budget: Budget = 15.0,
+    lanes: Annotated[
+        int, typer.Option(help="Motions at once: also the fastest setting of the stepper for so many.")
+    ] = 1,
     as_json: AsJson = False,
 ) -> None:
     """Find the smallest model that a scene needs. Exit code 1 where none is shown to be good enough.
@@ -147,7 +150,7 @@ def choose(
         if plot is not None:
             charted = measure(chosen, budget=budget, motions=motions, progress=share(tell, 0.0, 0.6))
         own = share(tell, 0.6, 1.0) if plot is not None else tell
-        found = climb(chosen, tolerance, measured=charted, motions=motions, progress=own)
+        found = climb(chosen, tolerance, measured=charted, motions=motions, lanes=lanes, progress=own)
     if plot is not None and charted is not None:
         save_chart(charted.holding(found.integrator), plot, mark=found.integrator)
     if as_json:

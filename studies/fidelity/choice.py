@@ -15,15 +15,23 @@ from typing import Any
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, Trajectory
-from pliant.plants.core.argument_gates import as_tuple, require_function, require_instance, require_number
+from pliant.plants.core.argument_gates import (
+    as_tuple,
+    require_count,
+    require_function,
+    require_instance,
+    require_number,
+)
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.physics import effects as worth
 from pliant.studies.physics.effects import Effect
 
 from .climb import Climb, Rung
-from .integrators import integrators
+from .integrators import in_lanes, integrators
 from .speed_accuracy import Chart, Row
 from .verdict_in_words import words
+
+MOST_LANES = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -42,6 +50,7 @@ class Choice:
     beyond: tuple[str, ...]  # ranges that physics leaves beyond which no kinematics here hold: of strains, as a rule
     missing: tuple[str, ...]  # not met: the effects that it takes; met: what even physics leaves out
     integrator: Row | None  # the fastest within the tolerance, of the chosen plant
+    batch: Row | None  # the fastest within it by the stepper, where lanes were asked for
     largest_step: Row | None  # the fixed-step method with the largest step within it
     text: str
     unit: str = "m"  # of the compared outputs, differences and tolerance
@@ -66,7 +75,7 @@ class Choice:
         content = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "plant"}
         content["rungs"] = [asdict(rung) for rung in self.rungs]
         content["effects"] = [effect.to_json() for effect in self.effects]
-        for name in ("integrator", "largest_step"):
+        for name in ("integrator", "batch", "largest_step"):
             content[name] = None if content[name] is None else asdict(content[name])
         return {"chosen": self.plant.label, "states": self.plant.nx, **content}
 
@@ -77,6 +86,7 @@ def choose(
     *,
     measured: Chart | None = None,
     motions: Motions | Sequence[Any] | None = None,
+    lanes: int = 1,
     progress: Progress | None = None,
 ) -> Choice:
     """The cheapest rung whose error bound is within `tolerance` [unit of scene.compare; None: the scene's].
@@ -84,7 +94,8 @@ def choose(
     `motions`: which motions it is to keep it on, each None (the scene's open loop) or a Trajectory, as of a closed
     loop, whose inputs are played at the control times; None: the open loop alone. Also the fastest integrator and the
     largest fixed step that keep it on the first; `measured`, the scene's chart, which tries more methods, is asked for
-    the fastest before. Where no rung is shown to keep it, `met` is False, and `missing` says what is missing.
+    the fastest before. lanes: how many motions run at once, as in learning; beyond 1 `batch` is the fastest setting of
+    the stepper for so many. Where no rung is shown to keep it, `met` is False, and `missing` says what is missing.
     ValueError for a tolerance not above 0.
 
     Example
@@ -98,6 +109,7 @@ def choose(
     if measured is not None:
         require_instance("choose.measured", measured, Chart)
     played = _motions(scene, motions)
+    lanes = require_count("choose", "lanes", lanes, 1, MOST_LANES)
     if progress is not None:
         require_function("choose.progress", progress)
     told = progress or silent
@@ -107,7 +119,7 @@ def choose(
     plant, met = climb.ladder[chosen], climb.shown(rungs[chosen])
     told(0.6, "effects")
     found_effects = worth.of(played[0], climb.physics[0], plant)
-    fastest, largest = None, None
+    fastest, largest, batch = None, None, None
     if met and climb.physics[0] is not None:
         told(0.7, "integrator")
         fastest, largest = integrators(played[0], climb.physics[0], plant, tolerance)
@@ -115,6 +127,9 @@ def choose(
             charted = measured.fastest(tolerance, plant.label)
             rows = [row for row in (fastest, charted) if row is not None]
             fastest = min(rows, key=lambda row: row.seconds or 0.0, default=None)
+        if lanes > 1:
+            told(0.8, f"{lanes} lanes")
+            batch = in_lanes(played[0], climb.physics[0], plant, tolerance, lanes)
     found = Choice(
         scene=scene.name,
         compare=scene.compare,
@@ -128,6 +143,7 @@ def choose(
         beyond=climb.beyond,
         missing=climb.missing(met, found_effects),
         integrator=fastest,
+        batch=batch,
         largest_step=largest,
         text="",
         unit=scene.unit,

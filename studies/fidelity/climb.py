@@ -110,13 +110,14 @@ class Climb:
 
     def missing(self, met: bool, effects: Sequence[Effect]) -> tuple[str, ...]:
         """What a tolerance that is not met takes; of one that is met, what no model here has."""
-        plant = self.ladder[-1]
+        told = {e.name for e in effects}
+        unmodelled = tuple(name for name in self.ladder[-1].unmodelled if name not in told)
         if met:
-            return plant.unmodelled
+            return unmodelled
         if self.failed or self.outside:
             return (self.failed or self.outside,)
         lacking = tuple(e.name for e in effects if not e.kept and e.change > 0.1 * self.tolerance)
-        return (*lacking, *plant.unmodelled)
+        return (*lacking, *unmodelled)
 
 
 def _apart(motions: Motions, plant: Plant, rtol: float, physics: PhysicsMotion | None) -> float:

@@ -19,6 +19,7 @@ from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics.physics_motion import PhysicsMotion
 
 from .speed_accuracy import SUBSTEPS, TOLERANCES, Row, comparable_seconds
+from .stepper_runs import motion, outputs_of, seconds_a_period, stepper
 
 FIXED = ("rk4", "rk8", "rosenbrock")
 ADAPTIVE = ("dop853", "rodas5p")
@@ -50,17 +51,17 @@ def integrators(
             row = Row(plant.label, plant.nx, method, options.get("step"), options.get("rtol"))
             loosest = options.get("rtol") == TOLERANCES["dop853"][0]
             try:
-                motion = motions.run(plant, method=method, **options)
+                run = motions.run(plant, method=method, **options)
             except PliantError:
                 continue
-            error = float(np.abs(motions.compared(motion) - truth.outputs).max())
+            error = float(np.abs(motions.compared(run) - truth.outputs).max())
             if not error + truth.uncertainty <= tolerance:
-                if best is not None and motion.stats["seconds"] > PATIENCE * (best.seconds or 0.0) * duration:
+                if best is not None and run.stats["seconds"] > PATIENCE * (best.seconds or 0.0) * duration:
                     break
                 continue
             bounded_by_stability |= method == "dop853" and loosest
-            more = RUNS - 1 if motion.stats["seconds"] < LONG else 0
-            runs = [motion, *(motions.run(plant, method=method, **options) for _ in range(more))]
+            more = RUNS - 1 if run.stats["seconds"] < LONG else 0
+            runs = [run, *(motions.run(plant, method=method, **options) for _ in range(more))]
             times = comparable_seconds(runs)
             row = replace(row, seconds=median(times) / duration, error=error, runs=len(times))
             if best is None or (row.seconds or 0.0) < (best.seconds or 0.0):
@@ -69,6 +70,30 @@ def integrators(
                 largest = row
             break
     return best, largest
+
+
+def in_lanes(motions: Motions, truth: PhysicsMotion, plant: Plant, tolerance: float, lanes: int) -> Row | None:
+    """The fastest row within the tolerance by the stepper, so many lanes at once in one thread."""
+    scene, start, best = motions.scene, motions.start(plant), None
+    for method in IMPLICIT[:1] if plant.stiff else FIXED:
+        for k in SUBSTEPS:
+            row = Row(plant.label, plant.nx, method, scene.dt / k, None, path="stepper", lanes=lanes)
+            try:
+                states, _ = motion(
+                    stepper(plant, method, scene.dt, scene.dt / k, 1, "double"), start, motions.held, scene.times
+                )
+            except PliantError:
+                continue
+            error = float(np.abs(outputs_of(motions, plant, states) - truth.outputs).max())
+            if not error + truth.uncertainty <= tolerance:
+                continue
+            step = stepper(plant, method, scene.dt, scene.dt / k, lanes, "double")
+            each, runs = seconds_a_period(step, start, motions.held, scene.times)
+            row = replace(row, seconds=each / (scene.dt * lanes), error=error, runs=runs, native=step.native)
+            if best is None or (row.seconds or 0.0) < (best.seconds or 0.0):
+                best = row
+            break
+    return best
 
 
 def _settings(method: str, dt: float) -> list[dict[str, Any]]:

@@ -46,6 +46,9 @@ def words(choice: Choice) -> str:
     if choice.integrator is not None:
         speed = (choice.integrator.seconds or 0.0) * 1e3
         parts.append(f"Fastest integrator within it: {choice.integrator.setting}, {speed:.3g} ms a simulated second.")
+    if choice.batch is not None:
+        speed = (choice.batch.seconds or 0.0) * 1e6
+        parts.append(f"Fastest for many: {choice.batch.setting}, {speed:.3g} us a simulated second and lane.")
     if choice.largest_step is not None:
         parts.append(f"Largest fixed step within it: {choice.largest_step.setting}.")
     failed = [r for r in choice.rungs if r.error == float("inf")]

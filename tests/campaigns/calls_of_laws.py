@@ -141,7 +141,7 @@ REASONS = {  # patterns of module and name
     "studies.charts.page*": DRAWN,
     "studies.charts.plan*": INNER,
     "studies.charts.runner*": INNER,
-    "studies.charts.stepper_runs*": INNER,
+    "studies.fidelity.stepper_runs*": INNER,
     "studies.commands*": COMMAND,
     "studies.common*": INNER,
     "studies.effectivity.*": RESULT,

@@ -12,6 +12,8 @@ from pliant.plants import IntegrationError, Plant
 from pliant.plants.core.errors import DivergenceWarning
 from pliant.plants.integration.batch_stepper import Stepper
 from pliant.plants.native.kernel_loader import NativeWarning
+from pliant.studies.common.reference_motions import Motions
+from pliant.studies.physics.physics_motion import compared
 
 DTYPES = {"double": np.float64, "single": np.float32}
 RUNS, MOST_RUNS = 3, 9
@@ -45,6 +47,12 @@ def motion(step: Stepper, start: np.ndarray, held: np.ndarray, times: np.ndarray
         why = f"the states of the stepper are no longer finite numbers at t = {times[k]:.4g} s"
         raise IntegrationError(why, float(times[k]), found[k], step.dt / step.substeps)
     return found, seconds
+
+
+def outputs_of(motions: Motions, plant: Plant, states: np.ndarray) -> np.ndarray:
+    """The compared outputs (nt, n) of the states (nt, nx) at the control times."""
+    y = np.asarray(plant.measure(states, motions.held, t=motions.scene.times))
+    return np.hstack([y, states])[:, compared(motions, plant)]
 
 
 def seconds_a_period(step: Stepper, start: np.ndarray, held: np.ndarray, times: np.ndarray) -> tuple[float, int]:

@@ -5,8 +5,8 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import IntegrationError
-from pliant.studies.charts.stepper_runs import motion, repeats, seconds_a_period, stepper
 from pliant.studies.common.reference_motions import Motions
+from pliant.studies.fidelity.stepper_runs import motion, repeats, seconds_a_period, stepper
 
 MOTIONS = Motions(scenes.get("single-link-slew", duration=0.4))
 SCENE, RIGID = MOTIONS.scene, MOTIONS.ladder[0]
@@ -24,7 +24,7 @@ def test_it_is_the_motion_of_simulate(precision, within):
 def test_a_long_motion_is_timed_in_part(monkeypatch):
     """A clock that moves on by 0.03 s with each look: a call takes that long."""
     now = iter(0.03 * k for k in range(100))
-    monkeypatch.setattr("pliant.studies.charts.stepper_runs.clock.perf_counter", lambda: next(now))
+    monkeypatch.setattr("pliant.studies.fidelity.stepper_runs.clock.perf_counter", lambda: next(now))
     each, runs = seconds_a_period(stepper(RIGID, "rk4", SCENE.dt, SCENE.dt, 16, "double"), *GIVEN)
     assert runs == 3 and each == pytest.approx(0.03)
 
