@@ -138,6 +138,8 @@ def step_kernel(plant: PlantLike, method: str, dtype: np.dtype, lanes: int | Non
 @lru_cache(maxsize=64)
 def motion_kernel(plant: PlantLike, method: str) -> OnDemand[MotionLibrary] | None:
     """Whole motions of a plant by a method, all explicit ones together; None for what has no compiled form."""
+    if method in motion_source.EXPLICIT[1:]:
+        return motion_kernel(plant, motion_source.EXPLICIT[0])  # the same one
     if method in motion_source.EXPLICIT:
         times = {name: METHODS[name].input_times for name in motion_source.EXPLICIT}
 

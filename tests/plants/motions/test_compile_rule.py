@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from oscillators import Oscillator
 
+from pliant.plants import SingleLinkArm
 from pliant.plants.integration.batch_stepper import motion_kernel
 from pliant.plants.motions import compile_rule, motion_library
 from pliant.plants.motions.compile_rule import OnDemand
+from pliant.plants.motions.motion_source import PAIR
 from pliant.plants.native import compiler, kernel_loader
 
 needs_compiler = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
@@ -100,3 +102,10 @@ def test_an_adaptive_motion_changes_over_on_its_way(monkeypatch):
     slow = plant.simulate([1.0, 0.0], None, t)
     assert motion.stats["steps"] == slow.stats["steps"]
     np.testing.assert_allclose(motion.x, slow.x, atol=5 * 200 * np.finfo(float).eps * slow.stats["steps"])
+
+
+def test_explicit_methods_share_one_kernel():
+    """Each had its own: dop853 and rk8 that had looked for the library before rk4's compiled it never looked again."""
+    plant = SingleLinkArm.textbook()
+    assert motion_kernel(plant, "rk4") is motion_kernel(plant, "rk8") is motion_kernel(plant, PAIR)
+    assert motion_kernel(plant, "rk4") is not motion_kernel(plant, "rosenbrock")
