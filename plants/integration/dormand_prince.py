@@ -120,7 +120,7 @@ def march(
                 us = law(t + c * trial)
             new, e5, e3 = step(t, z, us, w, p, trial)
             tried += 1
-            if before + tried > adaptive_steps.MOST_STEPS:
+            if before + tried > adaptive_steps.most_steps():
                 raise adaptive_steps.too_many_steps(t, z[: plant.nx], trial)
             scale = atol + rtol * np.maximum(np.abs(z), np.abs(new))
             s5, s3 = (e5 / scale) @ (e5 / scale), (e3 / scale) @ (e3 / scale)

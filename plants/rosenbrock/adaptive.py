@@ -103,7 +103,7 @@ class RosenbrockMotion:
             ends = self.time + self.step >= end * (1 - 1e-15) or end - self.time - self.step < 1e-3 * self.step
             self.trial = h = end - self.time if ends else self.step
             self.steps += 1
-            if self.steps > adaptive_steps.MOST_STEPS:
+            if self.steps > adaptive_steps.most_steps():
                 raise adaptive_steps.too_many_steps(self.time, self.state, h, METHOD)
             inputs = self._inputs(k, h, self.tableau.alpha)
             if not fresh:

@@ -17,9 +17,11 @@ import numpy as np
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.argument_gates import require_finite, shown
+from pliant.plants.motions.adaptive_steps import at_most
 from pliant.plants.validity.ranges import in_words
 
 STIFF = "rodas5p"  # the adaptive method of plants that are stiff; of others it is dop853
+MOST_STEPS = 300_000  # of a motion: one that takes more runs away
 TIGHT = 1e-10  # rtol of a converged motion; atol is a hundredth
 Progress = Callable[[float, str], None]  # fraction done, what is being done
 
@@ -88,7 +90,7 @@ class Motions:
         """The motion from the start at other times (m,), the input held (m, nu) from each to the next."""
         if plant.stiff:
             options.setdefault("method", STIFF)
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), at_most(MOST_STEPS):
             warnings.simplefilter("ignore", ValidityWarning)  # `outside` tells it, once for each fidelity
             return plant.simulate(self.start(plant), held, times, **options)
 
