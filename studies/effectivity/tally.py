@@ -5,7 +5,7 @@ Counted are the scenes whose truth is known to `KNOWN` of the tolerance; the oth
     wrong      "met", and the true error of the chosen model is above the tolerance
     false      refused, and a rung's true error is at most half the tolerance
     decided    met and true, or refused where no rung that was tried keeps the tolerance, or where physics itself leaves
-               the range in which it holds, which is said
+               the range in which it holds, which is said, or extension is missing, which the truth of arms lacks
 """
 
 from __future__ import annotations
@@ -43,12 +43,25 @@ class Tally:
 
     @cached_property
     def false_refusals(self) -> list[Row]:
-        return [r for r in self.known if not r["met"] and not _left(r) and _any_within(r, 0.5)]
+        return [r for r in self._refused if _any_within(r, 0.5)]
 
     @cached_property
     def undecided(self) -> list[Row]:
         """Refused, though a rung keeps the tolerance, and no range is left."""
-        return [r for r in self.known if not r["met"] and not _left(r) and _any_within(r, 1.0)]
+        return [r for r in self._refused if _any_within(r, 1.0)]
+
+    @cached_property
+    def beyond_truth(self) -> list[Row]:
+        """Refused for the stretch of an arm's links, which the models that are taken for the truth of arms have not."""
+        return [
+            r
+            for r in self.known
+            if not r["met"] and "extension" in r.get("missing", ()) and "stretch" not in r["truth"]
+        ]
+
+    @cached_property
+    def _refused(self) -> list[Row]:
+        return [r for r in self.known if not r["met"] and not _left(r) and r not in self.beyond_truth]
 
     @cached_property
     def ratios(self) -> list[tuple[str, float]]:
@@ -86,6 +99,7 @@ class Tally:
             "crashed": [r["seed"] for r in self.crashed],
             "false refusals": [r["seed"] for r in self.false_refusals],
             "undecided": [r["seed"] for r in self.undecided],
+            "refused for what the truth lacks": [r["seed"] for r in self.beyond_truth],
             "physics out of range": [r["seed"] for r in self.known if not r["met"] and _left(r)],
             "decided": decided / n if n else None,
             "ratios": len(self.ratios),

@@ -76,3 +76,11 @@ def test_ratios():
 def test_lines_name_the_seeds():
     lines = dict(Tally([row(7, true=2.0)]).lines())
     assert lines["wrongly met"] == "1 (7)" and lines["false refusals"] == "0"
+
+
+def test_a_refusal_for_extension_is_no_false_one_where_the_truth_has_none():
+    refused = {"met": False, "true": 0.2, "rungs": ((0.2, 0.2),), "bound": 1.5, "missing": ["extension", "torsion"]}
+    tally = Tally([row(3, **refused, truth="strain, polynomial 6"), row(4, **refused, truth="strain, stretches 3")])
+    for each in tally.rows:
+        each["rungs"][0]["bound"] = 1.5
+    assert tally.numbers["refused for what the truth lacks"] == [3] and tally.numbers["false refusals"] == [4]
