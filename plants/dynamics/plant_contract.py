@@ -67,9 +67,9 @@ class PhysicsContract(Declaration):
         """
         return False
 
-    def estimates(self, motion: Trajectory) -> dict[str, Array]:
-        """{effect that even `physics` leaves out: about the most that it would change each of [y; x] by on a motion of
-        this plant, (ny + nx,)}. Default: nothing is estimated.
+    def estimates(self, motion: Trajectory) -> dict[str, Self]:
+        """{effect that even `physics` leaves out: this plant with other parameters, changed about as much as that would
+        on a motion of this plant}. Default: nothing is estimated.
         """
         return {}
 

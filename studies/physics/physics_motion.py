@@ -15,7 +15,7 @@ tolerance ten times as wide changes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ EASILY = 100.0  # times better than asked: half as many parts do as well
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
 RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated ..
+SHARE = 0.05  # of an estimated effect: to what it is known
 ROUGHLY = 1e-6  # of the motion by which its ranges are judged
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
@@ -120,8 +121,8 @@ class _Search:
         motion = self.motion
         assert motion is not None
         how = f"{motion.fine.label}, from the motion of {self.simple.label}"
-        seen = _seen(self.motions, motion.trajectory(), motion.fine)
-        return PhysicsMotion(found, motion.fine, passes, time, shapes, how, *seen, motion)
+        known = PhysicsMotion(found, motion.fine, passes, time, shapes, how, motion=motion)
+        return _judged(self.motions, known, motion.trajectory())
 
     def _in_time(self, more: int, coarse: Array, parts: int) -> tuple[Array, float, int, float]:
         """(outputs, what passes leave, parts, error) with so many parts of a period that the error is within."""
@@ -166,7 +167,8 @@ def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion, share: float
     share of how far they are from it.
     """
     motion = like.motion
-    assert motion is not None
+    if motion is None:
+        raise NotSettled("physics was simulated")
     found = motion.refined(plant, motion.nodes, motions.start(plant), compared(motions, plant))
     found.step()
     found.settle(
@@ -175,11 +177,17 @@ def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion, share: float
     return found.outputs
 
 
-def _seen(motions: Motions, motion: Trajectory, physics: Plant) -> tuple[dict[str, float], tuple[dict[str, Any], ...]]:
-    """(what the motion tells of effects that physics leaves out, the ranges that it leaves)."""
-    columns = compared(motions, physics)
-    told = {name: float(np.max(worth[columns])) for name, worth in physics.estimates(motion).items()}
-    return told, tuple(found.to_json() for found in left(physics, motion))
+def _judged(motions: Motions, known: PhysicsMotion, motion: Trajectory) -> PhysicsMotion:
+    """With what the motion tells of effects that physics leaves out, and the ranges that it leaves."""
+    estimated = {}
+    for name, changed in known.physics.estimates(motion).items():
+        try:
+            found = outputs_of(motions, changed, known, SHARE)
+        except NotSettled:
+            found = motions.outputs(changed, ROUGHLY)
+        estimated[name] = _largest(found - known.outputs)
+    ranges = tuple(found.to_json() for found in left(known.physics, motion))
+    return replace(known, estimated=estimated, left=ranges)
 
 
 def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion:
@@ -197,5 +205,5 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
     physics = plant.physics(more)
     time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
     how = f"{physics.label}, simulated: {reason}"
-    seen = _seen(motions, motions.run(physics, rtol=ROUGHLY, atol=ROUGHLY / 100), physics)
-    return PhysicsMotion(found, physics, 0.0, time, shapes, how, *seen)
+    known = PhysicsMotion(found, physics, 0.0, time, shapes, how)
+    return _judged(motions, known, motions.run(physics, rtol=ROUGHLY, atol=ROUGHLY / 100))

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.plants import SingleLinkArm, TwoLinkArm
+from pliant.plants import Beam, LargeDeflectionBeam, Material, Payload, SingleLinkArm, TwoLinkArm
 
 ARMS = [SingleLinkArm.textbook(), TwoLinkArm.textbook()]
 
@@ -68,3 +68,28 @@ def test_effects_go_one_after_the_other_in_any_order():
         for name in names:
             lacking = lacking.without(name)
         assert lacking.kinematics == "linear"
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("E", [5e7, 5e8])
+def test_extension_is_estimated_as_no_less_than_a_beam_that_stretches_shows(E):
+    """The arm against `LargeDeflectionBeam`, other equations: spun up and held, with and without extension."""
+    beam = Beam.rectangular(2.0, 0.02, 0.01, Material(density=1200.0, E=E, G=E / 2.6))
+    arm = SingleLinkArm(link=beam, drive="motion", payload=Payload(mass=0.05))
+    times = np.linspace(0.0, 2.0, 101)
+    held = np.where(times < 0.5, 2.0, 0.0)[:, None]
+    options = {"method": "rodas5p", "rtol": 1e-8, "atol": 1e-11}
+    shapes = {"modes": 5, "basis": "polynomial", "stretches": 3, "shears": 3, "theory": "timoshenko"}
+    tips = []
+    for extensible in (False, True):
+        plant = LargeDeflectionBeam(
+            beam=beam, root="driven", gravity=(0.0, 0.0, 0.0), payload=arm.payload, extensible=extensible, **shapes
+        )
+        tips.append(plant.simulate(np.zeros(plant.nx), held, times, **options)["tip_deflection"])
+    true = np.abs(tips[1] - tips[0]).max()
+    physics = arm.physics()
+    motion = physics.simulate(np.zeros(physics.nx), held, times, rtol=1e-9, atol=1e-11)
+    longer = physics.estimates(motion)["extension"]
+    moved = longer.simulate(np.zeros(physics.nx), held, times, rtol=1e-9, atol=1e-11)
+    told = np.abs(moved["tip_deflection"] - motion["tip_deflection"]).max()
+    assert true <= told <= 10 * true
