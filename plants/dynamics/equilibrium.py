@@ -29,6 +29,10 @@ class RestConditions:
     def __init__(self, plant: Any, p: Any) -> None:
         self.plant, self.p = plant, p
 
+    def still(self) -> Array:
+        """Which states (nx,) are zero at every rest. None are known."""
+        return np.zeros(self.plant.nx, dtype=bool)
+
     def forces(self, x: Array, u: Array, at: Array) -> Array:
         """(nx,), weighed as at a state `at` (nx,) near by."""
         rate: Array = self.plant._rate(*self.plant._arguments(x, u, p=self.p))
@@ -49,6 +53,10 @@ class ForcesAtRest(RestConditions):
 
     Where nothing moves and no coordinate is driven they come from `_forces_at_rest`, a fraction of all equations.
     """
+
+    def still(self) -> Array:
+        """Rates."""
+        return np.arange(self.plant.nx) >= self.plant.nx // 2
 
     def _known(self, x: Array, u: Array) -> list[Array] | None:
         if self.plant.driven or x[len(x) // 2 :].any():
@@ -107,7 +115,10 @@ def find(
     if held[:nx].sum() < plant.nu:
         held[nx:] = True  # too few states are given to determine the inputs: they stay as given, or zero
 
-    free, rest = np.flatnonzero(~held), plant.rest_conditions(p)
+    rest = plant.rest_conditions(p)
+    still = np.append(rest.still(), np.zeros(plant.nu, dtype=bool)) & ~held
+    z[still] = 0.0
+    free = np.flatnonzero(~held & ~still)
     scale, step = 1.0, 0.0
     for _ in range(100):
         at = z[:nx]

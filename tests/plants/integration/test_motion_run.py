@@ -30,6 +30,7 @@ def test_every_method_is_played_and_is_a_cosine(method, monkeypatch):
 
 def test_parts_double_until_a_library_is_there(monkeypatch):
     """Of a smooth input: 1, 1, 2, 4, .. intervals; of one that jumps each by itself; all where none is to be had."""
+    monkeypatch.setenv("PLIANT_NATIVE", "1")
     run, parts = made("dop853"), []
     while run.reached < run.intervals:
         parts.append(run.next_part() - run.reached)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
+from pliant.plants.native import kernel_loader
 from pliant.studies import chart
 from pliant.studies.charts import measure, runner
 from pliant.studies.charts.measure import rounded_up
@@ -65,7 +66,8 @@ def test_error_of_a_converged_row_is_the_difference_of_the_models(measured):
 
 def test_every_path_number_of_lanes_and_precision_is_measured(measured):
     paths = {(r.path, r.lanes, r.precision) for r in measured.measured}
-    stepped = {("stepper", lanes, precision) for lanes in (1, 1024) for precision in ("double", "single")}
+    had = ("double", "single") if kernel_loader.wanted() else ("double",)  # single in compiled code alone
+    stepped = {("stepper", lanes, precision) for lanes in (1, 1024) for precision in had}
     assert paths == {("simulate", 1, "double"), ("linear", 1, "double"), *stepped}
     assert {r.method for r in measured.measured if r.path == "linear"} == {"ltv", "linear", "reduced"}
 
@@ -177,7 +179,8 @@ def test_a_second_call_goes_on_where_the_first_ended(tmp_path):
     with kept.open("a") as file:
         file.write('{"variant": "rig')  # killed while writing
     second = chart(SLEW, budget=20.0, kept=kept, **few)
-    assert len(second.measured) > len(first.measured) and second.not_run == 0 < first.not_run
+    assert len(second.measured) > len(first.measured) and second.not_run < first.not_run
+    assert second.not_run == 0 or not kernel_loader.wanted()
     again = chart(SLEW, budget=1e-6, kept=kept, **few)
     assert again.rows == second.rows  # nothing is measured anew
     with pytest.raises(ValueError, match=r"rows.jsonl' holds rows of other settings of it: name another file"):
