@@ -29,7 +29,7 @@ from pliant.plants.exact_rotations.strain_link import StrainLink, curvatures, tu
 from .ranges import Range, largest, values
 from .slender import NONE_HOLDS, SLOPE, STATIONS
 
-AXIAL = "axial strain"
+AXIAL, TURN = "axial strain", "turn of sections"
 FIBRE = 0.01
 MOMENTS = ("I_z", "I_y")  # that bending about z and about y feel
 ONE_TURN = 2 * np.pi  # [rad]
@@ -39,10 +39,10 @@ MORE_POINTS = "LargeDeflectionBeam with more points"
 FINER = 'more segments, or kinematics="strain"'
 
 
-def axial_strains(plant: PlantLike, motion: Trajectory) -> list[float]:
-    """The largest strain of each beam's axis on a motion of its plant."""
+def largest_reached(plant: PlantLike, motion: Trajectory, what: str) -> list[float]:
+    """The largest value of each range that measures this, AXIAL or TURN, on a motion of its plant."""
     reached = values(plant, motion)
-    return [float(np.nanmax(reached[:, k])) for k, r in enumerate(plant.validity) if r.measures == AXIAL]
+    return [float(np.nanmax(reached[:, k])) for k, r in enumerate(plant.validity) if r.measures == what]
 
 
 def fibres(
@@ -74,7 +74,7 @@ def strains_of(name: str, link: StrainLink, q: ca.SX, pull: ca.SX) -> list[Range
     curvature = largest(curvatures(link.basis, STATIONS), q) / link.beam.length**2
     turn = largest(turns(link.basis, STATIONS), q) / link.beam.length
     keeps = "quadrature takes the inertia of no combination of rates wrong by more than 5 %"
-    resolved = Range(f"turn of {name}'s sections", "rad", RESOLVED, keeps, MORE_POINTS, turn)
+    resolved = Range(f"turn of {name}'s sections", "rad", RESOLVED, keeps, MORE_POINTS, turn, TURN)
     return [*fibres(link.beam, [(curvature, "I_z")], pull, name), resolved]
 
 

@@ -173,14 +173,14 @@ def test_dominated_settings_are_not_run():
     assert pruned.fastest().variant == LADDER[1].label
 
 
+@pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: 1,024 lanes take longer than a test has")
 def test_a_second_call_goes_on_where_the_first_ended(tmp_path):
     kept, few = tmp_path / "rows.jsonl", {"variants": LADDER[:2], "methods": ("dop853", "rk4")}
     first = chart(SLEW, budget=1e-6, kept=kept, **few)
     with kept.open("a") as file:
         file.write('{"variant": "rig')  # killed while writing
     second = chart(SLEW, budget=20.0, kept=kept, **few)
-    assert len(second.measured) > len(first.measured) and second.not_run < first.not_run
-    assert second.not_run == 0 or not kernel_loader.wanted()
+    assert len(second.measured) > len(first.measured) and second.not_run == 0 < first.not_run
     again = chart(SLEW, budget=1e-6, kept=kept, **few)
     assert again.rows == second.rows  # nothing is measured anew
     with pytest.raises(ValueError, match=r"rows.jsonl' holds rows of other settings of it: name another file"):
