@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.parameters import is_symbolic, quantity, validate
 
 
@@ -25,7 +26,7 @@ class Payload:
     def __post_init__(self) -> None:
         validate(self)
         if isinstance(self.inertia, tuple):
-            _check_inertia(self.inertia)
+            check_inertia("Payload.inertia", self.inertia, "; for planar motion give the scalar moment about z")
         elif not is_symbolic(self.inertia) and self.inertia < 0:
             raise ValueError(f"Payload.inertia = {self.inertia!r} must be >= 0 [kg m^2]")
 
@@ -52,19 +53,22 @@ class Payload:
         }
 
 
-def _check_inertia(inertia: tuple[Any, ...]) -> None:
-    """Raise ValueError unless a numeric inertia is one that a rigid body can have."""
-    if any(is_symbolic(item) for row in inertia for item in row):
+def check_inertia(name: str, inertia: Any, remedy: str = "") -> None:
+    """ValueError, which calls it `name`, unless a numeric inertia (3, 3), or one moment about every axis, is one that a
+    rigid body can have; `remedy`: what to do where one moment is too large.
+    """
+    rows = inertia if isinstance(inertia, tuple) else ((inertia, 0.0, 0.0), (0.0, inertia, 0.0), (0.0, 0.0, inertia))
+    if any(is_symbolic(item) for row in rows for item in row):
         return
-    tensor = np.array(inertia, dtype=float)
+    tensor = np.array(rows, dtype=float)
     slack = 1e-9 * np.abs(tensor).max()
     if np.abs(tensor - tensor.T).max() > slack:
-        raise ValueError(f"Payload.inertia = {inertia!r} must be symmetric [kg m^2]")
+        raise ValueError(f"{name} = {shown(inertia)} must be symmetric [kg m^2]")
     principal = np.linalg.eigvalsh(tensor)
     if principal[0] < -slack:
-        raise ValueError(f"Payload.inertia = {inertia!r} must have principal moments >= 0 [kg m^2]")
+        raise ValueError(f"{name} = {shown(inertia)} must have principal moments >= 0 [kg m^2], has {principal[0]:.4g}")
     if principal[0] + principal[1] < principal[2] - slack:
         raise ValueError(
-            f"Payload.inertia = {inertia!r} must have no principal moment above the sum of the others "
-            f"[kg m^2]; for planar motion give the scalar moment about z"
+            f"{name} = {shown(inertia)} must have no principal moment above the sum of the others [kg m^2], has "
+            f"{principal[2]:.6g} > {principal[0] + principal[1]:.6g}{remedy}"
         )

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.beams.payload import check_inertia
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_counts, shown
 from pliant.plants.core.parameters import is_symbolic, part, quantity, validate
@@ -55,22 +56,3 @@ class TreeBody:
         """Whether it has neither mass nor inertia, as a body that only places another."""
         entries = [self.mass, *np.ravel(np.array(self.inertia, dtype=object))]
         return self.beam is None and not any(is_symbolic(e) or e != 0.0 for e in entries)
-
-
-def check_inertia(name: str, inertia: Any) -> None:
-    """ValueError unless a numeric inertia is one that a rigid body can have."""
-    rows = inertia if isinstance(inertia, tuple) else ((inertia, 0.0, 0.0), (0.0, inertia, 0.0), (0.0, 0.0, inertia))
-    if any(is_symbolic(item) for row in rows for item in row):
-        return
-    tensor = np.array(rows, dtype=float)
-    slack = 1e-9 * np.abs(tensor).max()
-    if np.abs(tensor - tensor.T).max() > slack:
-        raise ValueError(f"{name} = {shown(inertia)} must be symmetric [kg m^2]")
-    principal = np.linalg.eigvalsh(tensor)
-    if principal[0] < -slack:
-        raise ValueError(f"{name} = {shown(inertia)} must have principal moments >= 0 [kg m^2], has {principal[0]:.4g}")
-    if principal[0] + principal[1] < principal[2] - slack:
-        raise ValueError(
-            f"{name} = {shown(inertia)} must have no principal moment above the sum of the others [kg m^2], has "
-            f"{principal[2]:.6g} > {principal[0] + principal[1]:.6g}"
-        )

@@ -11,9 +11,8 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
 
+from pliant.plants.beams.payload import check_inertia
 from pliant.plants.core.argument_gates import require_choice, require_path, shown
-
-from .tree_body import check_inertia
 
 Numbers = tuple[float, ...]
 KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}

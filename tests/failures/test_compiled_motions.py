@@ -6,13 +6,12 @@ without a word. Pliant stops in the step that has no finite result, says when, w
 step limit on the way, and refuses a library that is wrong. Exact: x = 1 / (1 - t).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from oscillators import Oscillator
+from vibrations import Blowing
 
-from pliant.plants import IntegrationError, Plant, Signal, StabilityLimitError
+from pliant.plants import IntegrationError, StabilityLimitError
 from pliant.plants.integration import batch_stepper
 from pliant.plants.motions import adaptive_steps, compile_rule, motion_library
 from pliant.plants.native import compiler, kernel_loader
@@ -20,26 +19,6 @@ from pliant.plants.native.kernel_loader import NativeWarning
 
 pytestmark = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
 TIMES = np.linspace(0.0, 4.0, 41)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Blowing(Plant):
-    """x' = x^2 + u."""
-
-    states = (Signal("size", ""),)
-    inputs = (Signal("feed", ""),)
-    disturbances = ()
-    outputs = (Signal("size", ""),)
-    label = "blowing up"
-
-    def ode(self, t, x, u, w):
-        return x**2 + u
-
-    def output(self, t, x, u, w):
-        return x
-
-    def ladder(self):
-        return (self,)
 
 
 BLOWING = Blowing()
