@@ -16,7 +16,8 @@ imports.serve(
     __name__,
     {
         "scenes": "scene scene_checks=checks nominal=nominal_inputs arm_scenes=arms beam_scenes=beams "
-        "mechanism_scenes=mechanisms spacecraft_scenes=spacecraft spacecraft_parts",
+        "mechanism_scenes=mechanisms spacecraft_scenes=spacecraft",
+        "machines": "spacecraft_parts",
         "rendering": "render=planar render_space=spatial space_scenery=spacecraft_geometry",
         "simulation": "step=control_period kernel=control_kernel start=episode_start",
         "environments": "env vector=vector_env sb3=sb3_env",

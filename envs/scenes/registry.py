@@ -16,7 +16,7 @@ from typing import Any
 from pliant.plants.core.argument_gates import require_choice, require_number
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
-from . import arms, beams, mechanisms, spacecraft, spacecraft_orbit
+from . import arms, beams, mechanisms, spacecraft, spacecraft_orbit, trees
 from .scene import Scene
 
 __all__ = ["SCENES", "Scene", "get", "minimum_jerk", "names"]
@@ -27,6 +27,10 @@ SCENES: Mapping[str, Callable[..., Scene]] = {
     "cantilever-drop": beams.cantilever_drop,
     "spin-up": beams.spin_up,
     "slider-crank-run": mechanisms.slider_crank_run,
+    "flexible-joint-slew": mechanisms.flexible_joint_slew,
+    "crane-swing": mechanisms.crane_swing,
+    "six-axis-pick": trees.six_axis_pick,
+    "three-link-flexible": trees.three_link_flexible,
     "spacecraft-slew": spacecraft.spacecraft_slew,
     "spacecraft-wheels": spacecraft.spacecraft_wheels,
     "spacecraft-spin": spacecraft.spacecraft_spin,

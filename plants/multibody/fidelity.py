@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Self
 
+import numpy as np
+
 from pliant.plants.core.signals import Sensed
 from pliant.plants.dynamics.plant_contract import PINION
+from pliant.plants.multibody_parts.geared_inputs import GearedInputs
 from pliant.plants.multibody_parts.tree_body import MOST_MODES
 
 from .declaration import TreeDeclaration
 from .measurements import sensed
 
+Array = np.ndarray
 PHYSICS = 4  # shapes of a family that physics has by itself
 UNMODELLED = ("exact rotations of the beams", "shear and rotary inertia of the beams", "plasticity", "backlash")
 RIGID = ("bending of the bodies", "backlash")
@@ -53,6 +58,27 @@ class TreeFidelity(TreeDeclaration):
         """With as many shapes of each family that a body has."""
         bodies = tuple(dataclasses.replace(b, modes=tuple(min(n, 1) * most for n in b.modes)) for b in self.bodies)
         return dataclasses.replace(self, bodies=bodies, kinematics=kinematics)
+
+    @property
+    def stiff_geared(self) -> Self:
+        """The same machine with gears that do not give: each rotor's inertia and friction felt at its joint."""
+        bodies = list(self.bodies)
+        for k, body in enumerate(bodies):
+            gear = body.joint.elastic
+            if gear is not None:
+                damping = body.joint.damping + gear.ratio**2 * gear.rotor_friction
+                armature = body.joint.armature + gear.ratio**2 * gear.rotor_inertia
+                joint = dataclasses.replace(body.joint, elastic=None, damping=damping, armature=armature)
+                bodies[k] = dataclasses.replace(body, joint=joint)
+        return dataclasses.replace(self, bodies=tuple(bodies))
+
+    def rest_to_rest(self, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
+        """Every driven joint on a minimum-jerk motion, the gears taken as stiff: what twists them is left out."""
+        if not self.motors:
+            return super().rest_to_rest(begin, end, time)
+        geared = ((f"{joint.name}_motor_torque", joint.elastic) for joint in self.moving)
+        ratios = {name: float(gear.ratio) for name, gear in geared if gear is not None}
+        return GearedInputs(self, self.stiff_geared, ratios, begin, end, time)
 
     def ladder(self) -> tuple[Self, ...]:
         """From rigid bodies through one to four shapes a family, with and without shortening."""

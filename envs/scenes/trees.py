@@ -1,0 +1,176 @@
+"""Scenes of arms in space that are trees of bodies."""
+
+from __future__ import annotations
+
+from pliant.envs.machines import trees
+
+from .scene import Scene
+
+
+def six_axis_pick() -> Scene:
+    """Swing a payload from bin to bin with a six-axis arm whose forearm bends, for 2 s; control period 0.01 s.
+
+    The joints' torques are the UR5's (`machines.trees.six_axis`); 1.5 kg hang from a high stand, so that the arm does
+    not fall over where its torques are played without feedback.
+
+    | observation                | unit  |
+    |----------------------------|-------|
+    | pan - 0.9                  | rad   |
+    | lift - 0.2                 | rad   |
+    | elbow - 0.6                | rad   |
+    | roll_1 - -2.37             | rad   |
+    | roll_2 - -1.57             | rad   |
+    | roll_3 - 0.9               | rad   |
+    | pan_rate                   | rad/s |
+    | lift_rate                  | rad/s |
+    | elbow_rate                 | rad/s |
+    | roll_1_rate                | rad/s |
+    | roll_2_rate                | rad/s |
+    | roll_3_rate                | rad/s |
+    | forearm_deflection_y - sag | m     |
+    | forearm_deflection_z - sag | m     |
+    | forearm_deflection_y_rate  | m/s   |
+    | forearm_deflection_z_rate  | m/s   |
+
+    | action        | unit | at -1 | at 1 |
+    |---------------|------|-------|------|
+    | pan_torque    | N m  | -150  | 150  |
+    | lift_torque   | N m  | -150  | 150  |
+    | elbow_torque  | N m  | -150  | 150  |
+    | roll_1_torque | N m  | -28   | 28   |
+    | roll_2_torque | N m  | -28   | 28   |
+    | roll_3_torque | N m  | -28   | 28   |
+
+    | cost of the deviation in  | unit  | weight |
+    |---------------------------|-------|--------|
+    | pan                       | rad   | 10     |
+    | lift                      | rad   | 10     |
+    | elbow                     | rad   | 10     |
+    | roll_1                    | rad   | 10     |
+    | roll_2                    | rad   | 10     |
+    | roll_3                    | rad   | 10     |
+    | pan_rate                  | rad/s | 0.1    |
+    | lift_rate                 | rad/s | 0.1    |
+    | elbow_rate                | rad/s | 0.1    |
+    | roll_1_rate               | rad/s | 0.1    |
+    | roll_2_rate               | rad/s | 0.1    |
+    | roll_3_rate               | rad/s | 0.1    |
+    | forearm_deflection_y_rate | m/s   | 10     |
+    | forearm_deflection_z_rate | m/s   | 10     |
+    | pan_torque                | N m   | 0.0002 |
+    | lift_torque               | N m   | 0.0002 |
+    | elbow_torque              | N m   | 0.0002 |
+    | roll_1_torque             | N m   | 0.002  |
+    | roll_2_torque             | N m   | 0.002  |
+    | roll_3_torque             | N m   | 0.002  |
+
+    | ends beyond          | unit  | bound |
+    |----------------------|-------|-------|
+    | forearm_deflection_y | m     | 0.08  |
+    | forearm_deflection_z | m     | 0.08  |
+    | pan_rate             | rad/s | 8     |
+    | lift_rate            | rad/s | 8     |
+    | elbow_rate           | rad/s | 8     |
+    | roll_1_rate          | rad/s | 8     |
+    | roll_2_rate          | rad/s | 8     |
+    | roll_3_rate          | rad/s | 8     |
+    """
+    large, small = ("pan", "lift", "elbow"), ("roll_1", "roll_2", "roll_3")
+    joints = (*large, *small)
+    bends = tuple(f"forearm_deflection_{axis}" for axis in "yz")
+    return Scene(
+        name="six-axis-pick",
+        about="swing a 1.5 kg payload with a six-axis arm whose forearm bends",
+        plant=trees.six_axis(),
+        start=tuple(zip(joints, (-0.6, 0.5, 0.8, -2.87, -1.57, 0.0), strict=True)),
+        goal=tuple(zip(joints, (0.9, 0.2, 0.6, -2.37, -1.57, 0.9), strict=True)),
+        duration=2.0,
+        dt=0.01,
+        substeps=14,
+        move_time=1.2,
+        limits=(150.0, 150.0, 150.0, 28.0, 28.0, 28.0),
+        bounds=(*((name, 0.08) for name in bends), *((f"{name}_rate", 8.0) for name in joints)),
+        weights=(
+            *((name, 10.0) for name in joints),
+            *((f"{name}_rate", 0.1) for name in joints),
+            *((f"{name}_rate", 10.0) for name in bends),
+        ),
+        effort=(*((f"{name}_torque", 2e-4) for name in large), *((f"{name}_torque", 2e-3) for name in small)),
+        observe=(*joints, *(f"{name}_rate" for name in joints), *bends, *(f"{name}_rate" for name in bends)),
+        randomise=(("payload.mass", 0.7, 1.3),),
+        start_spread=0.05,
+        compare=("tip_x", "tip_y", "tip_z"),
+    )
+
+
+def three_link_flexible() -> Scene:
+    """Turn and lift an arm of two thin steel strips, 0.5 m each, point to point, for 2 s; control period 0.005 s.
+
+    The arm, its torques and its period are those of "Safe Imitation Learning of Nonlinear Model Predictive Control for
+    Flexible Robots" (`machines.trees.three_link`). Its speeds, up to 2.5 and 3.5 rad/s there, end no episode here.
+
+    | observation              | unit  |
+    |--------------------------|-------|
+    | joint1 - 1               | rad   |
+    | joint2 - -0.5            | rad   |
+    | joint3 - 0.3             | rad   |
+    | joint1_rate              | rad/s |
+    | joint2_rate              | rad/s |
+    | joint3_rate              | rad/s |
+    | link2_deflection_y - sag | m     |
+    | link3_deflection_y - sag | m     |
+    | link2_deflection_y_rate  | m/s   |
+    | link3_deflection_y_rate  | m/s   |
+
+    | action        | unit | at -1 | at 1 |
+    |---------------|------|-------|------|
+    | joint1_torque | N m  | -20   | 20   |
+    | joint2_torque | N m  | -10   | 10   |
+    | joint3_torque | N m  | -10   | 10   |
+
+    | cost of the deviation in | unit  | weight |
+    |--------------------------|-------|--------|
+    | joint1                   | rad   | 10     |
+    | joint2                   | rad   | 10     |
+    | joint3                   | rad   | 10     |
+    | joint1_rate              | rad/s | 0.1    |
+    | joint2_rate              | rad/s | 0.1    |
+    | joint3_rate              | rad/s | 0.1    |
+    | link2_deflection_y_rate  | m/s   | 0.1    |
+    | link3_deflection_y_rate  | m/s   | 0.1    |
+    | joint1_torque            | N m   | 0.002  |
+    | joint2_torque            | N m   | 0.002  |
+    | joint3_torque            | N m   | 0.002  |
+
+    | ends beyond        | unit  | bound |
+    |--------------------|-------|-------|
+    | link2_deflection_y | m     | 0.25  |
+    | link3_deflection_y | m     | 0.25  |
+    | joint1_rate        | rad/s | 12    |
+    | joint2_rate        | rad/s | 12    |
+    | joint3_rate        | rad/s | 12    |
+    """
+    joints = ("joint1", "joint2", "joint3")
+    bends = ("link2_deflection_y", "link3_deflection_y")
+    return Scene(
+        name="three-link-flexible",
+        about="turn and lift an arm of two thin steel strips point to point",
+        plant=trees.three_link(),
+        start=tuple(zip(joints, (0.0, -1.2, 0.2), strict=True)),
+        goal=tuple(zip(joints, (1.0, -0.5, 0.3), strict=True)),
+        duration=2.0,
+        dt=0.005,
+        substeps=8,
+        move_time=1.2,
+        limits=(20.0, 10.0, 10.0),
+        bounds=(*((name, 0.25) for name in bends), *((f"{name}_rate", 12.0) for name in joints)),
+        weights=(
+            *((name, 10.0) for name in joints),
+            *((f"{name}_rate", 0.1) for name in (*joints, *bends)),
+        ),
+        effort=tuple((f"{name}_torque", 2e-3) for name in joints),
+        observe=(*joints, *(f"{name}_rate" for name in joints), *bends, *(f"{name}_rate" for name in bends)),
+        randomise=(("bodies.1.beam.E", 0.9, 1.1),),
+        start_spread=0.05,
+        compare=("tip_x", "tip_y", "tip_z"),
+    )
