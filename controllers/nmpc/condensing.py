@@ -17,6 +17,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 Array = np.ndarray
+LONG = 150  # inputs of a horizon beyond which the work that grows as their square is less than that as their cube
 
 
 @final
@@ -62,16 +63,41 @@ class Condensed:
         self._B[:] = self.dynamics[:, :, head:]
         for now, G, ahead in self._steps:
             np.matmul(now, G, out=ahead)
-        np.matmul(self.residual[:, :, :head], self.G[:-1], out=self._stages)
-        self._U[:] = self.residual[:, :, head:]
         np.matmul(self.L, end, out=self._L[:, -1])
-        np.matmul(self._L, self.G[-1], out=self._last)
-        np.matmul(self._W.T, self._W, out=self.S)
+        if self.N * self.nu > LONG:
+            self._backward()
+        else:
+            np.matmul(self.residual[:, :, :head], self.G[:-1], out=self._stages)
+            self._U[:] = self.residual[:, :, head:]
+            np.matmul(self._L, self.G[-1], out=self._last)
+            np.matmul(self._W.T, self._W, out=self.S)
         self.H[:] = self.S[head:, head:]
         if self.Zd.size:
             np.matmul(self.bounded[1:, :, :head], self.G[1:-1], out=self._Z)
             self._Y += self.bounded[1:, :, head:]
             self.Zd[:] = self._Z.reshape(len(self.Zd), -1)[:, head:]
+
+    def _backward(self) -> None:
+        """S by half the cost's slopes by [dx_k; 1], Lambda_k v, from the end backwards: the work grows as N^2, not N^3.
+
+        Lambda_k = Q_k G_k + A_k' Lambda_{k+1} left of du_k; row k of S is N_k G_k + B_k' Lambda_{k+1}, with
+        [Q N'; N R] = [X r U]'[X r U]. S is symmetric, so that only what is left of its diagonal is computed.
+        """
+        head, nx, nu = self.head, self.nx, self.nu
+        whole = np.matmul(self.residual.transpose(0, 2, 1), self.residual)
+        slope = self._L.T @ (self._L @ self.G[-1])
+        self.S[:] = 0.0
+        for k in range(self.N - 1, -1, -1):
+            width = head + k * nu
+            row = self.dynamics[k].T @ slope[:nx, : width + nu]
+            row[nx] += slope[nx, : width + nu]  # the 1 stays
+            row[:, :width] += whole[k][:, :head] @ self.G[k, :, :width]
+            row[head:, width:] += whole[k][head:, head:]
+            self.S[width : width + nu, : width + nu] = row[head:]
+            slope = row[:head]
+        self.S[:head, :head] = slope[:, :head]
+        left = np.tril(self.S)
+        np.add(left, np.tril(left, -1).T, out=self.S)
 
     def states(self, e: Array, d: Array) -> Array:
         """dx (N+1, nx) of an initial deviation e (nx,) and changes d (N nu,) of the inputs."""

@@ -14,7 +14,7 @@ from pliant.plants.beams.section import STEEL, Material
 
 SIX_AXIS = Path(__file__).with_name("six_axis.urdf")
 # Acetal (POM) as its makers' data sheets have it: about 2.8 GPa, 1410 kg/m^3, Poisson's ratio 0.37
-ACETAL = Material(density=1410.0, E=2.8e9, G=1.02e9, damping=2e-4)
+ACETAL = Material(density=1410.0, E=2.8e9, G=1.02e9, damping=5e-5)
 DOWN = (0.0, np.pi / 2, 0.0)  # turns x to -z
 
 
@@ -52,13 +52,13 @@ def six_axis(kinematics: str = "stiffened") -> FlexibleTree:
     """An arm of six joints with the geometry and masses of Universal Robots' UR5, its forearm a 30 mm rod of acetal.
 
     The rod takes the place of the forearm (2.3 kg of tube become 0.39 kg); it bends by two shapes in each plane and
-    twists by one. A payload of 1.5 kg is held 50 mm beyond the flange.
+    twists by one. A box of 1.5 kg and 0.2 m is held, its centre 50 mm beyond the flange.
     """
     return FlexibleTree.from_urdf(
         SIX_AXIS,
         flexible={"forearm": rod(0.39225, 0.030, ACETAL)},
         tip="tool",
-        payload=Payload(mass=1.5, inertia=0.003, offset=(0.05, 0.0, 0.0)),
+        payload=Payload(mass=1.5, inertia=0.01, offset=(0.05, 0.0, 0.0)),
         kinematics=kinematics,
     )
 

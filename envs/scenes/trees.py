@@ -10,7 +10,7 @@ from .scene import Scene
 def six_axis_pick() -> Scene:
     """Swing a payload from bin to bin with a six-axis arm whose forearm bends, for 2 s; control period 0.01 s.
 
-    The joints' torques are the UR5's (`machines.trees.six_axis`); 1.5 kg hang from a high stand, so that the arm does
+    The arm is `machines.trees.six_axis`, its torques within the UR5's. It hangs from a high stand, so that it does
     not fall over where its torques are played without feedback.
 
     | observation                | unit  |
@@ -34,12 +34,12 @@ def six_axis_pick() -> Scene:
 
     | action        | unit | at -1 | at 1 |
     |---------------|------|-------|------|
-    | pan_torque    | N m  | -150  | 150  |
-    | lift_torque   | N m  | -150  | 150  |
-    | elbow_torque  | N m  | -150  | 150  |
-    | roll_1_torque | N m  | -28   | 28   |
-    | roll_2_torque | N m  | -28   | 28   |
-    | roll_3_torque | N m  | -28   | 28   |
+    | pan_torque    | N m  | -120  | 120  |
+    | lift_torque   | N m  | -120  | 120  |
+    | elbow_torque  | N m  | -60   | 60   |
+    | roll_1_torque | N m  | -10   | 10   |
+    | roll_2_torque | N m  | -10   | 10   |
+    | roll_3_torque | N m  | -4    | 4    |
 
     | cost of the deviation in  | unit  | weight |
     |---------------------------|-------|--------|
@@ -57,12 +57,12 @@ def six_axis_pick() -> Scene:
     | roll_3_rate               | rad/s | 0.1    |
     | forearm_deflection_y_rate | m/s   | 10     |
     | forearm_deflection_z_rate | m/s   | 10     |
-    | pan_torque                | N m   | 0.0002 |
-    | lift_torque               | N m   | 0.0002 |
-    | elbow_torque              | N m   | 0.0002 |
-    | roll_1_torque             | N m   | 0.002  |
-    | roll_2_torque             | N m   | 0.002  |
-    | roll_3_torque             | N m   | 0.002  |
+    | pan_torque                | N m   | 0.002  |
+    | lift_torque               | N m   | 0.002  |
+    | elbow_torque              | N m   | 0.002  |
+    | roll_1_torque             | N m   | 0.1    |
+    | roll_2_torque             | N m   | 0.1    |
+    | roll_3_torque             | N m   | 0.1    |
 
     | ends beyond          | unit  | bound |
     |----------------------|-------|-------|
@@ -88,14 +88,14 @@ def six_axis_pick() -> Scene:
         dt=0.01,
         substeps=14,
         move_time=1.2,
-        limits=(150.0, 150.0, 150.0, 28.0, 28.0, 28.0),
+        limits=(120.0, 120.0, 60.0, 10.0, 10.0, 4.0),
         bounds=(*((name, 0.08) for name in bends), *((f"{name}_rate", 8.0) for name in joints)),
         weights=(
             *((name, 10.0) for name in joints),
             *((f"{name}_rate", 0.1) for name in joints),
             *((f"{name}_rate", 10.0) for name in bends),
         ),
-        effort=(*((f"{name}_torque", 2e-4) for name in large), *((f"{name}_torque", 2e-3) for name in small)),
+        effort=(*((f"{name}_torque", 2e-3) for name in large), *((f"{name}_torque", 0.1) for name in small)),
         observe=(*joints, *(f"{name}_rate" for name in joints), *bends, *(f"{name}_rate" for name in bends)),
         randomise=(("payload.mass", 0.7, 1.3),),
         start_spread=0.05,
@@ -138,17 +138,17 @@ def three_link_flexible() -> Scene:
     | joint3_rate              | rad/s | 0.1    |
     | link2_deflection_y_rate  | m/s   | 0.1    |
     | link3_deflection_y_rate  | m/s   | 0.1    |
-    | joint1_torque            | N m   | 0.002  |
-    | joint2_torque            | N m   | 0.002  |
-    | joint3_torque            | N m   | 0.002  |
+    | joint1_torque            | N m   | 1      |
+    | joint2_torque            | N m   | 0.1    |
+    | joint3_torque            | N m   | 0.1    |
 
     | ends beyond        | unit  | bound |
     |--------------------|-------|-------|
     | link2_deflection_y | m     | 0.25  |
     | link3_deflection_y | m     | 0.25  |
-    | joint1_rate        | rad/s | 12    |
-    | joint2_rate        | rad/s | 12    |
-    | joint3_rate        | rad/s | 12    |
+    | joint1_rate        | rad/s | 6     |
+    | joint2_rate        | rad/s | 6     |
+    | joint3_rate        | rad/s | 6     |
     """
     joints = ("joint1", "joint2", "joint3")
     bends = ("link2_deflection_y", "link3_deflection_y")
@@ -160,15 +160,15 @@ def three_link_flexible() -> Scene:
         goal=tuple(zip(joints, (1.0, -0.5, 0.3), strict=True)),
         duration=2.0,
         dt=0.005,
-        substeps=8,
+        substeps=14,
         move_time=1.2,
         limits=(20.0, 10.0, 10.0),
-        bounds=(*((name, 0.25) for name in bends), *((f"{name}_rate", 12.0) for name in joints)),
+        bounds=(*((name, 0.25) for name in bends), *((f"{name}_rate", 6.0) for name in joints)),
         weights=(
             *((name, 10.0) for name in joints),
             *((f"{name}_rate", 0.1) for name in (*joints, *bends)),
         ),
-        effort=tuple((f"{name}_torque", 2e-3) for name in joints),
+        effort=(("joint1_torque", 1.0), ("joint2_torque", 0.1), ("joint3_torque", 0.1)),
         observe=(*joints, *(f"{name}_rate" for name in joints), *bends, *(f"{name}_rate" for name in bends)),
         randomise=(("bodies.1.beam.E", 0.9, 1.1),),
         start_spread=0.05,
