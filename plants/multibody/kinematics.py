@@ -100,3 +100,13 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
             if np.linalg.norm(ends[k] - start) > 0:
                 found.append(np.linspace(start, ends[k], points))
     return found
+
+
+def in_plane(walk: Walk, normal: int) -> bool:
+    """Whether all joints of a walk at numbers move across the axis `normal` of the base: turn about it or slide off it."""
+    for (k, joint), pose in zip(walk.tree.joints, [poses(walk)[k] for k, _ in walk.tree.joints], strict=True):
+        along = np.array(ca.DM(pose.R)) @ np.array(walk.tree.nodes[k].own).T @ np.array(joint.axis)
+        turned = abs(abs(along[normal]) - 1.0) < 1e-6
+        if not (abs(along[normal]) < 1e-6 if joint.slides else turned):
+            return False
+    return True

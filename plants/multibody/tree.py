@@ -19,6 +19,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -39,7 +40,7 @@ from pliant.plants.validity.slender import NONE_HOLDS, pulled, small_slopes
 from .composite import mass_matrix
 from .elasticity import TreeElasticity
 from .from_urdf import bodies
-from .kinematics import drawn, poses, twists, weight_energy
+from .kinematics import drawn, in_plane, poses, twists, weight_energy
 from .layout import vector
 from .measurements import readings
 from .newton_euler import forces, pulls, work
@@ -163,6 +164,12 @@ class FlexibleTree(TreeElasticity):
                     *pulled(name, link, number, axial[k]),
                 ]
         return tuple(found)
+
+    @cached_property
+    def drawn_as(self) -> str:
+        """ "links" where all joints move in the plane that `outline` shows, else "tree": lines in space."""
+        still = ca.SX.zeros(len(self.coordinates))
+        return "links" if in_plane(self.nominal._walk(still, still), 1 if self.nominal.gravity[2] else 2) else "tree"
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,

@@ -86,7 +86,7 @@ def test_no_solution_is_said() -> None:
 def test_many_variables_that_nothing_binds_are_solved_without_daqp(monkeypatch) -> None:
     """d = -H^-1 f, until a limit or a row binds; what is not definite is refused."""
     monkeypatch.setattr(soft_qp, "MANY", 0)
-    H, f, Z, low, high = problem(0)
+    H, f, Z, *_ = problem(0)
     program, far = SoftProgram(N, M, penalty=PENALTY), np.full(M, 1e3)
     assert program.prepare(H, Z)
     d = program.solve(f, np.full(N, -1e3), np.full(N, 1e3), -far, far)
