@@ -97,13 +97,14 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
         parent = nodes[node.parent] if node.parent != BASE else None
         if parent is None or parent.beam is None:
             start = ends[node.parent] if parent is not None else np.zeros(3)
-            if np.linalg.norm(ends[k] - start) > 0:
+            known = any(np.array_equal([start, ends[k]], line[[0, -1]]) for line in found)  # of two places in one
+            if np.linalg.norm(ends[k] - start) > 0 and not known:
                 found.append(np.linspace(start, ends[k], points))
     return found
 
 
 def in_plane(walk: Walk, normal: int) -> bool:
-    """Whether all joints of a walk at numbers move across the axis `normal` of the base: turn about it or slide off it."""
+    """Whether all joints of a walk at numbers move in the plane across an axis of the base: 0, 1, 2 for x, y, z."""
     for (k, joint), pose in zip(walk.tree.joints, [poses(walk)[k] for k, _ in walk.tree.joints], strict=True):
         along = np.array(ca.DM(pose.R)) @ np.array(walk.tree.nodes[k].own).T @ np.array(joint.axis)
         turned = abs(abs(along[normal]) - 1.0) < 1e-6
