@@ -40,11 +40,7 @@ ACTS = {
     f"MPC, {SHORT} steps, {THREE}": (THREE, "MPC", {"horizon": SHORT}),
     f"NMPC, {LONG} steps of 5 ms, {THREE}": (THREE, "NMPC", {"horizon": LONG, "substeps": 11}),
 }
-NMPC_SIX, NMPC_THREE, MPC_SIX = (
-    f"NMPC, {SHORT} steps of 10 ms, {SIX}",
-    f"NMPC, {LONG} steps of 5 ms, {THREE}",
-    f"MPC, {SHORT} steps, {SIX}",
-)
+MPC_SIX, NMPC_SIX, NMPC_THREE = (list(ACTS)[k] for k in (1, 2, 5))
 COLD_CODE = """
 import time
 import numpy as np

@@ -33,7 +33,8 @@ class Condensed:
     def __init__(self, N: int, nx: int, nu: int, nr: int, nb: int, L: Array) -> None:
         """L (nl, nx): |L (x_N - goal)|^2 is the terminal cost; no rows for none."""
         self.N, self.nx, self.nu, self.L = N, nx, nu, L
-        self.head = head = nx + 1
+        self.head, self.long = nx + 1, N * nu > LONG
+        head = self.head
         width, rows = head + N * nu, (N - 1) * nb
         self.dynamics, self.residual, self.bounded = (np.zeros((N, n, head + nu)) for n in (nx, nr, nb))
         self.G = np.zeros((N + 1, head, width))
@@ -64,7 +65,7 @@ class Condensed:
         for now, G, ahead in self._steps:
             np.matmul(now, G, out=ahead)
         np.matmul(self.L, end, out=self._L[:, -1])
-        if self.N * self.nu > LONG:
+        if self.long:
             self._backward()
         else:
             np.matmul(self.residual[:, :, :head], self.G[:-1], out=self._stages)
@@ -72,6 +73,12 @@ class Condensed:
             np.matmul(self._L, self.G[-1], out=self._last)
             np.matmul(self._W.T, self._W, out=self.S)
         self.H[:] = self.S[head:, head:]
+        if not self.long:
+            self.rows()
+
+    def rows(self) -> None:
+        """Zd, Ze and z0; of a long horizon `form` leaves them out, for most of the time no row binds."""
+        head = self.head
         if self.Zd.size:
             np.matmul(self.bounded[1:, :, :head], self.G[1:-1], out=self._Z)
             self._Y += self.bounded[1:, :, head:]
@@ -99,8 +106,21 @@ class Condensed:
         left = np.tril(self.S)
         np.add(left, np.tril(left, -1).T, out=self.S)
 
+    def signals(self, e: Array, d: Array) -> Array:
+        """The bounded signals ((N-1) nb,) as Zd d + Ze e + z0, stage by stage."""
+        v = np.ones((self.N - 1, self.head + self.nu))
+        v[:, : self.nx], v[:, self.head :] = self.states(e, d)[1:-1], d.reshape(self.N, -1)[1:]
+        return (self.bounded[1:] @ v[:, :, None]).ravel()
+
     def states(self, e: Array, d: Array) -> Array:
         """dx (N+1, nx) of an initial deviation e (nx,) and changes d (N nu,) of the inputs."""
+        if self.long:
+            dx, nx, head = np.empty((self.N + 1, self.nx)), self.nx, self.head
+            dx[0] = e
+            known = (self.dynamics[:, :, head:] @ d.reshape(self.N, -1, 1))[:, :, 0] + self.dynamics[:, :, nx]
+            for k in range(self.N):
+                np.add(self.dynamics[k, :, :nx] @ dx[k], known[k], out=dx[k + 1])
+            return dx
         self._v[: self.nx], self._v[self.nx], self._v[self.head :] = e, 1.0, d
         return (self.G @ self._v)[:, : self.nx]
 

@@ -17,9 +17,6 @@ from scipy.linalg.lapack import dpotrf, dpotrs
 from .daqp_model import SOFT, DaqpModel
 
 Array = np.ndarray
-MANY = (
-    150  # variables beyond which LAPACK looks first whether anything binds: DAQP's own factors take ten times as long
-)
 NEAR = 0.2  # of a bound, in the rows' unit: they are best scaled to bounds about 1
 
 
@@ -48,11 +45,22 @@ class SoftProgram:
         """
         self.H, self.Z = H, Z
         self._current.clear()
-        if self.n <= MANY:
-            return self._update(self.m if self.near else 0)
+        return self._update(self.m if self.near else 0)
+
+    def factor(self, H: Array) -> bool:
+        """For `free` alone: False where H (n, n) is not definite. DAQP's own factors take ten times as long."""
         self._root, failed = dpotrf(H, lower=True)
         self.status = -5 if failed else 1
         return not failed
+
+    def free(self, f: Array, lowest: Array, highest: Array) -> Array | None:
+        """-H^-1 f of the H of `factor` where it is within the limits, else None; the caller looks at the rows."""
+        d, _ = dpotrs(self._root, -f, lower=True)
+        if not ((lowest <= d) & (d <= highest)).all():
+            return None
+        self.status, self.iterations, self.violation, self.limited = 1, 0, 0.0, False
+        self.multipliers[:] = 0.0
+        return d
 
     def forget(self) -> None:
         """Start again from no active set."""
@@ -65,8 +73,6 @@ class SoftProgram:
         n = self.n
         self._low[:n], self._high[:n], self._low[n:], self._high[n:] = lowest, highest, low, high
         self.iterations, self.violation = 0, 0.0
-        if n > MANY and (free := self._free(f, lowest, highest)) is not None:
-            return free
         whole = self.near or not self.m
         d = self._solve(self.m if self.near else 0, f)
         if d is None or not self.m:
@@ -78,15 +84,6 @@ class SoftProgram:
                 return None
             out = self._broken(d)
         self.violation = max(out, 0.0)
-        return d
-
-    def _free(self, f: Array, lowest: Array, highest: Array) -> Array | None:
-        """-H^-1 f where no limit and no row binds there, else None."""
-        d, _ = dpotrs(self._root, -f, lower=True)
-        if not ((lowest <= d) & (d <= highest)).all() or (self.m and self._broken(d) > 0):
-            return None
-        self.status, self.limited = 1, False
-        self.multipliers[:] = 0.0
         return d
 
     @property

@@ -38,5 +38,8 @@ def test_equals_the_stages_walked_through(N: int, nb: int, nl: int, long: int, m
         assert problem.S[nx, nx] == pytest.approx(cost(np.zeros(N * nu), np.zeros(nx))[0], rel=1e-10)
         np.testing.assert_allclose(problem.S, problem.S.T, atol=1e-10 * np.abs(problem.S).max())
         np.testing.assert_allclose(problem.states(e, d), walked, rtol=1e-10, atol=1e-10)
+        if problem.long:
+            problem.rows()
+        np.testing.assert_allclose(problem.signals(e, d), np.array(rows[1:]).reshape(-1), rtol=1e-10, atol=1e-10)
         z = problem.Zd @ d + problem.Ze @ e + problem.z0
         np.testing.assert_allclose(z, np.array(rows[1:]).reshape(-1), rtol=1e-10, atol=1e-10)
