@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from pliant.plants.core.signals import Sensed
 from pliant.plants.dynamics.plant_contract import PINION
+from pliant.plants.multibody_parts.freedoms import freedoms
 from pliant.plants.multibody_parts.tree_body import MOST_MODES
 
 from .declaration import TreeDeclaration
@@ -23,8 +24,12 @@ class TreeFidelity(TreeDeclaration):
     """Answers about the tree as a whole."""
 
     def sensors(self) -> tuple[Sensed, ...]:
-        units = {s.name: s.unit for s in self.coordinates}
-        found = [Sensed("encoder", j.position, scale=PINION if units[j.position] == "m" else 1.0) for j in self.joints]
+        moved = sum(len(freedoms(b.joint)) for b in self.ground)
+        carried = [self.freedoms[v].place for _, v in self._inputs if v >= moved]
+        found = [Sensed("encoder", p.name, scale=PINION if p.unit == "m" else 1.0) for p in carried]
+        if self.base == "free":
+            found += [Sensed("star tracker", f.place.name, "rad") for f in self.freedoms[3:6]]
+            found += [Sensed("fibre-optic gyro", f.rate.name) for f in self.freedoms[3:6]]
         for b in self.slender:
             beam: Any = b.beam
             depths = ((3 * beam.I_z / beam.area) ** 0.5, (3 * beam.I_y / beam.area) ** 0.5)
