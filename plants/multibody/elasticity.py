@@ -7,8 +7,8 @@ from typing import Any
 
 import casadi as ca
 
-from pliant.plants.multibody_parts.freedoms import ends
-from pliant.plants.multibody_parts.joint_forces import forces, lost, stored
+from pliant.plants.multibody_joints.freedoms import ends
+from pliant.plants.multibody_joints.joint_forces import forces, lost, stored
 from pliant.plants.multibody_parts.tree_beam import TreeBeam
 
 from .fidelity import TreeFidelity

@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from pliant.plants.core.signals import Sensed
 from pliant.plants.dynamics.plant_contract import PINION
-from pliant.plants.multibody_parts.freedoms import freedoms
+from pliant.plants.multibody_joints.freedoms import freedoms
 from pliant.plants.multibody_parts.tree_body import MOST_MODES
 
 from .declaration import TreeDeclaration

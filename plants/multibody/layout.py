@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.payload import Payload
+from pliant.plants.multibody_joints.bases import WORLD
 from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, upper
 from pliant.plants.multibody_parts.tree_beam import TreeBeam, tidy
@@ -21,7 +22,6 @@ from pliant.plants.multibody_parts.tree_body import TreeBody
 
 Array = np.ndarray
 BASE = -1
-WORLD = ""  # what a base hangs on
 
 
 def turned(rpy: Any) -> Array:

@@ -13,8 +13,7 @@ from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.multibody_parts.joint import Joint
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
-from .layout import WORLD
-
+WORLD = ""  # what a base hangs on
 KINDS = ("fixed", "free", "driven")
 FREEDOMS = ("x", "y", "z", "turn_x", "turn_y", "turn_z")
 
