@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 
-from pliant.plants.multibody_parts.tree_beam import TreeBeam
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody
 
 from .fidelity import TreeFidelity
 
@@ -16,7 +16,7 @@ from .fidelity import TreeFidelity
 class TreeElasticity(TreeFidelity):
     """Forces that depend on one joint or one beam alone, and their energies."""
 
-    def _beams(self) -> list[tuple[TreeBeam, slice]]:
+    def _beams(self) -> list[tuple[ElasticBody, slice]]:
         found, at = [], len(self.moving) + len(self.motors)
         for _, beam in self.tree.beams:
             found.append((beam, slice(at, at + beam.n)))
@@ -45,7 +45,7 @@ class TreeElasticity(TreeFidelity):
             found[i] -= torque
             found[k] += torque / gear.ratio + gear.rotor_friction * v[k]
         for beam, at in self._beams():
-            found[at] = beam.stiffness() @ (q[at] + beam.beam.damping * v[at])
+            found[at] = beam.resistance(q[at], v[at])
         return found
 
     def _spring_energy(self, q: ca.SX) -> ca.SX:
@@ -57,7 +57,7 @@ class TreeElasticity(TreeFidelity):
                 d, d0 = ((s + ca.sqrt(s**2 + joint.stop_width**2)) / 2 for s in (z, z0))
                 V += joint.stop_stiffness * (d**2 - d0**2) / 2
         V += sum((gear.stiffness * twist**2 / 2 for _, _, gear, twist in self._twists(q)), ca.SX(0))
-        return V + sum((ca.dot(q[at], beam.stiffness() @ q[at]) / 2 for beam, at in self._beams()), ca.SX(0))
+        return V + sum((beam.strain_energy(q[at]) for beam, at in self._beams()), ca.SX(0))
 
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
         D = ca.SX(0)
@@ -67,5 +67,5 @@ class TreeElasticity(TreeFidelity):
         for _, k, gear, rate in self._twists(v):
             D += gear.damping * rate**2 / 2 + gear.rotor_friction * v[k] ** 2 / 2
         for beam, at in self._beams():
-            D += beam.beam.damping * ca.dot(v[at], beam.stiffness() @ v[at]) / 2
+            D += beam.dissipation(v[at])
         return D

@@ -14,9 +14,10 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.payload import Payload
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody
 from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, upper
-from pliant.plants.multibody_parts.tree_beam import TreeBeam, tidy
+from pliant.plants.multibody_parts.tree_beam import tidy
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
 Array = np.ndarray
@@ -67,7 +68,7 @@ class Node:
     joint: Joint | None  # that moves
     own: Array  # constant turn after the joint: to the axes of the beam
     inertia: Inertia | None  # None: a place
-    beam: TreeBeam | None = None
+    beam: ElasticBody | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,7 @@ class Layout:
         return [(k, node.joint) for k, node in enumerate(self.nodes) if node.joint is not None]
 
     @property
-    def beams(self) -> list[tuple[int, TreeBeam]]:
+    def beams(self) -> list[tuple[int, ElasticBody]]:
         return [(k, node.beam) for k, node in enumerate(self.nodes) if node.beam is not None and node.beam.n]
 
 
@@ -106,8 +107,8 @@ class _Builder:
 
     def add(self, body: TreeBody, parent: str) -> None:
         held, joint = self._at[parent], body.joint
-        own = turned(body.beam_rotation) if body.beam is not None else np.eye(3)
-        beam = self._beam(body) if body.beam is not None else None
+        own = turned(body.beam_rotation) if body.bends else np.eye(3)
+        beam = self._beam(body)
         inertia = placed(rigid_inertia(body.mass, body.centre, body.inertia), own.T, ca.SX.zeros(3))
         if not (joint.moves or beam or held.flexible) and held.node != BASE:
             R, r = self._beyond(held, joint)
@@ -124,7 +125,7 @@ class _Builder:
         return held.R @ turned(part.rotation), held.r + ca.DM(held.R) @ vector(part.position)
 
     def _node(
-        self, name: str, held: _Held, part: Joint | Frame, own: Array, inertia: Inertia | None, beam: TreeBeam | None
+        self, name: str, held: _Held, part: Joint | Frame, own: Array, inertia: Inertia | None, beam: ElasticBody | None
     ) -> int:
         """A node that hangs where `part` says."""
         joint = part if isinstance(part, Joint) else None
@@ -158,7 +159,7 @@ def layout(
     bodies: list[tuple[TreeBody, str]], payload: Payload, tip: Frame, frames: list[Frame], beam: Any, root: str
 ) -> Layout:
     """The tree of bodies (each with its parent's name), a payload at the tip, and the frames that are places;
-    `beam(body)` makes a body's TreeBeam; `root` names the base.
+    `beam(body)` makes a body's ElasticBody; `root` names the base.
     """
     builder = _Builder(beam, root)
     for body, parent in bodies:
