@@ -14,7 +14,8 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.payload import Payload
-from pliant.plants.elastic_bodies.elastic_body import ElasticBody
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody, Place
+from pliant.plants.elastic_bodies.modal_body import ModalBody
 from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, upper
 from pliant.plants.multibody_parts.tree_beam import tidy
@@ -61,7 +62,7 @@ class Node:
 
     name: str
     parent: int  # another node, or BASE
-    station: float | None  # of the parent's beam
+    station: Place | None  # of the parent's beam, or its node
     turned: bool  # with that section
     r: ca.SX  # (3,) constant shift, in the parent's axes
     R: Array  # constant turn
@@ -129,14 +130,31 @@ class _Builder:
     ) -> int:
         """A node that hangs where `part` says."""
         joint = part if isinstance(part, Joint) else None
-        R, r, station = *self._beyond(held, part), None
+        (R, r), station = self._beyond(held, part), None
         if held.flexible:
             before = self._nodes[held.node].own.T  # positions are given in the body's axes, not in its beam's
-            R, r, station = before @ turned(part.rotation), ca.DM(tidy(before)) @ vector(part.position), part.station
+            R, r = before @ turned(part.rotation), ca.DM(tidy(before)) @ vector(part.position)
+            station = self._place(held, part)
         follows = joint.turned if joint is not None else True
         moving = joint if joint is not None and joint.moves else None
         self._nodes.append(Node(name, held.node, station, follows, r, R, moving, own, inertia, beam))
         return len(self._nodes) - 1
+
+    def _place(self, held: _Held, part: Joint | Frame) -> Place:
+        """Where on the body that bends; ValueError where its modal data have no such node."""
+        parent = self._nodes[held.node]
+        if not isinstance(parent.beam, ModalBody):
+            return float(part.station)
+        try:
+            node = parent.beam.data.node(part.node)
+        except ValueError as error:
+            raise ValueError(f"{type(part).__name__} {part.name!r} on body {parent.name!r}: {error}") from error
+        if isinstance(part, Joint) and part.turned and node.turns is None:
+            raise ValueError(
+                f"Joint.node = {part.node!r} of joint {part.name!r} has no turns in the modal data of body "
+                f"{parent.name!r}: name a node that has them, or turned=False"
+            )
+        return part.node
 
     def place(self, frame: Frame) -> None:
         """A place without inertia."""
@@ -144,7 +162,14 @@ class _Builder:
 
     def load(self, payload: Payload, tip: Frame) -> None:
         """The payload, held at the tip."""
-        hung = Joint(name="payload", kind="fixed", position=tip.position, rotation=tip.rotation, station=tip.station)
+        hung = Joint(
+            name="payload",
+            kind="fixed",
+            position=tip.position,
+            rotation=tip.rotation,
+            station=tip.station,
+            node=tip.node,
+        )
         body = TreeBody(
             name="payload of the tree", joint=hung, mass=payload.mass, centre=payload.offset, inertia=payload.inertia
         )

@@ -40,9 +40,9 @@ class TreeBody:
     twists by `modes[2]` and stretches by `modes[3]`, and what hangs on the body hangs on its sections. A section's
     turning inertia counts in torsion alone, but with exact rotations also as the straight beam bends.
 
-    `modal` data stand in the place of a beam, in those turned axes, with the `modal_modes` slowest of their modes (None:
-    all), their stiffness times `stiffness_factor`, and `damping_ratio` besides their own damping; what hangs on the body
-    hangs on its named nodes.
+    `modal` data stand in the place of a beam, in those turned axes, with the `modal_modes` slowest of their modes
+    (None: all), their stiffness times `stiffness_factor`, and `damping_ratio` besides their own damping; what hangs on
+    the body hangs on its named nodes.
 
     >>> TreeBody(name="forearm", joint=Joint(name="elbow"), beam=strip, modes=(2, 2, 1, 0))
     """
@@ -68,9 +68,7 @@ class TreeBody:
 
         if self.modal is not None:
             if self.beam is not None:
-                raise ValueError(
-                    f"TreeBody.modal of body {self.name!r} must be None where it has a beam: it is one or the other"
-                )
+                raise ValueError(f"TreeBody.modal of body {self.name!r} must be None where it has a beam")
             most = self.modal.n
             count = most if self.modal_modes is None else self.modal_modes
             object.__setattr__(self, "modal_modes", require_count("TreeBody", "modal_modes", count, 0, most))
