@@ -18,7 +18,8 @@ import numpy as np
 
 from pliant.plants.core.signals import Signal
 from pliant.plants.modal_data.deformed_body import Deformed, constant
-from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.modal_data.modal_fields import ModalFields
+from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, Motion, Wrench, upper
 from pliant.plants.multibody_parts.tree_beam import Section
 
@@ -30,11 +31,25 @@ def modal_signals(n: int) -> list[Signal]:
     return [Signal(f"eta{k + 1}", "m") for k in range(n)]
 
 
+def place_on(data: ModalFields, body: str, part: Joint | Frame) -> str:
+    """The node of a body's modal data where a joint or a frame hangs; ValueError where they do not have it."""
+    try:
+        node = data.node(part.node)
+    except ValueError as error:
+        raise ValueError(f"{type(part).__name__} {part.name!r} on body {body!r}: {error}") from error
+    if isinstance(part, Joint) and part.turned and node.turns is None:
+        raise ValueError(
+            f"Joint.node = {part.node!r} of joint {part.name!r} has no turns in the modal data of body {body!r}: name "
+            "a node that has them, or turned=False"
+        )
+    return part.node
+
+
 @dataclass(frozen=True, eq=False)
 class ModalBody(ElasticBody):
     """The modes of `data`, their stiffness times `factor`, with a damping `ratio` besides their own."""
 
-    data: ModalData
+    data: ModalFields
     stiffened: bool
     factor: Any = 1.0
     ratio: Any = 0.0

@@ -16,7 +16,7 @@ import numpy as np
 from pliant.plants.core.quaternions import cross
 
 from .integrals import axial
-from .modal_data import ModalData
+from .modal_fields import ModalFields
 
 
 def constant(value: Any) -> ca.SX:
@@ -33,7 +33,7 @@ class _Fields(NamedTuple):
     pairs: list[tuple[int, int]]
 
     @classmethod
-    def of(cls, data: ModalData, n: int, stiffened: bool) -> _Fields:
+    def of(cls, data: ModalFields, n: int, stiffened: bool) -> _Fields:
         found = [
             (k, l) for k in range(n) for l in range(k, n) if stiffened and data.shortening_squares[k, l, k, l].any()
         ]
@@ -70,7 +70,7 @@ class Deformed:
     m: ca.SX  # (n, n)
 
     @classmethod
-    def of(cls, data: ModalData, eta: ca.SX, stiffened: bool) -> Deformed:
+    def of(cls, data: ModalFields, eta: ca.SX, stiffened: bool) -> Deformed:
         """At eta (n,). Shortening -(1/2) g_kl eta_k eta_l is a field like a mode's, its amplitude a function of eta,
         so that the energy is that of a motion of the points and M_A stays positive definite.
         """

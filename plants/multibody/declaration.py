@@ -14,6 +14,7 @@ from pliant.plants.core.signals import Joint as Driven
 from pliant.plants.core.signals import Signal
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.elastic_bodies.elastic_body import ElasticBody
+from pliant.plants.elastic_bodies.modal_body import place_on
 from pliant.plants.elastic_bodies.of_body import coordinates_of, elastic_body, readings_of
 from pliant.plants.multibody_parts.joint import Frame, Joint, name_gate, place_gate
 from pliant.plants.multibody_parts.tree_body import TreeBody
@@ -107,6 +108,11 @@ class TreeDeclaration(LagrangianPlant):
             raise ValueError(
                 f"{owner}.bodies = {shown(tuple(b.name for b in self.bodies))} must have a joint that moves"
             )
+        modal = {b.name: b.modal for b in self.bodies if b.modal is not None}
+        hung = [(b.parent, b.joint) for b in self.bodies] + [(f.body, f) for f in self.frames]
+        for name, part in hung:
+            if name in modal:
+                place_on(modal[name], name, part)
         self._check_names(owner)
 
     def _check_names(self, owner: str) -> None:

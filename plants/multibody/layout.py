@@ -15,7 +15,7 @@ import numpy as np
 
 from pliant.plants.beams.payload import Payload
 from pliant.plants.elastic_bodies.elastic_body import ElasticBody, Place
-from pliant.plants.elastic_bodies.modal_body import ModalBody
+from pliant.plants.elastic_bodies.modal_body import ModalBody, place_on
 from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, upper
 from pliant.plants.multibody_parts.tree_beam import tidy
@@ -141,20 +141,9 @@ class _Builder:
         return len(self._nodes) - 1
 
     def _place(self, held: _Held, part: Joint | Frame) -> Place:
-        """Where on the body that bends; ValueError where its modal data have no such node."""
+        """Where on the body that bends."""
         parent = self._nodes[held.node]
-        if not isinstance(parent.beam, ModalBody):
-            return float(part.station)
-        try:
-            node = parent.beam.data.node(part.node)
-        except ValueError as error:
-            raise ValueError(f"{type(part).__name__} {part.name!r} on body {parent.name!r}: {error}") from error
-        if isinstance(part, Joint) and part.turned and node.turns is None:
-            raise ValueError(
-                f"Joint.node = {part.node!r} of joint {part.name!r} has no turns in the modal data of body "
-                f"{parent.name!r}: name a node that has them, or turned=False"
-            )
-        return part.node
+        return place_on(parent.beam.data, parent.name, part) if isinstance(parent.beam, ModalBody) else part.station
 
     def place(self, frame: Frame) -> None:
         """A place without inertia."""

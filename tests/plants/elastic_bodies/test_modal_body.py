@@ -157,10 +157,10 @@ def test_unknown_nodes_are_refused():
     def hung(**options):
         bodies = [TreeBody(name="a", joint=Joint(name="j"), modal=PANEL)]
         bodies.append(TreeBody(name="b", joint=Joint(name="k", **options), mass=1.0, inertia=0.1))
-        return FlexibleTree.serial(bodies).tree
+        return FlexibleTree.serial(bodies)
 
-    with pytest.raises(ValueError, match="Joint 'k' on body 'a': ModalData.node = 'corner' must be one of 'tip'"):
+    with pytest.raises(ValueError, match=r"Joint 'k' on body 'a': ModalData\.node = 'corner' must be one of 'tip'"):
         hung(node="corner")
     with pytest.raises(ValueError, match="has no turns in the modal data of body 'a'"):
         hung()
-    assert hung(turned=False).nodes[1].station == ""
+    assert hung(turned=False).tree.nodes[1].station == ""

@@ -1,4 +1,4 @@
-"""Beams of exact rotations in a tree: the library's planar arms, its large beam in space, the stiffened beam, energy."""
+"""Beams of exact rotations in a tree: the library's planar arms, its large beam in space, stiffened beams, energy."""
 
 import dataclasses
 
@@ -155,7 +155,7 @@ def test_twist_follows_the_bends():
     end = beam.section(1.0, ca.SX(ca.DM(eta)), ca.SX.zeros(4))
     x, w = np.polynomial.legendre.leggauss(40)
     xi, w = (1 + x) / 2, w / 2
-    (by, bz) = beam.straight.bent_bases
+    by, _ = beam.straight.bent_bases
     c = w @ (by.phi(xi, 2) @ eta[:2] * np.sin(-by.phi(xi, 1) @ eta[2:]))
     np.testing.assert_allclose(float(ca.DM(end.turn[0])), c, rtol=1e-3)
     assert abs(c) > 0.02
@@ -169,7 +169,8 @@ def test_work_done_equals_energy_gained(seconds):
     bodies = (
         TreeBody(name="a", joint=Joint(name="j1", axis=(0, 0.6, 0.8), **joint), beam=soft, modes=(1, 1, 1, 1)),
         TreeBody(
-            name="b", joint=Joint(name="j2", axis=(0, 1, 0), rotation=(0.3, 0.2, 0.1), **joint), beam=soft, modes=(1, 2, 1, 0)
+            name="b", joint=Joint(name="j2", axis=(0, 1, 0), rotation=(0.3, 0.2, 0.1), **joint), beam=soft,
+            modes=(1, 2, 1, 0),
         ),
         TreeBody(
             name="c", parent="a", joint=Joint(name="j3", axis=(1, 0, 0), station=0.5, **joint), mass=0.1, inertia=1e-3,
