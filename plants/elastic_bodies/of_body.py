@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pliant.plants.core.signals import Signal
+from pliant.plants.multibody_parts.joint import Frame
 from pliant.plants.multibody_parts.tree_beam import TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
 from .bent_beam import BentBeam, family_signals
 from .elastic_body import ElasticBody
-from .modal_body import ModalBody, modal_signals
+from .modal_body import ModalBody, modal_signals, place_on
 from .strain_beam import StrainBeam
 
 EXACT = "strain"
@@ -40,3 +41,11 @@ def readings_of(body: TreeBody) -> list[Signal]:
     found = [Signal(f"{body.name}_deflection_{axis}", "m") for axis in axes]
     found += [Signal(f"{body.name}_deflection_{axis}_rate", "m/s") for axis in axes]
     return found + [Signal(f"{body.name}_curvature_{axis}", "1/m") for axis in axes if body.beam is not None]
+
+
+def check_nodes(bodies: tuple[TreeBody, ...], frames: tuple[Frame, ...]) -> None:
+    """ValueError where something hangs on a node that its body's modal data do not have."""
+    modal = {body.name: body.modal for body in bodies if body.modal is not None}
+    for name, part in [*((body.parent, body.joint) for body in bodies), *((frame.body, frame) for frame in frames)]:
+        if name in modal:
+            place_on(modal[name], name, part)

@@ -19,7 +19,7 @@ Matrix = dict[tuple[int, int], ca.SX]  # by pairs of coordinates, the larger fir
 
 def mass_matrix(walk: Walk) -> ca.SX:
     """M (n, n), sparse where the tree has no coupling."""
-    n, found = walk.q.shape[0], _entries(walk)
+    n, found = walk.v.shape[0], _entries(walk)
     M = ca.SX(n, n)
     for (i, j), value in found.items():
         if i < n and not value.is_zero():

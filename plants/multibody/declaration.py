@@ -7,18 +7,20 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from pliant.plants.attitudes.turning_plant import TurningPlant
 from pliant.plants.beams.payload import Payload
 from pliant.plants.core.argument_gates import as_tuple, require_all, require_choice, require_names, shown
 from pliant.plants.core.parameters import part, quantity, validate
 from pliant.plants.core.signals import Joint as Driven
 from pliant.plants.core.signals import Signal
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.elastic_bodies.elastic_body import ElasticBody
-from pliant.plants.elastic_bodies.modal_body import place_on
-from pliant.plants.elastic_bodies.of_body import coordinates_of, elastic_body, readings_of
+from pliant.plants.elastic_bodies.of_body import check_nodes, coordinates_of, elastic_body, readings_of
+from pliant.plants.multibody_parts.freedoms import Freedom, Slot, coordinates, ends, freedoms, slots
 from pliant.plants.multibody_parts.joint import Frame, Joint, name_gate, place_gate
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
+from .bases import FREEDOMS, base_bodies, check_platform
+from .bases import KINDS as BASES_OF_TREES
 from .layout import Layout, layout
 from .measurements import AXES, DEVICES, signals
 
@@ -62,8 +64,16 @@ def devices_gate(name: str, value: Any) -> tuple[str, ...]:
     return require_names(name, as_tuple(name, value), tuple(DEVICES), "device")
 
 
+def freedoms_gate(name: str, value: Any) -> tuple[str, ...]:
+    """Names of a base's freedoms, one at least."""
+    found = require_names(name, as_tuple(name, value), FREEDOMS, "freedom")
+    if not found:
+        raise ValueError(f"{name} = () must name one freedom at least: {', '.join(FREEDOMS)}")
+    return tuple(f for f in FREEDOMS if f in found)
+
+
 @dataclass(frozen=True, kw_only=True)
-class TreeDeclaration(LagrangianPlant):
+class TreeDeclaration(TurningPlant):
     """Bodies, places and fidelity; `FlexibleTree` adds their equations."""
 
     bodies: tuple[TreeBody, ...] = field(metadata={"gate": lambda name, value: require_all(name, value, TreeBody)})
@@ -76,14 +86,18 @@ class TreeDeclaration(LagrangianPlant):
     kinematics: str = "stiffened"
     basis: str = "polynomial"
     base: str = "fixed"
+    platform: Payload = part(Payload, default_factory=Payload)  # the base itself, where it is free or driven
+    base_freedoms: tuple[str, ...] = field(default=FREEDOMS, metadata={"gate": freedoms_gate})  # of a driven base
     root: str = field(default="base", metadata={"gate": name_gate})  # what the base is called as a parent
 
     def __post_init__(self) -> None:
         validate(self)
         owner = type(self).__name__
-        for name, choices in (("kinematics", KINEMATICS), ("basis", BASES), ("base", ("fixed",))):
+        for name, choices in (("kinematics", KINEMATICS), ("basis", BASES), ("base", BASES_OF_TREES)):
             require_choice(owner, name, getattr(self, name), choices)
         object.__setattr__(self, "bodies", in_tree(f"{owner}.bodies", self.bodies, self.root))
+        if self.base == "free":
+            check_platform(owner, self.root, self.platform, self.bodies)
         known = {self.root, *(b.name for b in self.bodies)}
         taken = {"tip"}
         for k, frame in enumerate(self.frames):
@@ -108,11 +122,7 @@ class TreeDeclaration(LagrangianPlant):
             raise ValueError(
                 f"{owner}.bodies = {shown(tuple(b.name for b in self.bodies))} must have a joint that moves"
             )
-        modal = {b.name: b.modal for b in self.bodies if b.modal is not None}
-        hung = [(b.parent, b.joint) for b in self.bodies] + [(f.body, f) for f in self.frames]
-        for name, part in hung:
-            if name in modal:
-                place_on(modal[name], name, part)
+        check_nodes(self.bodies, self.frames)
         self._check_names(owner)
 
     def _check_names(self, owner: str) -> None:
@@ -142,12 +152,23 @@ class TreeDeclaration(LagrangianPlant):
     def tree(self) -> Layout:
         """The nodes of the recursion."""
         frames = [self.tip_frame, *self.frames]
-        return layout([(b, b.parent) for b in self.bodies], self.payload, self.tip_frame, frames, self._beam, self.root)
+        parts = [(b, b.parent) for b in (*self.ground, *self.bodies)]
+        return layout(parts, self.payload, self.tip_frame, frames, self._beam, self.root)
+
+    @cached_property
+    def ground(self) -> tuple[TreeBody, ...]:
+        """What a base that moves hangs on, one after the other, itself last."""
+        return base_bodies(self.base, self.root, self.platform, self.base_freedoms)
 
     @cached_property
     def moving(self) -> tuple[Joint, ...]:
-        """Joints with a coordinate, in order."""
-        return tuple(b.joint for b in self.bodies if b.joint.moves)
+        """Joints with coordinates, in order, those of a base that moves first."""
+        return tuple(b.joint for b in (*self.ground, *self.bodies) if b.joint.moves)
+
+    @cached_property
+    def slots(self) -> tuple[Slot, ...]:
+        """Where the coordinates and speeds of those are."""
+        return slots(list(self.moving))
 
     @cached_property
     def motors(self) -> tuple[int, ...]:
@@ -165,25 +186,54 @@ class TreeDeclaration(LagrangianPlant):
         return tuple(b for b in self.bodies if b.bends)
 
     @property
-    def coordinates(self) -> tuple[Signal, ...]:
-        joints = [Signal(j.name, "m" if j.slides else "rad") for j in self.moving]
+    def _beyond(self) -> tuple[Signal, ...]:
+        """Coordinates of motors and of bodies that bend."""
         motors = [Signal(f"{self.moving[i].name}_motor", "rad") for i in self.motors]
         bent = [Signal(f"{b.name}_{s.name}", s.unit) for b in self.flexible for s in coordinates_of(b, self.counts(b))]
-        return (*joints, *motors, *bent)
+        return (*motors, *bent)
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        return (*(s for joint in self.moving for s in coordinates(joint)), *self._beyond)
+
+    @cached_property
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """Of all joints, then of the motors."""
+        motors = [self.moving[i].name for i in self.motors]
+        return (
+            *(f for joint in self.moving for f in freedoms(joint)),
+            *(
+                Freedom(Signal(f"{n}_motor", "rad"), Signal(f"{n}_motor_rate", "rad/s"), Signal(f"{n}_torque", "N m"))
+                for n in motors
+            ),
+        )
+
+    @property
+    def speeds(self) -> tuple[Signal, ...]:
+        own = [f.rate for joint in self.moving for f in freedoms(joint)]
+        return (*own, *(Signal(f"{s.name}_rate", f"{s.unit}/s") for s in self._beyond))
+
+    @cached_property
+    def turns(self) -> tuple[tuple[str, int, int], ...]:
+        return tuple((s.joint.name, *s.turn) for s in self.slots if s.turn is not None)
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Place and attitude of a free base."""
+        if self.base != "free":
+            return {}
+        return {s.name: float(s.name.endswith("_quaternion_0")) for s in coordinates(self.moving[0])}
 
     @cached_property
     def _inputs(self) -> tuple[tuple[Signal, int], ...]:
-        """(input, coordinate that it acts on)."""
-        found = []
-        for i, joint in enumerate(self.moving):
+        """(input, speed that it acts on)."""
+        found, n = [], ends(self.slots)[1]
+        for i, (joint, _, v) in enumerate(self.slots):
             if i in self.motors:
-                at = len(self.moving) + self.motors.index(i)
-                found.append((Signal(f"{joint.name}_motor_torque", "N m"), at))
-            elif joint.drive == "torque":
-                word, unit = ("force", "N") if joint.slides else ("torque", "N m")
-                found.append((Signal(f"{joint.name}_{word}", unit), i))
-            elif joint.drive == "acceleration":
-                found.append((Signal(f"{joint.name}_acceleration", "m/s^2" if joint.slides else "rad/s^2"), i))
+                found.append((Signal(f"{joint.name}_motor_torque", "N m"), n + self.motors.index(i)))
+            elif joint.drive != "none":
+                given = joint.drive == "acceleration"
+                found += [(f.acceleration if given else f.force, v + k) for k, f in enumerate(freedoms(joint))]
         return tuple(found)
 
     @property
@@ -192,13 +242,19 @@ class TreeDeclaration(LagrangianPlant):
 
     @property
     def driven(self) -> dict[int, int]:
-        given = {i for i, joint in enumerate(self.moving) if joint.drive == "acceleration"}
-        return {i: k for k, (_, i) in enumerate(self._inputs) if i in given}
+        given = {s.v + k for s in self.slots if s.joint.drive == "acceleration" for k in range(len(freedoms(s.joint)))}
+        return {v: k for k, (_, v) in enumerate(self._inputs) if v in given}
 
     @property
     def joints(self) -> tuple[Driven, ...]:
-        pairs = list(self.rates.items())
-        return tuple(Driven(signal.name, *pairs[i]) for signal, i in self._inputs)
+        return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
+
+    @property
+    def measured(self) -> list[int]:
+        """The freedoms in the order in which their places are told: those without an input first."""
+        driven = {v for _, v in self._inputs}
+        passive = [v for v in range(ends(self.slots)[1]) if v not in driven]
+        return [*passive, *sorted(driven)]
 
     @property
     def disturbances(self) -> tuple[Signal, ...]:
@@ -207,9 +263,7 @@ class TreeDeclaration(LagrangianPlant):
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
-        measured = [s for s in self.coordinates if s.name in {j.position for j in self.joints}]
-        passive = [s for s in self.coordinates[: len(self.moving)] if s not in measured]
-        found = [*passive, *measured]
+        found = [self.freedoms[v].place for v in self.measured]
         for b in self.slender:
             found += readings_of(b)
         for place in self.places:

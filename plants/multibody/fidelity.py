@@ -11,6 +11,7 @@ from pliant.plants.core.signals import Sensed
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant_contract import PINION
 from pliant.plants.modal_data.driven_families import before_the_last, left_out
+from pliant.plants.multibody_parts.freedoms import freedoms
 from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
 from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached
 
@@ -40,8 +41,12 @@ class TreeFidelity(TreeDeclaration):
     """Answers about the tree as a whole."""
 
     def sensors(self) -> tuple[Sensed, ...]:
-        units = {s.name: s.unit for s in self.coordinates}
-        found = [Sensed("encoder", j.position, scale=PINION if units[j.position] == "m" else 1.0) for j in self.joints]
+        moved = sum(len(freedoms(b.joint)) for b in self.ground)
+        carried = [self.freedoms[v].place for _, v in self._inputs if v >= moved]
+        found = [Sensed("encoder", p.name, scale=PINION if p.unit == "m" else 1.0) for p in carried]
+        if self.base == "free":
+            found += [Sensed("star tracker", f.place.name, "rad") for f in self.freedoms[3:6]]
+            found += [Sensed("fibre-optic gyro", f.rate.name) for f in self.freedoms[3:6]]
         for b in self.slender:
             if b.beam is None:
                 continue

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.multibody_parts.spatial import AROUND
-from pliant.plants.multibody_parts.steps import Fixed, Move, Spin
+from pliant.plants.multibody_parts.steps import Ball, Fixed, Move, Spin
 
 from .layout import BASE
 from .walk import Walk
@@ -36,7 +36,7 @@ def poses(walk: Walk) -> list[Pose]:
         for step in edge.steps:
             if isinstance(step, Move):
                 p = p + R @ step.r
-            elif isinstance(step, Fixed):
+            elif isinstance(step, (Fixed, Ball)):
                 R = R @ step.R
             else:
                 R = _spun(R, step)
@@ -64,6 +64,8 @@ def twists(walk: Walk) -> list[Twist]:
                 turned = ca.SX(omega)
                 turned[step.axis] = omega[step.axis] + step.rate
                 omega = turned
+            elif isinstance(step, Ball):
+                omega = omega + step.rate
         found.append(Twist(omega, v))
     return found
 

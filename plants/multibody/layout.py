@@ -23,6 +23,7 @@ from pliant.plants.multibody_parts.tree_body import TreeBody
 
 Array = np.ndarray
 BASE = -1
+WORLD = ""  # what a base hangs on
 
 
 def turned(rpy: Any) -> Array:
@@ -78,6 +79,7 @@ class Layout:
 
     nodes: tuple[Node, ...]
     places: dict[str, int]
+    root: int = BASE  # the node of the base where it moves
 
     @property
     def joints(self) -> list[tuple[int, Joint]]:
@@ -101,10 +103,14 @@ class _Held:
 class _Builder:
     """Puts bodies, the payload and places together."""
 
-    def __init__(self, beam: Any, root: str) -> None:
+    def __init__(self, beam: Any) -> None:
         self._beam, self._nodes = beam, list[Node]()
-        self._at = {root: _Held(BASE, np.eye(3), ca.SX.zeros(3), False)}
+        self._at = {WORLD: _Held(BASE, np.eye(3), ca.SX.zeros(3), False)}
         self.places = dict[str, int]()
+
+    def stand(self, root: str) -> None:
+        """A base that does not move."""
+        self._at[root] = self._at[WORLD]
 
     def add(self, body: TreeBody, parent: str) -> None:
         held, joint = self._at[parent], body.joint
@@ -165,20 +171,22 @@ class _Builder:
         if not body.weightless:
             self.add(body, tip.body)
 
-    def built(self) -> Layout:
-        return Layout(tuple(self._nodes), self.places)
+    def built(self, root: str) -> Layout:
+        return Layout(tuple(self._nodes), self.places, self._at[root].node)
 
 
 def layout(
     bodies: list[tuple[TreeBody, str]], payload: Payload, tip: Frame, frames: list[Frame], beam: Any, root: str
 ) -> Layout:
     """The tree of bodies (each with its parent's name), a payload at the tip, and the frames that are places;
-    `beam(body)` makes a body's ElasticBody; `root` names the base.
+    `beam(body)` makes a body's ElasticBody; `root` names the base, which stands on WORLD unless it is one of them.
     """
-    builder = _Builder(beam, root)
+    builder = _Builder(beam)
+    if root not in {body.name for body, _ in bodies}:
+        builder.stand(root)
     for body, parent in bodies:
         builder.add(body, parent)
     builder.load(payload, tip)
     for frame in frames:
         builder.place(frame)
-    return builder.built()
+    return builder.built(root)

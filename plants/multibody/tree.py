@@ -31,6 +31,7 @@ from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
+from pliant.plants.multibody_parts.freedoms import ends, freedoms
 from pliant.plants.multibody_parts.joint import ElasticJoint
 from pliant.plants.multibody_parts.spatial import Wrench
 from pliant.plants.multibody_parts.tree_body import TreeBody
@@ -66,12 +67,12 @@ class FlexibleTree(TreeElasticity):
 
     @last_call
     def _walk(self, q: ca.SX, v: ca.SX) -> Walk:
-        n, m = len(self.moving), len(self.moving) + len(self.motors)
-        return Walk(self.tree, _without(q, n, m), _without(v, n, m))
+        (n, k), m = ends(self.slots), len(self.motors)
+        return Walk(self.tree, _without(q, n, n + m), _without(v, k, k + m))
 
     def _all(self, inner: ca.SX) -> ca.SX:
         """(n,) of what the recursion gives, which knows no motors."""
-        n = len(self.moving)
+        n = ends(self.slots)[1]
         joints, bent = entries(inner, slice(0, n)), entries(inner, slice(n, inner.shape[0]))
         return ca.vertcat(joints, ca.SX.zeros(len(self.motors)), bent)
 
@@ -84,13 +85,13 @@ class FlexibleTree(TreeElasticity):
         return found
 
     def _mass_matrix(self, walk: Walk) -> ca.SX:
-        n, m = len(self.moving), len(self.motors)
+        n, m = ends(self.slots)[1], len(self.motors)
         inner = mass_matrix(walk)
         M = ca.SX(inner.shape[0] + m, inner.shape[0] + m)
         at = [*range(n), *range(n + m, M.shape[0])]
         M[at, at] = inner
-        for i, joint in enumerate(self.moving):
-            M[i, i] += joint.armature
+        for joint, _, v in self.slots:
+            M[v, v] += joint.armature
         for k, i in enumerate(self.motors):
             M[n + k, n + k] = self.moving[i].elastic.rotor_inertia  # type: ignore[union-attr]
         return M
@@ -99,8 +100,11 @@ class FlexibleTree(TreeElasticity):
         return ca.dot(v, self._mass_matrix(self._walk(q, v)) @ v) / 2
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
-        g, still = vector(self.gravity), ca.SX.zeros(q.shape[0])
-        V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(still, still), g)
+        g, still = vector(self.gravity), ca.SX.zeros(len(self.speeds))
+        zero = ca.SX.zeros(q.shape[0])
+        for _, first, _ in self.turns:
+            zero[first] = 1
+        V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
         return V + self._spring_energy(q)
 
     def _driving(self, n: int, u: ca.SX) -> ca.SX:
@@ -112,7 +116,7 @@ class FlexibleTree(TreeElasticity):
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         walk = self._walk(q, v)
-        return self._driving(q.shape[0], u) + self._all(work(walk, self._wrenches(walk, w)))
+        return self._driving(v.shape[0], u) + self._all(work(walk, self._wrenches(walk, w)))
 
     @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -120,23 +124,34 @@ class FlexibleTree(TreeElasticity):
         q, v = x[:n], x[n:]
         walk = self._walk(q, v)
         inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, w)))
-        M, r = self._mass_matrix(walk), self._driving(n, u) - self._resistance(q, v) - inertial
+        M, r = self._mass_matrix(walk), self._driving(v.shape[0], u) - self._resistance(q, v) - inertial
         M, r = ca.cse([M, r])
         return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
+
+    def _places(self, q: ca.SX) -> list[ca.SX]:
+        """What is told of each freedom: its coordinate, or of a turn twice the quaternion's vector."""
+        found = list[ca.SX]()
+        for slot in self.slots:
+            n = len(freedoms(slot.joint))
+            shifts = n if slot.turn is None else n - 3
+            found += [q[slot.q + k] for k in range(shifts)]
+            if slot.turn is not None:
+                found += [2 * q[slot.turn[0] + 1 + k] for k in range(3)]
+        first = ends(self.slots)[0]
+        return found + [q[first + k] for k in range(len(self.motors))]
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
-        driven = {i for _, i in self._inputs}
-        y = [q[i] for i in range(len(self.moving)) if i not in driven]
-        y += [q[i] for i in sorted(driven)]
+        places = self._places(q)
+        y = [places[k] for k in self.measured]
         bent = dict(zip((b.name for b in self.flexible), self._beams(), strict=True))
         for body in self.slender:
             if body.name not in bent:
                 y += [ca.SX.zeros(len(readings_of(body)))]
                 continue
-            own, at = bent[body.name]
-            y += own.readings(q[at], v[at])
+            own, at, rates = bent[body.name]
+            y += own.readings(q[at], v[rates])
         walk = self._walk(q, v)
         stands, moves = poses(walk), twists(walk)
         at_places = [self.tree.places[place] for place in self.places]
@@ -144,7 +159,8 @@ class FlexibleTree(TreeElasticity):
             y += [stands[k].p, stands[k].R @ moves[k].v]
         if self.devices:
             M, r, _, _ = self.equations(t, x, u, w)
-            a = _without(self.acceleration(M, r, u)[0], len(self.moving), len(self.moving) + len(self.motors))
+            k, m = ends(self.slots)[1], len(self.motors)
+            a = _without(self.acceleration(M, r, u)[0], k, k + m)
             loads = self._wrenches(walk, w)
             y += readings(walk, a, vector(self.gravity), loads, self.devices, at_places)
         return ca.vertcat(*y)
@@ -156,7 +172,7 @@ class FlexibleTree(TreeElasticity):
         axial = pulls(walk, vector(self.gravity), self._wrenches(walk, w))
         turning = twists(walk)
         bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)
-        for body, (k, own), (_, numbers), (_, at) in bent:
+        for body, (k, own), (_, numbers), (_, at, _) in bent:
             found += ranges_of(body.name, own, numbers, x[at], axial[k], turning[k].omega)
         return tuple(found)
 

@@ -123,15 +123,15 @@ def test_small_bends_are_the_stiffened_beam():
     falls by ten. (The sections' turning inertia, which the other leaves out, is made small here.)
     """
     thin = dataclasses.replace(STRIP, I_y=1.2e-15, I_z=6e-16, J=1.4e-15, E=1.4e15, G=5.2e14)
-    straight = TreeBeam(thin, (1, 1, 1, 1), "polynomial", True)
-    eta, rate, found = ca.SX.sym("eta", 4), ca.SX.sym("rate", 4), []
+    straight = TreeBeam(thin, (1, 1, 1, 0), "polynomial", True)
+    eta, rate, found = ca.SX.sym("eta", 3), ca.SX.sym("rate", 3), []
     motion = Motion(*(ca.SX(ca.DM(v)) for v in np.random.default_rng(0).normal(size=(3, 3))))
     for body in (BentBeam(straight), StrainBeam(straight)):
         load, Q = body.inertial(motion, motion.U, eta, rate)
         at = body.section(0.7, eta, rate)
         found.append(ca.vertcat(*load, Q, body.resistance(eta, rate), at.shift, at.shift_rate, at.turn, at.turn_rate))
     gap = ca.Function("gap", [eta, rate], [found[1] - found[0]])
-    v = np.array([0.3, -0.2, 0.1, 0.0])
+    v = np.array([0.3, -0.2, 0.1])
     size = [np.abs(np.array(gap(s * v, s * v))).max() for s in (1e-2, 1e-3)]
     assert size[0] < 2e-3
     assert size[0] > 90 * size[1]

@@ -38,7 +38,7 @@ SHIFT = np.array([0.3, -0.2, 0.5])
 STEPS = {
     **{
         f"spin {axis}": (
-            Spin(axis, ca.SX(np.cos(0.7)), ca.SX(np.sin(0.7)), ca.SX(0), Acting(0, np.eye(3)[axis])),
+            Spin(axis, ca.SX(np.cos(0.7)), ca.SX(np.sin(0.7)), ca.SX(0), Acting(0, np.eye(3)[axis]), ca.SX(0.7)),
             turn(axis, 0.7),
             np.zeros(3),
         )
@@ -65,7 +65,7 @@ def test_inertia_and_forces(name):
 
 
 def test_a_turn_against_its_axis_works_against_it():
-    step = Spin(1, ca.SX(1), ca.SX(0), ca.SX(-2.0), Acting(0, -np.eye(3)[1]))
+    step = Spin(1, ca.SX(1), ca.SX(0), ca.SX(-2.0), Acting(0, -np.eye(3)[1]), ca.SX(0))
     (work,) = step.work(Wrench(STILL, column([1.0, 5.0, 2.0]))).values()
     assert float(work) == -5.0
     (load,) = step.unit(cloud(POINTS)).values()
@@ -79,7 +79,7 @@ def test_motion_goes_down():
     found = step.down(Motion(column(omega), column(alpha), column(a)))
     wanted = a + np.cross(alpha, SHIFT) + np.cross(omega, np.cross(omega, SHIFT)) + 2 * np.cross(omega, rate)
     np.testing.assert_allclose(numbers(found.a), wanted, atol=1e-12)
-    spin = Spin(2, ca.SX(1), ca.SX(0), ca.SX(0.5), Acting(0, np.eye(3)[2]))
+    spin = Spin(2, ca.SX(1), ca.SX(0), ca.SX(0.5), Acting(0, np.eye(3)[2]), ca.SX(0))
     turned = spin.down(Motion(column(omega), column(alpha), column(a)))
     np.testing.assert_allclose(numbers(turned.omega), omega + np.array([0, 0, 0.5]), atol=1e-12)
     np.testing.assert_allclose(numbers(turned.alpha), alpha + np.cross(omega, [0, 0, 0.5]), atol=1e-12)
