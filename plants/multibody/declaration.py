@@ -11,17 +11,18 @@ from pliant.plants.beams.payload import Payload
 from pliant.plants.core.argument_gates import as_tuple, require_all, require_choice, require_names, shown
 from pliant.plants.core.parameters import part, quantity, validate
 from pliant.plants.core.signals import Signal
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody
+from pliant.plants.elastic_bodies.of_body import check_nodes, coordinates_of, elastic_body, readings_of
 from pliant.plants.multibody_joints.bases import FREEDOMS, base_bodies, check_platform
 from pliant.plants.multibody_joints.bases import KINDS as BASES_OF_TREES
 from pliant.plants.multibody_joints.tree_joints import TreeJoints
 from pliant.plants.multibody_parts.joint import Frame, Joint, name_gate, place_gate
-from pliant.plants.multibody_parts.tree_beam import FAMILIES, TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
 from .layout import Layout, layout
 from .measurements import AXES, DEVICES, signals
 
-KINEMATICS = ("rigid", "linear", "stiffened")
+KINEMATICS = ("rigid", "linear", "stiffened", "strain")
 BASES = ("polynomial", "clamped-free")
 
 
@@ -119,6 +120,7 @@ class TreeDeclaration(TreeJoints):
             raise ValueError(
                 f"{owner}.bodies = {shown(tuple(b.name for b in self.bodies))} must have a joint that moves"
             )
+        check_nodes(self.bodies, self.frames)
         self._check_names(owner)
 
     def _check_names(self, owner: str) -> None:
@@ -128,12 +130,13 @@ class TreeDeclaration(TreeJoints):
             raise ValueError(f"{owner}.bodies give two coordinates the name {twice!r}; joints and bodies must differ")
 
     def counts(self, body: TreeBody) -> tuple[int, ...]:
-        """Shapes of a body's beam by family in this fidelity."""
+        """Shapes of a body's beam by family in this fidelity, or the number of its modes."""
+        if body.modal is not None:
+            return (0,) if self.kinematics == "rigid" else (int(body.modal_modes or 0),)
         return (0, 0, 0, 0) if body.beam is None or self.kinematics == "rigid" else body.modes
 
-    def _beam(self, body: TreeBody) -> TreeBeam:
-        assert body.beam is not None
-        return TreeBeam(body.beam, self.counts(body), self.basis, self.kinematics == "stiffened")
+    def _beam(self, body: TreeBody) -> ElasticBody | None:
+        return elastic_body(body, self.counts(body), self.basis, self.kinematics)
 
     @cached_property
     def tip_frame(self) -> Frame:
@@ -176,19 +179,14 @@ class TreeDeclaration(TreeJoints):
 
     @property
     def slender(self) -> tuple[TreeBody, ...]:
-        """Bodies with a beam, whether it bends in this fidelity or not: what is measured of all of them is the same."""
-        return tuple(b for b in self.bodies if b.beam is not None)
+        """Bodies that bend, in this fidelity or not: what is measured of all of them is the same."""
+        return tuple(b for b in self.bodies if b.bends)
 
     @property
     def beyond(self) -> tuple[Signal, ...]:
         """Coordinates of motors and of bodies that bend."""
         motors = [Signal(f"{self.moving[i].name}_motor", "rad") for i in self.motors]
-        bent = [
-            Signal(f"{b.name}_{family}{k + 1}", "rad" if family == "twist" else "m")
-            for b in self.flexible
-            for family, n in zip(FAMILIES, self.counts(b), strict=True)
-            for k in range(n)
-        ]
+        bent = [Signal(f"{b.name}_{s.name}", s.unit) for b in self.flexible for s in coordinates_of(b, self.counts(b))]
         return (*motors, *bent)
 
     @property
@@ -200,9 +198,7 @@ class TreeDeclaration(TreeJoints):
     def outputs(self) -> tuple[Signal, ...]:
         found = [self.freedoms[v].place for v in self.measured]
         for b in self.slender:
-            found += [Signal(f"{b.name}_deflection_{axis}", "m") for axis in "yz"]
-            found += [Signal(f"{b.name}_deflection_{axis}_rate", "m/s") for axis in "yz"]
-            found += [Signal(f"{b.name}_curvature_{axis}", "1/m") for axis in "yz"]
+            found += readings_of(b)
         for place in self.places:
             found += [Signal(f"{place}_{axis}", "m") for axis in AXES]
             found += [Signal(f"{place}_{axis}_rate", "m/s") for axis in AXES]

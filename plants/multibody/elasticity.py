@@ -7,9 +7,9 @@ from typing import Any
 
 import casadi as ca
 
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody
 from pliant.plants.multibody_joints.freedoms import ends
 from pliant.plants.multibody_joints.joint_forces import forces, lost, stored
-from pliant.plants.multibody_parts.tree_beam import TreeBeam
 
 from .fidelity import TreeFidelity
 
@@ -18,7 +18,7 @@ from .fidelity import TreeFidelity
 class TreeElasticity(TreeFidelity):
     """Forces that depend on one joint or one beam alone, and their energies."""
 
-    def _beams(self) -> list[tuple[TreeBeam, slice, slice]]:
+    def _beams(self) -> list[tuple[ElasticBody, slice, slice]]:
         """(beam, its coordinates among q, their rates among v)."""
         m = len(self.motors)
         found, (q, v) = [], ends(self.slots)
@@ -50,19 +50,19 @@ class TreeElasticity(TreeFidelity):
             found[i] -= torque
             found[k] += torque / gear.ratio + gear.rotor_friction * v[k]
         for beam, at, rates in self._beams():
-            found[rates] = beam.stiffness() @ (q[at] + beam.beam.damping * v[rates])
+            found[rates] = beam.resistance(q[at], v[rates])
         return found
 
     def _spring_energy(self, q: ca.SX) -> ca.SX:
         """Of strain, springs and stops [J]; zero where all coordinates are, and no joint is turned."""
         V = sum((stored(slot, q) for slot in self.slots), ca.SX(0))
         V += sum((gear.stiffness * twist**2 / 2 for _, _, gear, twist in self._twists(q)), ca.SX(0))
-        return V + sum((ca.dot(q[at], beam.stiffness() @ q[at]) / 2 for beam, at, _ in self._beams()), ca.SX(0))
+        return V + sum((beam.strain_energy(q[at]) for beam, at, _ in self._beams()), ca.SX(0))
 
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
         D = sum((lost(slot, v) for slot in self.slots), ca.SX(0))
         for _, k, gear, rate in self._twists(v):
             D += gear.damping * rate**2 / 2 + gear.rotor_friction * v[k] ** 2 / 2
         for beam, _, at in self._beams():
-            D += beam.beam.damping * ca.dot(v[at], beam.stiffness() @ v[at]) / 2
+            D += beam.dissipation(v[at])
         return D

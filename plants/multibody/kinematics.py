@@ -89,13 +89,8 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
     ends = [np.array(ca.DM(pose.p)).reshape(3) for pose in stands]
     for k, (node, pose) in enumerate(zip(nodes, stands, strict=True)):
         if node.beam is not None:
-            eta, rate = walk.bent(k)
-            R = np.array(ca.DM(pose.R))
-            along = [
-                np.array(ca.DM(node.beam.section(float(xi), eta, rate).shift)).reshape(3)
-                for xi in np.linspace(0.0, 1.0, points)
-            ]
-            found.append(ends[k] + np.array(along) @ R.T)
+            eta, R = np.array(ca.DM(walk.bent(k)[0])).reshape(-1), np.array(ca.DM(pose.R))
+            found.append(ends[k] + node.beam.line(eta, points) @ R.T)
         parent = nodes[node.parent] if node.parent != BASE else None
         if parent is None or parent.beam is None:
             start = ends[node.parent] if parent is not None else np.zeros(3)

@@ -8,7 +8,6 @@ from __future__ import annotations
 import casadi as ca
 
 from pliant.plants.core.casadi_functions import entries
-from pliant.plants.multibody_parts import beam_forces
 from pliant.plants.multibody_parts.spatial import Motion, Wrench
 from pliant.plants.validity.slender import Pull
 
@@ -93,7 +92,7 @@ def _loads(walk: Walk, moves: list[Motion], external: dict[int, Wrench]) -> tupl
             U = motion.U
             loads[k] = node.inertia.inertial(motion, U)
             if node.beam is not None:
-                load, within = beam_forces.inertial(node.beam, motion, U, *walk.bent(k))
+                load, within = node.beam.inertial(motion, U, *walk.bent(k))
                 loads[k] = loads[k] + load
                 Q |= {key: within[i] for i, key in enumerate(walk.beam_keys.get(k, ()))}
         if k in external:

@@ -31,13 +31,14 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_all, require_text
 from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.elastic_bodies.of_body import readings_of
+from pliant.plants.elastic_bodies.ranges import ranges_of
 from pliant.plants.multibody_joints.freedoms import ends, freedoms
 from pliant.plants.multibody_parts.joint import ElasticJoint
 from pliant.plants.multibody_parts.spatial import Wrench
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.multibody_parts.urdf import read
 from pliant.plants.validity.ranges import Range
-from pliant.plants.validity.slender import NONE_HOLDS, pulled, small_slopes
 
 from .composite import mass_matrix
 from .elasticity import TreeElasticity
@@ -149,10 +150,10 @@ class FlexibleTree(TreeElasticity):
         bent = dict(zip((b.name for b in self.flexible), self._beams(), strict=True))
         for body in self.slender:
             if body.name not in bent:
-                y += [ca.SX.zeros(6)]
+                y += [ca.SX.zeros(len(readings_of(body)))]
                 continue
-            beam, at, rates = bent[body.name]
-            y += [*beam.deflection(q[at]), *beam.deflection(v[rates]), *beam.curvature(q[at])]
+            own, at, rates = bent[body.name]
+            y += own.readings(q[at], v[rates])
         walk = self._walk(q, v)
         stands, moves = poses(walk), twists(walk)
         at_places = [self.tree.places[place] for place in self.places]
@@ -171,15 +172,10 @@ class FlexibleTree(TreeElasticity):
         n, found = len(self.coordinates), list[Range]()
         walk = self._walk(x[:n], x[n:])
         axial = pulls(walk, vector(self.gravity), self._wrenches(walk, w))
+        turning = twists(walk)
         bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)
-        for body, (k, beam), (_, numbers), (_, at, _) in bent:
-            planes = zip("yz", beam.planes, numbers.planes, beam.parted(x[at])[:2], strict=True)
-            for axis, link, number, q in planes:
-                name = f"{body.name} in x-{axis}"
-                found += [
-                    *small_slopes(name, link, q, f"{NONE_HOLDS} for trees"),
-                    *pulled(name, link, number, axial[k]),
-                ]
+        for body, (k, own), (_, numbers), (_, at, _) in bent:
+            found += ranges_of(body.name, own, numbers, x[at], axial[k], turning[k].omega)
         return tuple(found)
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:

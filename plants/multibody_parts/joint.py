@@ -99,11 +99,12 @@ class Joint:
     "free" does so and moves along x, y, z of the axes before (see `freedoms`). Of these, stiffness, damping, friction
     and stops are the turn's (see `joint_forces`), those of the shifts are `sliding`.
 
-    `station` is the section x/L of a flexible parent's beam that it hangs from; `turned`: whether it turns with that
-    section. Of a prismatic joint N m reads N, and rad m. `friction` is dry, friction rate/sqrt(rate^2 +
-    friction_rate^2). `armature` is the inertia of a stiff gear's rotor, felt at the joint. `drive`: the input is a
-    "torque", an "acceleration" (the motion is then given, its torque a reaction), or there is "none". Limits are told,
-    and held where `stop_stiffness` > 0: by the spring k d^2/2 with d = (z + sqrt(z^2 + stop_width^2))/2, z beyond them.
+    `station` is the section x/L of a flexible parent's beam that it hangs from, `node` the named node of a parent given
+    by its modes; `turned`: whether it turns with that section or node. Of a prismatic joint N m reads N, and rad m.
+    `friction` is dry, friction rate/sqrt(rate^2 + friction_rate^2). `armature` is the inertia of a stiff gear's rotor,
+    felt at the joint. `drive`: the input is a "torque", an "acceleration" (the motion is then given, its torque a
+    reaction), or there is "none". Limits are told, and held where `stop_stiffness` > 0: by the spring k d^2/2 with
+    d = (z + sqrt(z^2 + stop_width^2))/2, z beyond them.
 
     >>> Joint(name="shoulder", axis=(0, 0, 1), damping=0.1)
     """
@@ -114,6 +115,7 @@ class Joint:
     position: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
     rotation: Any = quantity("rad", "finite", (0.0, 0.0, 0.0), shape=(3,), fixed=AS_BUILT)
     station: Any = quantity("1", "nonnegative", 1.0, fixed=AS_BUILT)
+    node: str = field(default="", metadata={"gate": place_gate})
     turned: bool = flag(True)
     damping: Any = quantity("N m s/rad", "nonnegative", 0.0, uncertain=True)
     friction: Any = quantity("N m", "nonnegative", 0.0, uncertain=True)
@@ -197,6 +199,7 @@ class Frame:
     position: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
     rotation: Any = quantity("rad", "finite", (0.0, 0.0, 0.0), shape=(3,), fixed=AS_BUILT)
     station: Any = quantity("1", "nonnegative", 1.0, fixed=AS_BUILT)
+    node: str = field(default="", metadata={"gate": place_gate})
 
     def __post_init__(self) -> None:
         validate(self)

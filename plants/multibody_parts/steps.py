@@ -37,6 +37,7 @@ class Spin:
     rate: ca.SX
     acting: Acting
     angle: ca.SX
+    bias: ca.SX | None = None  # [rad/s^2] that is left of the angle's where its coordinates do not accelerate
 
     def _into(self, v: ca.SX, s: ca.SX) -> ca.SX:
         i, j = AROUND[self.axis]
@@ -57,6 +58,8 @@ class Spin:
         i, j = AROUND[self.axis]
         turned = ca.SX(alpha)
         turned[i], turned[j] = alpha[i] + omega[j] * self.rate, alpha[j] - omega[i] * self.rate
+        if self.bias is not None:
+            turned[self.axis] = alpha[self.axis] + self.bias
         spun = ca.SX(omega)
         spun[self.axis] = omega[self.axis] + self.rate
         return Motion(spun, turned, self.within(motion.a))
