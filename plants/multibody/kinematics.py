@@ -7,6 +7,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.quaternions import of_matrix
 from pliant.plants.multibody_parts.spatial import AROUND
 from pliant.plants.multibody_parts.steps import Ball, Fixed, Move, Spin
 
@@ -49,6 +50,29 @@ def _spun(R: ca.SX, step: Spin) -> ca.SX:
     turned = ca.densify(ca.SX(R))
     turned[:, i], turned[:, j] = R[:, i] * step.c + R[:, j] * step.s, R[:, j] * step.c - R[:, i] * step.s
     return turned
+
+
+def quaternions(walk: Walk) -> list[ca.SX]:
+    """(4,) of every node, from its axes to the base's."""
+    found: list[ca.SX] = []
+    for node, edge in zip(walk.tree.nodes, walk.edges, strict=True):
+        q = ca.SX(ca.DM([1, 0, 0, 0])) if node.parent == BASE else found[node.parent]
+        for step in edge.steps:
+            if isinstance(step, Spin):
+                half = ca.SX.zeros(4)
+                half[0], half[1 + step.axis] = ca.cos(step.angle / 2), ca.sin(step.angle / 2)
+                q = _product(q, half)
+            elif isinstance(step, Ball):
+                q = _product(q, step.quaternion)
+            elif isinstance(step, Fixed):
+                q = _product(q, ca.SX(ca.DM(of_matrix(np.array(step.R)))))
+        found.append(q)
+    return found
+
+
+def _product(a: ca.SX, b: ca.SX) -> ca.SX:
+    """Of R(a) R(b)."""
+    return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:]))
 
 
 def twists(walk: Walk) -> list[Twist]:
