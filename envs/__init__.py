@@ -3,14 +3,14 @@
 if __name__ != "pliant.envs":
     raise ImportError("this folder is installed as pliant.envs: write `import pliant.envs`")
 
-from pliant.envs import scenes
+from pliant.envs import scene_files, scenes
 from pliant.envs.environments import PlantEnv, environment_id, register
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core import imports
 
 register()
 
-__all__ = ["PlantEnv", "Scene", "environment_id", "scenes"]
+__all__ = ["PlantEnv", "Scene", "environment_id", "scene_files", "scenes"]
 
 imports.serve(
     __name__,

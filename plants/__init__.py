@@ -38,6 +38,7 @@ from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
 from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
+from pliant.plants.tables.plant_types import register
 
 __all__ = [
     "Appendage",
@@ -82,6 +83,7 @@ __all__ = [
     "Wheel",
     "beams",
     "paper_terms",
+    "register",
     "step_limit",
 ]
 
