@@ -3,6 +3,7 @@
 if __name__ != "pliant.plants":
     raise ImportError("this folder is installed as pliant.plants: write `import pliant.plants`")
 
+import pliant.plants.tables.tree_files  # noqa: F401  what FlexibleTree reads and writes
 from pliant.plants import beams
 from pliant.plants.arms.single_link import SingleLinkArm
 from pliant.plants.arms.two_link import TwoLinkArm

@@ -19,7 +19,7 @@ Source   R. Featherstone, "Rigid Body Dynamics Algorithms" (2008), composite bod
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -49,6 +49,8 @@ from .layout import vector
 from .measurements import readings
 from .newton_euler import forces, pulls, work
 from .walk import Walk
+
+FILES: dict[str, Callable[..., Any]] = {}  # "read" and "write", filled by pliant.plants.tables, which imports this room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,6 +201,20 @@ class FlexibleTree(TreeElasticity):
         own, n = self.nominal, len(self.coordinates)
         x, points = one_state(self, x), line_points(self, points)
         return drawn(own._walk(ca.SX(ca.DM(x[:n])), ca.SX(ca.DM(x[n:]))), points)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """The tree that `to_toml` wrote, or one written by hand: see `pliant.plants.tables.tree_files`.
+
+        >>> arm = FlexibleTree.from_toml("arm.toml")
+
+        ValueError names the file, the key, its value and what it must be; nothing in a file is executed.
+        """
+        return FILES["read"](cls, path)
+
+    def to_toml(self, path: str | Path) -> None:
+        """Write the fields that are not at their defaults, to the last bit. ValueError where one is an expression."""
+        FILES["write"](self, path)
 
     @classmethod
     def from_urdf(
