@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pliant.plants import Beam, ElasticJoint, FlexibleTree, Frame, Joint, Payload, TreeBody
-from pliant.plants.beams.section import STEEL, Material
+from pliant.plants.beams.section import ALUMINIUM, STEEL, Material
 
 SIX_AXIS = Path(__file__).with_name("six_axis.urdf")
 # Acetal (POM) as its makers' data sheets have it: about 2.8 GPa, 1410 kg/m^3, Poisson's ratio 0.37
@@ -113,3 +113,34 @@ def crane() -> FlexibleTree:
         inertia=2.0,
     )
     return FlexibleTree.serial([trolley, hung], payload=Payload(mass=200.0, inertia=8.0))
+
+
+def satellite_arm() -> FlexibleTree:
+    """A free satellite of 400 kg with three wheels and an arm of two aluminium rods, 1 m and 16 mm each, with 10 kg.
+
+    Nothing holds it: what the arm does turns the satellite, and the wheels (0.02 kg m^2 about x, y and z) turn it back.
+    """
+    wheels = [
+        TreeBody(
+            name=f"wheel_{name}",
+            parent="base",
+            joint=Joint(name=f"wheel_{name}", axis=(axis[0], axis[1], axis[2])),
+            mass=3.0,
+            inertia=0.02,
+        )
+        for name, axis in zip("xyz", np.eye(3).tolist(), strict=True)
+    ]
+    link = rod(1.0, 0.016, Material(density=ALUMINIUM.density, E=ALUMINIUM.E, G=ALUMINIUM.G, damping=2e-4))
+    shoulder = Joint(name="shoulder", position=(0.5, 0.0, 0.0), damping=0.5, armature=0.05)
+    elbow = Joint(name="elbow", damping=0.5, armature=0.05)
+    return FlexibleTree(
+        bodies=(
+            *wheels,
+            TreeBody(name="upper", parent="base", joint=shoulder, beam=link, modes=(2, 1, 0, 0)),
+            TreeBody(name="lower", parent="upper", joint=elbow, beam=link, modes=(2, 1, 0, 0)),
+        ),
+        base="free",
+        platform=Payload(mass=400.0, inertia=70.0),
+        payload=Payload(mass=10.0, inertia=0.1),
+        gravity=(0.0, 0.0, 0.0),
+    )

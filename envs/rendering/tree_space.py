@@ -24,21 +24,23 @@ class TreeRenderer(Renderer):
         start = tree.lines(scene.initial[0])
         seen = np.concatenate([np.zeros((1, 3)), *goal, *start])
         middle, reach = (seen.max(axis=0) + seen.min(axis=0)) / 2, 0.62 * float(np.ptp(seen, axis=0).max())
-        space = self._space = self.figure.add_axes(
-            (0.0, low := 0.04 + 0.03 * len(tree.inputs), 1.0, 0.98 - low), projection="3d"
-        )
+        low = 0.04 + 0.03 * len(tree.inputs)
+        space = self._space = self.figure.add_axes((0.0, low, 1.0, 0.98 - low), projection="3d")
         space.patch.set_alpha(0.0)
         limits = [(float(m - reach), float(m + reach)) for m in middle]
         space.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
         space.set_box_aspect((1, 1, 1), zoom=1.35)
         space.view_init(**VIEW)
         space.set_axis_off()
-        self._floor(limits)
+        self._low = limits[2][0]
+        if any(tree.nominal.gravity):
+            self._floor(limits)
         if scene.goal_at_rest:
             for line in goal:
                 space.plot(*line.T, color=GOAL, lw=1.8, ls=(0, (3, 2)), alpha=0.8)
             space.plot(*goal[-1][-1:].T, "o", ms=14, mfc="none", mec=GOAL, mew=2, alpha=0.8)
-        space.plot([0], [0], [0], "s", ms=12, color=INK)
+        self._moves = tree.base == "free"  # its first states are then where it is
+        (self._base,) = space.plot([0], [0], [0], "s", ms=26 if self._moves else 12, color=INK)
         self._links = [space.plot([], [], [], lw=5.0, solid_capstyle="round", color=LINKS[0])[0] for _ in goal]
         (self._joints,) = space.plot([], [], [], "o", ms=7, mfc="white", mec=INK, mew=1.6)
         (self._payload,) = space.plot([], [], [], "o", ms=11, mfc=TIP, mec="white", mew=1.2)
@@ -55,7 +57,6 @@ class TreeRenderer(Renderer):
     def _floor(self, limits: list[tuple[float, float]]) -> None:
         """A grid below everything, which shows where up is."""
         (left, right), (near, far), (low, _) = limits
-        self._low = low
         for at in np.linspace(0.0, 1.0, 7):
             x, y = left + at * (right - left), near + at * (far - near)
             self._space.plot([x, x], [near, far], [low, low], color=PALE, lw=0.8, zorder=0)
@@ -68,9 +69,12 @@ class TreeRenderer(Renderer):
             artist.set_data_3d(*line.T)
             artist.set_color(BEND if bent(line) else LINKS[0])
         self._joints.set_data_3d(*np.array([line[0] for line in lines]).T)
+        if self._moves:
+            self._base.set_data_3d(*x[:3, None])
         tip = lines[-1][-1]
         self._payload.set_data_3d(*tip[:, None])
-        self._drop.set_data_3d([tip[0]] * 2, [tip[1]] * 2, [tip[2], self._low])
+        if any(tree.nominal.gravity):
+            self._drop.set_data_3d([tip[0]] * 2, [tip[1]] * 2, [tip[2], self._low])
         self._path.append(tip)
         self._behind.set_data_3d(*np.array(self._path[-TRAIL:]).T)
         return self._show(action, time, cost)

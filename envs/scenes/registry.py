@@ -40,6 +40,7 @@ SCENES: Mapping[str, Callable[..., Scene]] = {
     "crane-swing": mechanisms.crane_swing,
     "six-axis-pick": trees.six_axis_pick,
     "three-link-flexible": trees.three_link_flexible,
+    "satellite-arm": trees.satellite_arm,
     "spacecraft-slew": spacecraft.spacecraft_slew,
     "spacecraft-wheels": spacecraft.spacecraft_wheels,
     "spacecraft-spin": spacecraft.spacecraft_spin,

@@ -178,3 +178,86 @@ def three_link_flexible() -> Scene:
         start_spread=0.05,
         compare=("tip_x", "tip_y", "tip_z"),
     )
+
+
+def satellite_arm() -> Scene:
+    """Move 10 kg with a free satellite's bending arm and keep the satellite pointed, for 20 s; control period 0.05 s.
+
+    Nothing holds the satellite: the arm turns it, and wheels turn it back (`machines.trees.satellite_arm`).
+
+    | observation             | unit  |
+    |-------------------------|-------|
+    | shoulder - 1            | rad   |
+    | elbow - -0.4            | rad   |
+    | shoulder_rate           | rad/s |
+    | elbow_rate              | rad/s |
+    | base_attitude_x         | 1     |
+    | base_attitude_y         | 1     |
+    | base_attitude_z         | 1     |
+    | base_rate_x             | rad/s |
+    | base_rate_y             | rad/s |
+    | base_rate_z             | rad/s |
+    | upper_deflection_y      | m     |
+    | lower_deflection_y      | m     |
+    | upper_deflection_y_rate | m/s   |
+    | lower_deflection_y_rate | m/s   |
+
+    | action          | unit | at -1 | at 1 |
+    |-----------------|------|-------|------|
+    | wheel_x_torque  | N m  | -2    | 2    |
+    | wheel_y_torque  | N m  | -2    | 2    |
+    | wheel_z_torque  | N m  | -2    | 2    |
+    | shoulder_torque | N m  | -6    | 6    |
+    | elbow_torque    | N m  | -3    | 3    |
+
+    | cost of the deviation in | unit  | weight |
+    |--------------------------|-------|--------|
+    | shoulder                 | rad   | 10     |
+    | elbow                    | rad   | 10     |
+    | base_attitude_x          | 1     | 400    |
+    | base_attitude_y          | 1     | 400    |
+    | base_attitude_z          | 1     | 400    |
+    | base_rate_x              | rad/s | 100    |
+    | base_rate_y              | rad/s | 100    |
+    | base_rate_z              | rad/s | 100    |
+    | upper_deflection_y_rate  | m/s   | 1      |
+    | lower_deflection_y_rate  | m/s   | 1      |
+    | wheel_x_torque           | N m   | 0.1    |
+    | wheel_y_torque           | N m   | 0.1    |
+    | wheel_z_torque           | N m   | 0.1    |
+    | shoulder_torque          | N m   | 0.1    |
+    | elbow_torque             | N m   | 0.1    |
+
+    | ends beyond        | unit  | bound |
+    |--------------------|-------|-------|
+    | upper_deflection_y | m     | 0.3   |
+    | lower_deflection_y | m     | 0.3   |
+    | shoulder_rate      | rad/s | 6     |
+    | elbow_rate         | rad/s | 6     |
+    """
+    attitude, turning = (tuple(f"base_{what}_{axis}" for axis in "xyz") for what in ("attitude", "rate"))
+    bends, wheels = ("upper_deflection_y", "lower_deflection_y"), tuple(f"wheel_{axis}_torque" for axis in "xyz")
+    bending = tuple(f"{name}_rate" for name in bends)
+    return Scene(
+        name="satellite-arm",
+        about="move 10 kg with a free satellite's bending arm and keep the satellite pointed",
+        plant=trees.satellite_arm(),
+        start=(("shoulder", 0.3), ("elbow", -1.2)),
+        goal=(("shoulder", 1.0), ("elbow", -0.4)),
+        duration=20.0,
+        dt=0.05,
+        substeps=10,
+        move_time=10.0,
+        limits=(2.0, 2.0, 2.0, 6.0, 3.0),
+        bounds=(*((name, 0.3) for name in bends), ("shoulder_rate", 6.0), ("elbow_rate", 6.0)),
+        weights=(
+            *(("shoulder", 10.0), ("elbow", 10.0)),
+            *((name, 400.0) for name in attitude),
+            *((name, 100.0) for name in turning),
+            *((name, 1.0) for name in bending),
+        ),
+        effort=tuple((name, 0.1) for name in (*wheels, "shoulder_torque", "elbow_torque")),
+        observe=("shoulder", "elbow", "shoulder_rate", "elbow_rate", *attitude, *turning, *bends, *bending),
+        randomise=(("payload.mass", 0.7, 1.3),),
+        start_spread=0.05,
+    )
