@@ -60,8 +60,7 @@ class LagrangianPlant(MechanicalPlant):
 
     @cached_property
     def rates(self) -> dict[str, str]:
-        known = tuple(s.name for s in self.states)
-        n = len(known) // 2
+        known, n = tuple(s.name for s in self.states), len(self.coordinates)
         return dict(zip(known[:n], known[n:], strict=True))
 
     @property
@@ -116,10 +115,6 @@ class LagrangianPlant(MechanicalPlant):
             given -= M[free, list(driven)] @ ca.vertcat(*[u[k] for k in driven.values()])
         a[free] = ldl_solve(L, d, given)
         return a, d
-
-    def coordinate_rates(self, x: ca.SX) -> ca.SX:
-        """dq/dt (n,) as an expression: v itself, but of quaternions."""
-        return x[len(self.coordinates) :]
 
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         return ca.vertcat(self.coordinate_rates(x), self.solved(t, x, u, w)[0])
@@ -219,10 +214,9 @@ class LagrangianPlant(MechanicalPlant):
         """
         x = self.rest_state if x0 is None else arguments.one_state(self, x0)
         rigid, locked = require_flag("rigid", rigid), require_names("natural_frequencies.locked", locked)
-        known, n = [s for s in self.coordinates if s.name in self.rates], len(self.coordinates)
-        held = [list(self.rates.values())[index(known, name, "coordinate")] for name in locked]
-        speeds = [s.name for s in self.states[n:]]
-        free = [i for i, name in enumerate(speeds) if name not in held and i not in self.driven]
+        known, moved = tuple(s for s in self.coordinates if s.name in self.rates), self.states[len(self.coordinates) :]
+        held = [self.rates[known[index(known, name, "coordinate")].name] for name in locked]
+        free = [i for i, s in enumerate(moved) if s.name not in held and i not in self.driven]
         M, K = self.mass_matrix(x, p=p), self._stiffness(*self._arguments(x, p=p)[0])[0]
         M, K = M[np.ix_(free, free)], K[np.ix_(free, free)]
         if not (np.isfinite(K).all() and np.isfinite(M).all()):

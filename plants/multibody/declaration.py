@@ -7,20 +7,18 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from pliant.plants.attitudes.turning_plant import TurningPlant
 from pliant.plants.beams.payload import Payload
 from pliant.plants.core.argument_gates import as_tuple, require_all, require_choice, require_names, shown
 from pliant.plants.core.parameters import part, quantity, validate
-from pliant.plants.core.signals import Joint as Driven
 from pliant.plants.core.signals import Signal
 from pliant.plants.elastic_bodies.elastic_body import ElasticBody
 from pliant.plants.elastic_bodies.of_body import check_nodes, coordinates_of, elastic_body, readings_of
-from pliant.plants.multibody_parts.freedoms import Freedom, Slot, coordinates, ends, freedoms, slots
+from pliant.plants.multibody_joints.bases import FREEDOMS, base_bodies, check_platform
+from pliant.plants.multibody_joints.bases import KINDS as BASES_OF_TREES
+from pliant.plants.multibody_joints.tree_joints import TreeJoints
 from pliant.plants.multibody_parts.joint import Frame, Joint, name_gate, place_gate
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
-from .bases import FREEDOMS, base_bodies, check_platform
-from .bases import KINDS as BASES_OF_TREES
 from .layout import Layout, layout
 from .measurements import AXES, DEVICES, signals
 
@@ -73,7 +71,7 @@ def freedoms_gate(name: str, value: Any) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TreeDeclaration(TurningPlant):
+class TreeDeclaration(TreeJoints):
     """Bodies, places and fidelity; `FlexibleTree` adds their equations."""
 
     bodies: tuple[TreeBody, ...] = field(metadata={"gate": lambda name, value: require_all(name, value, TreeBody)})
@@ -118,7 +116,7 @@ class TreeDeclaration(TurningPlant):
         for k, place in enumerate(self.loads):
             if place not in taken:
                 raise ValueError(f"{owner}.loads[{k}] = {place!r} must be one of {', '.join(sorted(taken))}")
-        if not any(b.joint.moves or sum(self.counts(b)) for b in self.bodies):
+        if self.base == "fixed" and not any(b.joint.moves or sum(self.counts(b)) for b in self.bodies):
             raise ValueError(
                 f"{owner}.bodies = {shown(tuple(b.name for b in self.bodies))} must have a joint that moves"
             )
@@ -155,6 +153,10 @@ class TreeDeclaration(TurningPlant):
         parts = [(b, b.parent) for b in (*self.ground, *self.bodies)]
         return layout(parts, self.payload, self.tip_frame, frames, self._beam, self.root)
 
+    @property
+    def floats(self) -> bool:
+        return self.base == "free"
+
     @cached_property
     def ground(self) -> tuple[TreeBody, ...]:
         """What a base that moves hangs on, one after the other, itself last."""
@@ -164,11 +166,6 @@ class TreeDeclaration(TurningPlant):
     def moving(self) -> tuple[Joint, ...]:
         """Joints with coordinates, in order, those of a base that moves first."""
         return tuple(b.joint for b in (*self.ground, *self.bodies) if b.joint.moves)
-
-    @cached_property
-    def slots(self) -> tuple[Slot, ...]:
-        """Where the coordinates and speeds of those are."""
-        return slots(list(self.moving))
 
     @cached_property
     def motors(self) -> tuple[int, ...]:
@@ -186,75 +183,11 @@ class TreeDeclaration(TurningPlant):
         return tuple(b for b in self.bodies if b.bends)
 
     @property
-    def _beyond(self) -> tuple[Signal, ...]:
+    def beyond(self) -> tuple[Signal, ...]:
         """Coordinates of motors and of bodies that bend."""
         motors = [Signal(f"{self.moving[i].name}_motor", "rad") for i in self.motors]
         bent = [Signal(f"{b.name}_{s.name}", s.unit) for b in self.flexible for s in coordinates_of(b, self.counts(b))]
         return (*motors, *bent)
-
-    @property
-    def coordinates(self) -> tuple[Signal, ...]:
-        return (*(s for joint in self.moving for s in coordinates(joint)), *self._beyond)
-
-    @cached_property
-    def freedoms(self) -> tuple[Freedom, ...]:
-        """Of all joints, then of the motors."""
-        motors = [self.moving[i].name for i in self.motors]
-        return (
-            *(f for joint in self.moving for f in freedoms(joint)),
-            *(
-                Freedom(Signal(f"{n}_motor", "rad"), Signal(f"{n}_motor_rate", "rad/s"), Signal(f"{n}_torque", "N m"))
-                for n in motors
-            ),
-        )
-
-    @property
-    def speeds(self) -> tuple[Signal, ...]:
-        own = [f.rate for joint in self.moving for f in freedoms(joint)]
-        return (*own, *(Signal(f"{s.name}_rate", f"{s.unit}/s") for s in self._beyond))
-
-    @cached_property
-    def turns(self) -> tuple[tuple[str, int, int], ...]:
-        return tuple((s.joint.name, *s.turn) for s in self.slots if s.turn is not None)
-
-    @property
-    def held(self) -> dict[str, float]:
-        """Place and attitude of a free base."""
-        if self.base != "free":
-            return {}
-        return {s.name: float(s.name.endswith("_quaternion_0")) for s in coordinates(self.moving[0])}
-
-    @cached_property
-    def _inputs(self) -> tuple[tuple[Signal, int], ...]:
-        """(input, speed that it acts on)."""
-        found, n = [], ends(self.slots)[1]
-        for i, (joint, _, v) in enumerate(self.slots):
-            if i in self.motors:
-                found.append((Signal(f"{joint.name}_motor_torque", "N m"), n + self.motors.index(i)))
-            elif joint.drive != "none":
-                given = joint.drive == "acceleration"
-                found += [(f.acceleration if given else f.force, v + k) for k, f in enumerate(freedoms(joint))]
-        return tuple(found)
-
-    @property
-    def inputs(self) -> tuple[Signal, ...]:
-        return tuple(signal for signal, _ in self._inputs)
-
-    @property
-    def driven(self) -> dict[int, int]:
-        given = {s.v + k for s in self.slots if s.joint.drive == "acceleration" for k in range(len(freedoms(s.joint)))}
-        return {v: k for k, (_, v) in enumerate(self._inputs) if v in given}
-
-    @property
-    def joints(self) -> tuple[Driven, ...]:
-        return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
-
-    @property
-    def measured(self) -> list[int]:
-        """The freedoms in the order in which their places are told: those without an input first."""
-        driven = {v for _, v in self._inputs}
-        passive = [v for v in range(ends(self.slots)[1]) if v not in driven]
-        return [*passive, *sorted(driven)]
 
     @property
     def disturbances(self) -> tuple[Signal, ...]:

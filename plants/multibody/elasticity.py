@@ -8,8 +8,8 @@ from typing import Any
 import casadi as ca
 
 from pliant.plants.elastic_bodies.elastic_body import ElasticBody
-from pliant.plants.multibody_parts.freedoms import ends
-from pliant.plants.multibody_parts.joint_forces import forces, lost, stored
+from pliant.plants.multibody_joints.freedoms import ends
+from pliant.plants.multibody_joints.joint_forces import forces, lost, stored
 
 from .fidelity import TreeFidelity
 

@@ -11,7 +11,7 @@ from pliant.plants.core.signals import Sensed
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant_contract import PINION
 from pliant.plants.modal_data.driven_families import before_the_last, left_out
-from pliant.plants.multibody_parts.freedoms import freedoms
+from pliant.plants.multibody_joints.freedoms import freedoms
 from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
 from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached
 

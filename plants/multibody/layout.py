@@ -16,6 +16,7 @@ import numpy as np
 from pliant.plants.beams.payload import Payload
 from pliant.plants.elastic_bodies.elastic_body import ElasticBody, Place
 from pliant.plants.elastic_bodies.modal_body import ModalBody, place_on
+from pliant.plants.multibody_joints.bases import WORLD
 from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, upper
 from pliant.plants.multibody_parts.tree_beam import tidy
@@ -23,7 +24,6 @@ from pliant.plants.multibody_parts.tree_body import TreeBody
 
 Array = np.ndarray
 BASE = -1
-WORLD = ""  # what a base hangs on
 
 
 def turned(rpy: Any) -> Array:

@@ -1,6 +1,8 @@
-"""A tree of rigid and flexible bodies on a fixed base.
+"""A tree of rigid and flexible bodies on a base that is fixed, free, or moves as its inputs say.
 
-States   q = [joints in the order of the tree, motors of elastic joints, elastic coordinates body by body], x = [q; v]
+States   q = [joints in the order of the tree, motors of elastic joints, elastic coordinates body by body], x = [q; v];
+         a base that moves first. Turns in space are unit quaternions, their speeds angular velocities in the axes that
+         turn with them; linear models are in small turns (see `attitudes`)
 Inputs   torques of the joints [N m] (forces [N] of those that slide), of motors at their own shafts, or accelerations
          of joints whose motion is given; disturbances: force [N] and torque [N m] at the tip, at other frames that
          `loads` names, in the base's axes
@@ -31,7 +33,7 @@ from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
-from pliant.plants.multibody_parts.freedoms import ends, freedoms
+from pliant.plants.multibody_joints.freedoms import ends, freedoms
 from pliant.plants.multibody_parts.joint import ElasticJoint
 from pliant.plants.multibody_parts.spatial import Wrench
 from pliant.plants.multibody_parts.tree_body import TreeBody

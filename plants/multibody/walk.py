@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import entries
-from pliant.plants.multibody_parts.freedoms import Slot, ends, slots
+from pliant.plants.multibody_joints.freedoms import Slot, ends, slots
 from pliant.plants.multibody_parts.steps import Acting, Array, Ball, Fixed, Move, Spin, Step
 from pliant.plants.multibody_parts.tree_beam import Section, tidy
 

@@ -15,9 +15,9 @@ import casadi as ca
 
 from pliant.plants.core.casadi_functions import entries
 from pliant.plants.core.parameters import is_symbolic
+from pliant.plants.multibody_parts.joint import Joint, Sliding
 
 from .freedoms import Slot, freedoms
-from .joint import Joint, Sliding
 
 Sides = list[tuple[Any, Any]]  # (dz by the coordinate, z) of each stop
 

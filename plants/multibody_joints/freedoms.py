@@ -10,8 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pliant.plants.core.signals import Signal, per_second
-
-from .joint import Joint
+from pliant.plants.multibody_parts.joint import Joint
 
 AXES = ("x", "y", "z")
 TURNS = {"spherical": 0, "free": 3}  # where among the coordinates, and the speeds, of the joint its turn begins
