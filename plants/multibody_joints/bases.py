@@ -50,7 +50,7 @@ def check_platform(owner: str, root: str, platform: Payload, bodies: tuple[TreeB
     for body in bodies:
         if body.joint.kind == "fixed" and body.parent in welded:
             welded.add(body.name)
-            found += [body.mass, *([body.beam.mass] if body.beam is not None else [])]
+            found += [body.mass, *[part.mass for part in (body.beam, body.modal) if part is not None]]
     if not any(is_symbolic(m) or m > 0 for m in found):
         raise ValueError(
             f"{owner}.platform.mass = {platform.mass!r} must be > 0 [kg] where base = 'free', or a body with mass "
