@@ -31,7 +31,7 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.multibody.tree import FlexibleTree
-from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, Joint
+from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, Joint, Sliding
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
@@ -67,6 +67,7 @@ __all__ = [
     "Signal",
     "SingleLinkArm",
     "SliderCrank",
+    "Sliding",
     "StabilityLimitError",
     "Sun",
     "Surface",

@@ -56,7 +56,7 @@ class ForcesAtRest(RestConditions):
 
     def still(self) -> Array:
         """Rates."""
-        return np.arange(self.plant.nx) >= self.plant.nx // 2
+        return np.arange(self.plant.nx) >= len(self.plant.coordinates)
 
     def _known(self, x: Array, u: Array) -> list[Array] | None:
         if self.plant.driven or x[len(x) // 2 :].any():

@@ -60,8 +60,7 @@ class LagrangianPlant(MechanicalPlant):
 
     @cached_property
     def rates(self) -> dict[str, str]:
-        known = tuple(s.name for s in self.states)
-        n = len(known) // 2
+        known, n = tuple(s.name for s in self.states), len(self.coordinates)
         return dict(zip(known[:n], known[n:], strict=True))
 
     @property
@@ -118,7 +117,7 @@ class LagrangianPlant(MechanicalPlant):
         return a, d
 
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        return ca.vertcat(x[len(self.coordinates) :], self.solved(t, x, u, w)[0])
+        return ca.vertcat(self.coordinate_rates(x), self.solved(t, x, u, w)[0])
 
     @last_call
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
@@ -130,22 +129,22 @@ class LagrangianPlant(MechanicalPlant):
         """(dx/dt, smallest pivot of the mass matrix): the pivot is positive where the matrix is definite."""
         t, x, u, w, _ = self.symbols
         a, pivots = self.symbolic.solved(t, x, u, w)
-        return ca.vertcat(x[len(self.coordinates) :], a), ca.mmin(ca.vertcat(*pivots)) if pivots else ca.SX(1)
+        return ca.vertcat(self.coordinate_rates(x), a), ca.mmin(ca.vertcat(*pivots)) if pivots else ca.SX(1)
 
     def _differentiated(self) -> Differentiated:
         """Driven accelerations are the inputs."""
         _, x, u, w, _ = self.symbols
         M, r, _, _ = self._terms
-        n, nx = len(self.coordinates), self.nx
-        a, z = ca.SX.sym("a", n), ca.vertcat(x, u, w)
-        moving, change = ca.SX(a), ca.SX(n, z.shape[0])
+        n, m, nx = len(self.coordinates), M.shape[0], self.nx
+        a, z = ca.SX.sym("a", m), ca.vertcat(x, u, w)
+        moving, change = ca.SX(a), ca.SX(m, z.shape[0])
         for i, k in self.driven.items():
             moving[i], change[i, nx + k] = u[k], 1
-        free = [i for i in range(n) if i not in self.driven]
+        free = [i for i in range(m) if i not in self.driven]
         if free:
             lacking = (r - M @ moving)[free]
             change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))
-        return Differentiated(a, ca.vertcat(x[n:], a), change, self._motion[0][n:])
+        return Differentiated(a, ca.vertcat(self.coordinate_rates(x), a), change, self._motion[0][n:])
 
     def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
         return nominal.derivative()[:, len(self.coordinates) :]
@@ -213,10 +212,11 @@ class LagrangianPlant(MechanicalPlant):
         From M and the stiffness d(-r)/dq; negative stiffness gives a negative "frequency" -sqrt(|w^2|).
         Frequencies below 1e-6 of the largest are rigid-body modes and are left out unless `rigid`.
         """
-        x = np.zeros(self.nx) if x0 is None else arguments.one_state(self, x0)
+        x = self.rest_state if x0 is None else arguments.one_state(self, x0)
         rigid, locked = require_flag("rigid", rigid), require_names("natural_frequencies.locked", locked)
-        held = [index(self.coordinates, name, "coordinate") for name in locked] + list(self.driven)
-        free = [i for i in range(len(self.coordinates)) if i not in held]
+        known, moved = tuple(s for s in self.coordinates if s.name in self.rates), self.states[len(self.coordinates) :]
+        held = [self.rates[known[index(known, name, "coordinate")].name] for name in locked]
+        free = [i for i, s in enumerate(moved) if s.name not in held and i not in self.driven]
         M, K = self.mass_matrix(x, p=p), self._stiffness(*self._arguments(x, p=p)[0])[0]
         M, K = M[np.ix_(free, free)], K[np.ix_(free, free)]
         if not (np.isfinite(K).all() and np.isfinite(M).all()):

@@ -72,6 +72,10 @@ class MechanicalPlant(Plant):
     def coordinates_slice(self) -> slice:
         return slice(0, len(self.coordinates))
 
+    def coordinate_rates(self, x: ca.SX) -> ca.SX:
+        """dq/dt (n,) as an expression: what follows the coordinates in x, but of quaternions."""
+        return x[len(self.coordinates) :]
+
     @built_once
     def expressions(self) -> tuple[ca.SX, ca.SX]:
         t, x, u, w, _ = self.symbols

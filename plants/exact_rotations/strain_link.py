@@ -175,13 +175,13 @@ class StrainLink(ElasticLink):
         return L * at.cumulative(np.linspace(0.0, 1.0, points)) @ np.column_stack([x, y])
 
 
-def constant_inertia(link: StrainLink) -> ca.SX:
+def constant_inertia(link: StrainLink, at: Points | None = None) -> ca.SX:
     """What is constant in the inertia for rates (omega, v), (1 + n, 1 + n): the straight link's integrals less their
-    quadrature, and the turning of the sections.
+    quadrature (by its own points unless `at` others), and the turning of the sections.
     """
     beam, basis = link.beam, link.basis
     exact = _rest_inertia(basis)
-    lacking = exact - _inertia(basis, link.points, np.zeros(basis.n))
+    lacking = exact - _inertia(basis, at or link.points, np.zeros(basis.n))
     size = np.sqrt(np.diag(exact))
     lacking = np.where(np.abs(lacking) > 1e-13 * np.outer(size, size), lacking, 0.0)
     unit = ca.vertcat(beam.length, *[1.0] * basis.n)

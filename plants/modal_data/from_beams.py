@@ -13,6 +13,7 @@ from pliant.plants.core.argument_gates import require_counts, require_instance, 
 from pliant.plants.core.parameters import is_symbolic
 
 from .integrals import integrals
+from .modal_fields import ModalNode
 
 Array = np.ndarray
 
@@ -65,20 +66,25 @@ def _along_x(
     r = np.concatenate([np.column_stack([L * xi, np.full(points, y), np.zeros(points)]) for y, _ in lines])
     dm = np.concatenate([share * beam.mass * weight for _, share in lines])
     phi = np.zeros((n, len(r), 3))
-    ends, frequencies, k = np.zeros((n, 3)), np.zeros(n), 0
+    ends, turns, frequencies, k = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), 0
     for direction, count, EI, signs in families:
         if not count:
             continue
         shape = basis("clamped-free", count).phi
-        value, end = shape(xi), shape(np.array(1.0))
+        value, end, slope = shape(xi), shape(np.array(1.0)), shape(np.array(1.0), 1) / L
         for j in range(count):
             phi[k, :, direction] = np.concatenate([s * value[:, j] for s in signs])
             ends[k, direction] = signs[0] * end[j]
+            turns[k, 3 - direction] = signs[0] * (slope[j] if direction == 1 else -slope[j])
+            if len(lines) > 1:
+                turns[k, 0] = (signs[0] - signs[1]) * end[j] / (lines[0][0] - lines[1][0])
             frequencies[k] = shape.roots[j] ** 2 * np.sqrt(EI / (beam.linear_density * L**4))  # type: ignore[union-attr]
             k += 1
     tip = np.array([L, lines[0][0], 0.0])
     g = np.zeros((n, n, len(r), 3))
     g[..., 0] = _shortening(families, n, L, xi)
+    g_tip = np.zeros((n, n, 3))
+    g_tip[..., 0] = _shortening(families, n, L, np.array([1.0]))[..., 0]
     values = integrals(r, dm, phi, g)
     stiffness = np.diag(frequencies**2 * np.einsum("kkii->k", values["overlaps"]))
     shown = slice(None, points, max(points // 12, 1))
@@ -90,7 +96,8 @@ def _along_x(
         "outline": np.vstack([r[shown], tip]),
         "outline_shapes": np.concatenate([phi[:, shown], ends[:, None]], axis=1),
     }
-    return {name: _tidy(value) for name, value in values.items()}
+    tidied = {name: _tidy(value) for name, value in values.items()}
+    return {**tidied, "nodes": (ModalNode("tip", tip, _tidy(ends), _tidy(turns), _tidy(g_tip)),)}
 
 
 def _shortening(families: list[tuple[int, int, float, tuple[float, ...]]], n: int, L: float, xi: Array) -> Array:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import casadi as ca
 
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody
 from pliant.plants.multibody_parts.spatial import Inertia, Wrench
-from pliant.plants.multibody_parts.tree_beam import TreeBeam
 
 from .layout import BASE
 from .walk import Walk
@@ -19,7 +19,7 @@ Matrix = dict[tuple[int, int], ca.SX]  # by pairs of coordinates, the larger fir
 
 def mass_matrix(walk: Walk) -> ca.SX:
     """M (n, n), sparse where the tree has no coupling."""
-    n, found = walk.q.shape[0], _entries(walk)
+    n, found = walk.v.shape[0], _entries(walk)
     M = ca.SX(n, n)
     for (i, j), value in found.items():
         if i < n and not value.is_zero():
@@ -60,7 +60,7 @@ def _entries(walk: Walk) -> Matrix:
     return M
 
 
-def _bent(walk: Walk, k: int, beam: TreeBeam, beyond: dict[int, Wrench], M: Matrix) -> Inertia:
+def _bent(walk: Walk, k: int, beam: ElasticBody, beyond: dict[int, Wrench], M: Matrix) -> Inertia:
     """A beam's own inertia; in `beyond` and M its coordinates take the place of its sections'."""
     eta, _ = walk.bent(k)
     if not beam.n:
@@ -74,7 +74,7 @@ def _bent(walk: Walk, k: int, beam: TreeBeam, beyond: dict[int, Wrench], M: Matr
     for r, s in enumerate(sections):
         for c, o in enumerate(sections):
             between[r, c] = _of(M, s, o)
-    mass = beam.mass() + T.T @ between @ T
+    mass = beam.mass(eta) + T.T @ between @ T
     for i, a in enumerate(keys):
         for j, b in enumerate(keys[: i + 1]):
             _add(M, a, b, mass[i, j])

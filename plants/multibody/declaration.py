@@ -10,17 +10,19 @@ from typing import Any
 from pliant.plants.beams.payload import Payload
 from pliant.plants.core.argument_gates import as_tuple, require_all, require_choice, require_names, shown
 from pliant.plants.core.parameters import part, quantity, validate
-from pliant.plants.core.signals import Joint as Driven
 from pliant.plants.core.signals import Signal
-from pliant.plants.dynamics.lagrangian import LagrangianPlant
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody
+from pliant.plants.elastic_bodies.of_body import check_nodes, coordinates_of, elastic_body, readings_of
+from pliant.plants.multibody_joints.bases import FREEDOMS, base_bodies, check_platform
+from pliant.plants.multibody_joints.bases import KINDS as BASES_OF_TREES
+from pliant.plants.multibody_joints.tree_joints import TreeJoints
 from pliant.plants.multibody_parts.joint import Frame, Joint, name_gate, place_gate
-from pliant.plants.multibody_parts.tree_beam import FAMILIES, TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
 from .layout import Layout, layout
 from .measurements import AXES, DEVICES, signals
 
-KINEMATICS = ("rigid", "linear", "stiffened")
+KINEMATICS = ("rigid", "linear", "stiffened", "strain")
 BASES = ("polynomial", "clamped-free")
 
 
@@ -55,13 +57,26 @@ def loads_gate(name: str, value: Any) -> tuple[str, ...]:
     return require_names(name, as_tuple(name, value))
 
 
+def words_gate(name: str, value: Any) -> tuple[str, ...]:
+    """Sentences."""
+    return require_names(name, as_tuple(name, value))
+
+
 def devices_gate(name: str, value: Any) -> tuple[str, ...]:
     """Names of devices."""
     return require_names(name, as_tuple(name, value), tuple(DEVICES), "device")
 
 
+def freedoms_gate(name: str, value: Any) -> tuple[str, ...]:
+    """Names of a base's freedoms, one at least."""
+    found = require_names(name, as_tuple(name, value), FREEDOMS, "freedom")
+    if not found:
+        raise ValueError(f"{name} = () must name one freedom at least: {', '.join(FREEDOMS)}")
+    return tuple(f for f in FREEDOMS if f in found)
+
+
 @dataclass(frozen=True, kw_only=True)
-class TreeDeclaration(LagrangianPlant):
+class TreeDeclaration(TreeJoints):
     """Bodies, places and fidelity; `FlexibleTree` adds their equations."""
 
     bodies: tuple[TreeBody, ...] = field(metadata={"gate": lambda name, value: require_all(name, value, TreeBody)})
@@ -74,14 +89,19 @@ class TreeDeclaration(LagrangianPlant):
     kinematics: str = "stiffened"
     basis: str = "polynomial"
     base: str = "fixed"
+    platform: Payload = part(Payload, default_factory=Payload)  # the base itself, where it is free or driven
+    base_freedoms: tuple[str, ...] = field(default=FREEDOMS, metadata={"gate": freedoms_gate})  # of a driven base
     root: str = field(default="base", metadata={"gate": name_gate})  # what the base is called as a parent
+    repairs: tuple[str, ...] = field(default=(), metadata={"gate": words_gate})  # of inertias in its file, in words
 
     def __post_init__(self) -> None:
         validate(self)
         owner = type(self).__name__
-        for name, choices in (("kinematics", KINEMATICS), ("basis", BASES), ("base", ("fixed",))):
+        for name, choices in (("kinematics", KINEMATICS), ("basis", BASES), ("base", BASES_OF_TREES)):
             require_choice(owner, name, getattr(self, name), choices)
         object.__setattr__(self, "bodies", in_tree(f"{owner}.bodies", self.bodies, self.root))
+        if self.base == "free":
+            check_platform(owner, self.root, self.platform, self.bodies)
         known = {self.root, *(b.name for b in self.bodies)}
         taken = {"tip"}
         for k, frame in enumerate(self.frames):
@@ -102,10 +122,11 @@ class TreeDeclaration(LagrangianPlant):
         for k, place in enumerate(self.loads):
             if place not in taken:
                 raise ValueError(f"{owner}.loads[{k}] = {place!r} must be one of {', '.join(sorted(taken))}")
-        if not any(b.joint.moves or sum(self.counts(b)) for b in self.bodies):
+        if self.base == "fixed" and not any(b.joint.moves or sum(self.counts(b)) for b in self.bodies):
             raise ValueError(
                 f"{owner}.bodies = {shown(tuple(b.name for b in self.bodies))} must have a joint that moves"
             )
+        check_nodes(self.bodies, self.frames)
         self._check_names(owner)
 
     def _check_names(self, owner: str) -> None:
@@ -115,12 +136,13 @@ class TreeDeclaration(LagrangianPlant):
             raise ValueError(f"{owner}.bodies give two coordinates the name {twice!r}; joints and bodies must differ")
 
     def counts(self, body: TreeBody) -> tuple[int, ...]:
-        """Shapes of a body's beam by family in this fidelity."""
+        """Shapes of a body's beam by family in this fidelity, or the number of its modes."""
+        if body.modal is not None:
+            return (0,) if self.kinematics == "rigid" else (int(body.modal_modes or 0),)
         return (0, 0, 0, 0) if body.beam is None or self.kinematics == "rigid" else body.modes
 
-    def _beam(self, body: TreeBody) -> TreeBeam:
-        assert body.beam is not None
-        return TreeBeam(body.beam, self.counts(body), self.basis, self.kinematics == "stiffened")
+    def _beam(self, body: TreeBody) -> ElasticBody | None:
+        return elastic_body(body, self.counts(body), self.basis, self.kinematics)
 
     @cached_property
     def tip_frame(self) -> Frame:
@@ -134,12 +156,22 @@ class TreeDeclaration(LagrangianPlant):
     def tree(self) -> Layout:
         """The nodes of the recursion."""
         frames = [self.tip_frame, *self.frames]
-        return layout([(b, b.parent) for b in self.bodies], self.payload, self.tip_frame, frames, self._beam, self.root)
+        parts = [(b, b.parent) for b in (*self.ground, *self.bodies)]
+        return layout(parts, self.payload, self.tip_frame, frames, self._beam, self.root)
+
+    @property
+    def floats(self) -> bool:
+        return self.base == "free"
+
+    @cached_property
+    def ground(self) -> tuple[TreeBody, ...]:
+        """What a base that moves hangs on, one after the other, itself last."""
+        return base_bodies(self.base, self.root, self.platform, self.base_freedoms)
 
     @cached_property
     def moving(self) -> tuple[Joint, ...]:
-        """Joints with a coordinate, in order."""
-        return tuple(b.joint for b in self.bodies if b.joint.moves)
+        """Joints with coordinates, in order, those of a base that moves first."""
+        return tuple(b.joint for b in (*self.ground, *self.bodies) if b.joint.moves)
 
     @cached_property
     def motors(self) -> tuple[int, ...]:
@@ -153,49 +185,15 @@ class TreeDeclaration(LagrangianPlant):
 
     @property
     def slender(self) -> tuple[TreeBody, ...]:
-        """Bodies with a beam, whether it bends in this fidelity or not: what is measured of all of them is the same."""
-        return tuple(b for b in self.bodies if b.beam is not None)
+        """Bodies that bend, in this fidelity or not: what is measured of all of them is the same."""
+        return tuple(b for b in self.bodies if b.bends)
 
     @property
-    def coordinates(self) -> tuple[Signal, ...]:
-        joints = [Signal(j.name, "m" if j.slides else "rad") for j in self.moving]
+    def beyond(self) -> tuple[Signal, ...]:
+        """Coordinates of motors and of bodies that bend."""
         motors = [Signal(f"{self.moving[i].name}_motor", "rad") for i in self.motors]
-        bent = [
-            Signal(f"{b.name}_{family}{k + 1}", "rad" if family == "twist" else "m")
-            for b in self.flexible
-            for family, n in zip(FAMILIES, self.counts(b), strict=True)
-            for k in range(n)
-        ]
-        return (*joints, *motors, *bent)
-
-    @cached_property
-    def _inputs(self) -> tuple[tuple[Signal, int], ...]:
-        """(input, coordinate that it acts on)."""
-        found = []
-        for i, joint in enumerate(self.moving):
-            if i in self.motors:
-                at = len(self.moving) + self.motors.index(i)
-                found.append((Signal(f"{joint.name}_motor_torque", "N m"), at))
-            elif joint.drive == "torque":
-                word, unit = ("force", "N") if joint.slides else ("torque", "N m")
-                found.append((Signal(f"{joint.name}_{word}", unit), i))
-            elif joint.drive == "acceleration":
-                found.append((Signal(f"{joint.name}_acceleration", "m/s^2" if joint.slides else "rad/s^2"), i))
-        return tuple(found)
-
-    @property
-    def inputs(self) -> tuple[Signal, ...]:
-        return tuple(signal for signal, _ in self._inputs)
-
-    @property
-    def driven(self) -> dict[int, int]:
-        given = {i for i, joint in enumerate(self.moving) if joint.drive == "acceleration"}
-        return {i: k for k, (_, i) in enumerate(self._inputs) if i in given}
-
-    @property
-    def joints(self) -> tuple[Driven, ...]:
-        pairs = list(self.rates.items())
-        return tuple(Driven(signal.name, *pairs[i]) for signal, i in self._inputs)
+        bent = [Signal(f"{b.name}_{s.name}", s.unit) for b in self.flexible for s in coordinates_of(b, self.counts(b))]
+        return (*motors, *bent)
 
     @property
     def disturbances(self) -> tuple[Signal, ...]:
@@ -204,13 +202,9 @@ class TreeDeclaration(LagrangianPlant):
 
     @property
     def outputs(self) -> tuple[Signal, ...]:
-        measured = [s for s in self.coordinates if s.name in {j.position for j in self.joints}]
-        passive = [s for s in self.coordinates[: len(self.moving)] if s not in measured]
-        found = [*passive, *measured]
+        found = [self.freedoms[v].place for v in self.measured]
         for b in self.slender:
-            found += [Signal(f"{b.name}_deflection_{axis}", "m") for axis in "yz"]
-            found += [Signal(f"{b.name}_deflection_{axis}_rate", "m/s") for axis in "yz"]
-            found += [Signal(f"{b.name}_curvature_{axis}", "1/m") for axis in "yz"]
+            found += readings_of(b)
         for place in self.places:
             found += [Signal(f"{place}_{axis}", "m") for axis in AXES]
             found += [Signal(f"{place}_{axis}_rate", "m/s") for axis in AXES]

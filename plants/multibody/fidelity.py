@@ -6,16 +6,34 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any, Self
 
+from pliant.plants.arms.physics import BENT
 from pliant.plants.core.signals import Sensed
+from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant_contract import PINION
-from pliant.plants.multibody_parts.tree_body import MOST_MODES
+from pliant.plants.modal_data.driven_families import before_the_last, left_out
+from pliant.plants.multibody_joints.freedoms import freedoms
+from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
+from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached
 
 from .declaration import TreeDeclaration
 from .measurements import sensed
 
 PHYSICS = 4  # shapes of a family that physics has by itself
-UNMODELLED = ("exact rotations of the beams", "shear and rotary inertia of the beams", "plasticity", "backlash")
+UNMODELLED = ("shear and rotary inertia of the beams", "plasticity", "backlash")
+MODAL = ("exact rotations of the bodies given by modes", "modes that their modal data leave out")
 RIGID = ("bending of the bodies", "backlash")
+STRETCH, EXACT, SHORTENING = "stretch of the beams", "exact rotations of the beams", "shortening of the bent beams"
+LADDER = (
+    ("linear", 1),
+    ("linear", 2),
+    ("stiffened", 1),
+    ("stiffened", 2),
+    ("stiffened", 3),
+    ("stiffened", 4),
+    ("strain", 2),
+    ("strain", 3),
+    ("strain", 4),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,9 +41,15 @@ class TreeFidelity(TreeDeclaration):
     """Answers about the tree as a whole."""
 
     def sensors(self) -> tuple[Sensed, ...]:
-        units = {s.name: s.unit for s in self.coordinates}
-        found = [Sensed("encoder", j.position, scale=PINION if units[j.position] == "m" else 1.0) for j in self.joints]
+        moved = sum(len(freedoms(b.joint)) for b in self.ground)
+        carried = [self.freedoms[v].place for _, v in self._inputs if v >= moved]
+        found = [Sensed("encoder", p.name, scale=PINION if p.unit == "m" else 1.0) for p in carried]
+        if self.base == "free":
+            found += [Sensed("star tracker", f.place.name, "rad") for f in self.freedoms[3:6]]
+            found += [Sensed("fibre-optic gyro", f.rate.name) for f in self.freedoms[3:6]]
         for b in self.slender:
+            if b.beam is None:
+                continue
             beam: Any = b.beam
             depths = ((3 * beam.I_z / beam.area) ** 0.5, (3 * beam.I_y / beam.area) ** 0.5)
             for axis, depth, n in zip("yz", depths, b.modes[:2], strict=True):
@@ -35,7 +59,7 @@ class TreeFidelity(TreeDeclaration):
 
     @property
     def deflections(self) -> tuple[str, ...]:
-        return tuple(f"{b.name}_deflection_{axis}" for b in self.slender for axis in "yz")
+        return tuple(f"{b.name}_deflection_{axis}" for b in self.slender for axis in ("yz" if b.beam else "xyz"))
 
     @property
     def output_rates(self) -> dict[str, str]:
@@ -50,36 +74,76 @@ class TreeFidelity(TreeDeclaration):
         return f"{self.kinematics}, {self.basis} {modes}"
 
     def _with(self, kinematics: str, most: int) -> Self:
-        """With as many shapes of each family that a body has."""
-        bodies = tuple(dataclasses.replace(b, modes=tuple(min(n, 1) * most for n in b.modes)) for b in self.bodies)
-        return dataclasses.replace(self, bodies=bodies, kinematics=kinematics)
+        """With as many shapes of each family that a body has, and of its modes."""
+        bodies = [dataclasses.replace(b, modes=tuple(min(n, 1) * most for n in b.modes)) for b in self.bodies]
+        fewer = [b if b.modal is None else dataclasses.replace(b, modal_modes=min(most, b.modal.n)) for b in bodies]
+        return dataclasses.replace(self, bodies=tuple(fewer), kinematics=kinematics)
 
     def ladder(self) -> tuple[Self, ...]:
-        """From rigid bodies through one to four shapes a family, with and without shortening."""
-        if not any(b.beam is not None and sum(b.modes) for b in self.bodies):
+        """From rigid bodies through one to four shapes a family and modes, with and without shortening, to exact
+        rotations of beams.
+        """
+        bent = any(b.beam is not None and sum(b.modes) for b in self.bodies)
+        if not bent and not any(b.modal is not None and b.modal.n for b in self.bodies):
             return (self,)
-        rungs = (("linear", 1), ("linear", 2), ("stiffened", 1), ("stiffened", 2), ("stiffened", 3), ("stiffened", 4))
+        rungs = [rung for rung in LADDER if bent or rung[0] != "strain"]
         return (dataclasses.replace(self, kinematics="rigid"), *(self._with(*rung) for rung in rungs))
 
     def physics(self, more: int = 0) -> Self:
-        """Stiffened, every beam bending in both planes and twisting, with `more` than four shapes a family; stretching
-        where it does already.
+        """Exact rotations, every beam bending in both planes and twisting, with `more` than four shapes a family;
+        stretching where it does already. Of modal data all modes, without `more` but the last about each axis.
         """
         n = min(PHYSICS + more, MOST_MODES)
-        modes = {b.name: (n, n, n, min(b.modes[3], 1) * n) for b in self.slender}
-        bodies = tuple(dataclasses.replace(b, modes=modes[b.name]) if b.name in modes else b for b in self.bodies)
-        return dataclasses.replace(self, bodies=bodies, kinematics="stiffened")
+        return dataclasses.replace(self, bodies=tuple(_rich(b, n, more) for b in self.bodies), kinematics=self._richest)
+
+    @property
+    def _richest(self) -> str:
+        return "strain" if any(b.beam is not None for b in self.bodies) else "stiffened"
+
+    @property
+    def newton(self) -> Self:
+        return dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
+
+    @property
+    def left_out(self) -> float:
+        data = [b.modal for b in self.bodies if b.modal is not None]
+        return max((left_out(one, turned=False) for one in data), default=super().left_out)
+
+    def estimates(self, motion: Trajectory) -> dict[str, Self]:
+        """Stretch: each beam without shapes of it longer for good, as `PlanarArm.estimates` has it of arms."""
+        if self.kinematics != "strain":
+            return {}
+        strains, turns = (iter(largest_reached(self, motion, what)) for what in (AXIAL, TURN))
+        longer, changed = list(self.bodies), False
+        for k, body in enumerate(self.bodies):
+            planes = sum(n > 0 for n in body.modes[:2]) if body.beam is not None else 0
+            strain, turn = (max((next(each) for _ in range(planes)), default=0.0) for each in (strains, turns))
+            if body.beam is not None and planes and not body.modes[3]:
+                by, beam = 1 + strain * (1 + BENT * turn), body.beam
+                beam = dataclasses.replace(beam, length=beam.length * by, density=beam.density / by)
+                longer[k], changed = dataclasses.replace(body, beam=beam), True
+        return {STRETCH: dataclasses.replace(self, bodies=tuple(longer))} if changed else {}
 
     @property
     def effects(self) -> dict[str, bool]:
         bends = bool(self.flexible)
-        return {"bending": bends, "shortening of the bent beams": bends and self.kinematics == "stiffened"}
+        found = {"bending": bends, SHORTENING: bends and self.kinematics in ("stiffened", "strain")}
+        return found | ({EXACT: bends and self.kinematics == "strain"} if self._richest == "strain" else {})
 
     def _lacking(self, effect: str) -> Self:
-        changes = {"bending": "rigid", "shortening of the bent beams": "linear"}
+        changes = {"bending": "rigid", SHORTENING: "linear", EXACT: "stiffened"}
         return dataclasses.replace(self, kinematics=changes[effect])
 
     @property
     def unmodelled(self) -> tuple[str, ...]:
-        stiff = () if all(b.modes[3] for b in self.slender) else ("stretch of the beams",)
-        return (*UNMODELLED, *stiff) if self.slender else RIGID
+        beams = [b for b in self.slender if b.beam is not None]
+        stiff = () if all(b.modes[3] for b in beams) else (STRETCH,)
+        modal = MODAL if len(beams) < len(self.slender) else ()
+        return (*UNMODELLED, *stiff, *modal) if self.slender else RIGID
+
+
+def _rich(body: TreeBody, n: int, more: int) -> TreeBody:
+    """With n shapes of each family that a beam has in physics, or its modes."""
+    if body.modal is not None:
+        return dataclasses.replace(body, modal_modes=body.modal.n if more else before_the_last(body.modal))
+    return body if body.beam is None else dataclasses.replace(body, modes=(n, n, n, min(body.modes[3], 1) * n))

@@ -14,9 +14,12 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.beams.payload import Payload
+from pliant.plants.elastic_bodies.elastic_body import ElasticBody, Place
+from pliant.plants.elastic_bodies.modal_body import ModalBody, place_on
+from pliant.plants.multibody_joints.bases import WORLD
 from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, upper
-from pliant.plants.multibody_parts.tree_beam import TreeBeam, tidy
+from pliant.plants.multibody_parts.tree_beam import tidy
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
 Array = np.ndarray
@@ -60,14 +63,14 @@ class Node:
 
     name: str
     parent: int  # another node, or BASE
-    station: float | None  # of the parent's beam
+    station: Place | None  # of the parent's beam, or its node
     turned: bool  # with that section
     r: ca.SX  # (3,) constant shift, in the parent's axes
     R: Array  # constant turn
     joint: Joint | None  # that moves
     own: Array  # constant turn after the joint: to the axes of the beam
     inertia: Inertia | None  # None: a place
-    beam: TreeBeam | None = None
+    beam: ElasticBody | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,13 +79,14 @@ class Layout:
 
     nodes: tuple[Node, ...]
     places: dict[str, int]
+    root: int = BASE  # the node of the base where it moves
 
     @property
     def joints(self) -> list[tuple[int, Joint]]:
         return [(k, node.joint) for k, node in enumerate(self.nodes) if node.joint is not None]
 
     @property
-    def beams(self) -> list[tuple[int, TreeBeam]]:
+    def beams(self) -> list[tuple[int, ElasticBody]]:
         return [(k, node.beam) for k, node in enumerate(self.nodes) if node.beam is not None and node.beam.n]
 
 
@@ -99,15 +103,19 @@ class _Held:
 class _Builder:
     """Puts bodies, the payload and places together."""
 
-    def __init__(self, beam: Any, root: str) -> None:
+    def __init__(self, beam: Any) -> None:
         self._beam, self._nodes = beam, list[Node]()
-        self._at = {root: _Held(BASE, np.eye(3), ca.SX.zeros(3), False)}
+        self._at = {WORLD: _Held(BASE, np.eye(3), ca.SX.zeros(3), False)}
         self.places = dict[str, int]()
+
+    def stand(self, root: str) -> None:
+        """A base that does not move."""
+        self._at[root] = self._at[WORLD]
 
     def add(self, body: TreeBody, parent: str) -> None:
         held, joint = self._at[parent], body.joint
-        own = turned(body.beam_rotation) if body.beam is not None else np.eye(3)
-        beam = self._beam(body) if body.beam is not None else None
+        own = turned(body.beam_rotation) if body.bends else np.eye(3)
+        beam = self._beam(body)
         inertia = placed(rigid_inertia(body.mass, body.centre, body.inertia), own.T, ca.SX.zeros(3))
         if not (joint.moves or beam or held.flexible) and held.node != BASE:
             R, r = self._beyond(held, joint)
@@ -124,18 +132,24 @@ class _Builder:
         return held.R @ turned(part.rotation), held.r + ca.DM(held.R) @ vector(part.position)
 
     def _node(
-        self, name: str, held: _Held, part: Joint | Frame, own: Array, inertia: Inertia | None, beam: TreeBeam | None
+        self, name: str, held: _Held, part: Joint | Frame, own: Array, inertia: Inertia | None, beam: ElasticBody | None
     ) -> int:
         """A node that hangs where `part` says."""
         joint = part if isinstance(part, Joint) else None
-        R, r, station = *self._beyond(held, part), None
+        (R, r), station = self._beyond(held, part), None
         if held.flexible:
             before = self._nodes[held.node].own.T  # positions are given in the body's axes, not in its beam's
-            R, r, station = before @ turned(part.rotation), ca.DM(tidy(before)) @ vector(part.position), part.station
+            R, r = before @ turned(part.rotation), ca.DM(tidy(before)) @ vector(part.position)
+            station = self._place(held, part)
         follows = joint.turned if joint is not None else True
         moving = joint if joint is not None and joint.moves else None
         self._nodes.append(Node(name, held.node, station, follows, r, R, moving, own, inertia, beam))
         return len(self._nodes) - 1
+
+    def _place(self, held: _Held, part: Joint | Frame) -> Place:
+        """Where on the body that bends."""
+        parent = self._nodes[held.node]
+        return place_on(parent.beam.data, parent.name, part) if isinstance(parent.beam, ModalBody) else part.station
 
     def place(self, frame: Frame) -> None:
         """A place without inertia."""
@@ -143,27 +157,36 @@ class _Builder:
 
     def load(self, payload: Payload, tip: Frame) -> None:
         """The payload, held at the tip."""
-        hung = Joint(name="payload", kind="fixed", position=tip.position, rotation=tip.rotation, station=tip.station)
+        hung = Joint(
+            name="payload",
+            kind="fixed",
+            position=tip.position,
+            rotation=tip.rotation,
+            station=tip.station,
+            node=tip.node,
+        )
         body = TreeBody(
             name="payload of the tree", joint=hung, mass=payload.mass, centre=payload.offset, inertia=payload.inertia
         )
         if not body.weightless:
             self.add(body, tip.body)
 
-    def built(self) -> Layout:
-        return Layout(tuple(self._nodes), self.places)
+    def built(self, root: str) -> Layout:
+        return Layout(tuple(self._nodes), self.places, self._at[root].node)
 
 
 def layout(
     bodies: list[tuple[TreeBody, str]], payload: Payload, tip: Frame, frames: list[Frame], beam: Any, root: str
 ) -> Layout:
     """The tree of bodies (each with its parent's name), a payload at the tip, and the frames that are places;
-    `beam(body)` makes a body's TreeBeam; `root` names the base.
+    `beam(body)` makes a body's ElasticBody; `root` names the base, which stands on WORLD unless it is one of them.
     """
-    builder = _Builder(beam, root)
+    builder = _Builder(beam)
+    if root not in {body.name for body, _ in bodies}:
+        builder.stand(root)
     for body, parent in bodies:
         builder.add(body, parent)
     builder.load(payload, tip)
     for frame in frames:
         builder.place(frame)
-    return builder.built()
+    return builder.built(root)

@@ -8,7 +8,6 @@ from __future__ import annotations
 import casadi as ca
 
 from pliant.plants.core.casadi_functions import entries
-from pliant.plants.multibody_parts import beam_forces
 from pliant.plants.multibody_parts.spatial import Motion, Wrench
 from pliant.plants.validity.slender import Pull
 
@@ -32,7 +31,7 @@ def motions(walk: Walk, gravity: ca.SX, a: ca.SX | None = None) -> list[Motion]:
 
 def _given(walk: Walk, parent: int, edge: Edge, a: ca.SX) -> dict[int, ca.SX]:
     """Accelerations by key of an edge's coordinates, its section's too."""
-    found = {key: a[key] for key in walk.joint_keys.values()}
+    found = {key: a[key] for key in walk.joint_keys}
     if edge.section is not None:
         at = walk.beam_keys.get(parent, range(0))
         pushed = edge.section.T @ entries(a, slice(at.start, at.stop))
@@ -41,7 +40,9 @@ def _given(walk: Walk, parent: int, edge: Edge, a: ca.SX) -> dict[int, ca.SX]:
 
 
 def reaction(walk: Walk, moves: list[Motion], a: ca.SX, external: dict[int, Wrench]) -> Wrench:
-    """What the tree does to its base, in the base's axes about its origin, where its frames make those moves."""
+    """What the tree does to its base, in the base's axes about its origin, where its frames make those moves. Of a base
+    that moves, its own inertia and what is fixed to it is not in it.
+    """
     loads, _ = _loads(walk, moves, external)
     total = Wrench(ca.SX.zeros(3), ca.SX.zeros(3))
     for k in reversed(range(len(loads))):
@@ -51,9 +52,9 @@ def reaction(walk: Walk, moves: list[Motion], a: ca.SX, external: dict[int, Wren
                 load = load + Wrench(a[key] * one.f, a[key] * one.n)
         for step in reversed(walk.edges[k].steps):
             load = step.up(load)
-        if node.parent == BASE:
+        if node.parent == walk.tree.root:
             total = Wrench(total.f - load.f, total.n - load.n)
-        else:
+        if node.parent != BASE:
             loads[node.parent] = loads[node.parent] + load
     return total
 
@@ -91,7 +92,7 @@ def _loads(walk: Walk, moves: list[Motion], external: dict[int, Wrench]) -> tupl
             U = motion.U
             loads[k] = node.inertia.inertial(motion, U)
             if node.beam is not None:
-                load, within = beam_forces.inertial(node.beam, motion, U, *walk.bent(k))
+                load, within = node.beam.inertial(motion, U, *walk.bent(k))
                 loads[k] = loads[k] + load
                 Q |= {key: within[i] for i, key in enumerate(walk.beam_keys.get(k, ()))}
         if k in external:
@@ -126,4 +127,4 @@ def _taken(walk: Walk, loads: list[Wrench], Q: dict[int, ca.SX]) -> ca.SX:
                 )
         if parent != BASE:
             loads[parent] = loads[parent] + load
-    return ca.vertcat(*[Q.get(i, ca.SX(0)) for i in range(walk.q.shape[0])])
+    return ca.vertcat(*[Q.get(i, ca.SX(0)) for i in range(walk.v.shape[0])])

@@ -1,6 +1,8 @@
-"""A tree of rigid and flexible bodies on a fixed base.
+"""A tree of rigid and flexible bodies on a base that is fixed, free, or moves as its inputs say.
 
-States   q = [joints in the order of the tree, motors of elastic joints, elastic coordinates body by body], x = [q; v]
+States   q = [joints in the order of the tree, motors of elastic joints, elastic coordinates body by body], x = [q; v];
+         a base that moves first. Turns in space are unit quaternions, their speeds angular velocities in the axes that
+         turn with them; linear models are in small turns (see `attitudes`)
 Inputs   torques of the joints [N m] (forces [N] of those that slide), of motors at their own shafts, or accelerations
          of joints whose motion is given; disturbances: force [N] and torque [N m] at the tip, at other frames that
          `loads` names, in the base's axes
@@ -29,16 +31,18 @@ from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_all, require_text
 from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
+from pliant.plants.elastic_bodies.of_body import readings_of
+from pliant.plants.elastic_bodies.ranges import ranges_of
+from pliant.plants.multibody_joints.freedoms import ends, freedoms
 from pliant.plants.multibody_parts.joint import ElasticJoint
 from pliant.plants.multibody_parts.spatial import Wrench
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.multibody_parts.urdf import read
 from pliant.plants.validity.ranges import Range
-from pliant.plants.validity.slender import NONE_HOLDS, pulled, small_slopes
 
 from .composite import mass_matrix
 from .elasticity import TreeElasticity
-from .from_urdf import bodies
+from .from_urdf import bodies, platform, tell_repairs
 from .kinematics import drawn, poses, twists, weight_energy
 from .layout import vector
 from .measurements import readings
@@ -65,12 +69,12 @@ class FlexibleTree(TreeElasticity):
 
     @last_call
     def _walk(self, q: ca.SX, v: ca.SX) -> Walk:
-        n, m = len(self.moving), len(self.moving) + len(self.motors)
-        return Walk(self.tree, _without(q, n, m), _without(v, n, m))
+        (n, k), m = ends(self.slots), len(self.motors)
+        return Walk(self.tree, _without(q, n, n + m), _without(v, k, k + m))
 
     def _all(self, inner: ca.SX) -> ca.SX:
         """(n,) of what the recursion gives, which knows no motors."""
-        n = len(self.moving)
+        n = ends(self.slots)[1]
         joints, bent = entries(inner, slice(0, n)), entries(inner, slice(n, inner.shape[0]))
         return ca.vertcat(joints, ca.SX.zeros(len(self.motors)), bent)
 
@@ -83,13 +87,13 @@ class FlexibleTree(TreeElasticity):
         return found
 
     def _mass_matrix(self, walk: Walk) -> ca.SX:
-        n, m = len(self.moving), len(self.motors)
+        n, m = ends(self.slots)[1], len(self.motors)
         inner = mass_matrix(walk)
         M = ca.SX(inner.shape[0] + m, inner.shape[0] + m)
         at = [*range(n), *range(n + m, M.shape[0])]
         M[at, at] = inner
-        for i, joint in enumerate(self.moving):
-            M[i, i] += joint.armature
+        for joint, _, v in self.slots:
+            M[v, v] += joint.armature
         for k, i in enumerate(self.motors):
             M[n + k, n + k] = self.moving[i].elastic.rotor_inertia  # type: ignore[union-attr]
         return M
@@ -98,8 +102,11 @@ class FlexibleTree(TreeElasticity):
         return ca.dot(v, self._mass_matrix(self._walk(q, v)) @ v) / 2
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
-        g, still = vector(self.gravity), ca.SX.zeros(q.shape[0])
-        V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(still, still), g)
+        g, still = vector(self.gravity), ca.SX.zeros(len(self.speeds))
+        zero = ca.SX.zeros(q.shape[0])
+        for _, first, _ in self.turns:
+            zero[first] = 1
+        V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
         return V + self._spring_energy(q)
 
     def _driving(self, n: int, u: ca.SX) -> ca.SX:
@@ -111,7 +118,7 @@ class FlexibleTree(TreeElasticity):
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         walk = self._walk(q, v)
-        return self._driving(q.shape[0], u) + self._all(work(walk, self._wrenches(walk, w)))
+        return self._driving(v.shape[0], u) + self._all(work(walk, self._wrenches(walk, w)))
 
     @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -119,23 +126,34 @@ class FlexibleTree(TreeElasticity):
         q, v = x[:n], x[n:]
         walk = self._walk(q, v)
         inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, w)))
-        M, r = self._mass_matrix(walk), self._driving(n, u) - self._resistance(q, v) - inertial
+        M, r = self._mass_matrix(walk), self._driving(v.shape[0], u) - self._resistance(q, v) - inertial
         M, r = ca.cse([M, r])
         return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
+
+    def _places(self, q: ca.SX) -> list[ca.SX]:
+        """What is told of each freedom: its coordinate, or of a turn twice the quaternion's vector."""
+        found = list[ca.SX]()
+        for slot in self.slots:
+            n = len(freedoms(slot.joint))
+            shifts = n if slot.turn is None else n - 3
+            found += [q[slot.q + k] for k in range(shifts)]
+            if slot.turn is not None:
+                found += [2 * q[slot.turn[0] + 1 + k] for k in range(3)]
+        first = ends(self.slots)[0]
+        return found + [q[first + k] for k in range(len(self.motors))]
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
-        driven = {i for _, i in self._inputs}
-        y = [q[i] for i in range(len(self.moving)) if i not in driven]
-        y += [q[i] for i in sorted(driven)]
+        places = self._places(q)
+        y = [places[k] for k in self.measured]
         bent = dict(zip((b.name for b in self.flexible), self._beams(), strict=True))
         for body in self.slender:
             if body.name not in bent:
-                y += [ca.SX.zeros(6)]
+                y += [ca.SX.zeros(len(readings_of(body)))]
                 continue
-            beam, at = bent[body.name]
-            y += [*beam.deflection(q[at]), *beam.deflection(v[at]), *beam.curvature(q[at])]
+            own, at, rates = bent[body.name]
+            y += own.readings(q[at], v[rates])
         walk = self._walk(q, v)
         stands, moves = poses(walk), twists(walk)
         at_places = [self.tree.places[place] for place in self.places]
@@ -143,7 +161,8 @@ class FlexibleTree(TreeElasticity):
             y += [stands[k].p, stands[k].R @ moves[k].v]
         if self.devices:
             M, r, _, _ = self.equations(t, x, u, w)
-            a = _without(self.acceleration(M, r, u)[0], len(self.moving), len(self.moving) + len(self.motors))
+            k, m = ends(self.slots)[1], len(self.motors)
+            a = _without(self.acceleration(M, r, u)[0], k, k + m)
             loads = self._wrenches(walk, w)
             y += readings(walk, a, vector(self.gravity), loads, self.devices, at_places)
         return ca.vertcat(*y)
@@ -153,15 +172,10 @@ class FlexibleTree(TreeElasticity):
         n, found = len(self.coordinates), list[Range]()
         walk = self._walk(x[:n], x[n:])
         axial = pulls(walk, vector(self.gravity), self._wrenches(walk, w))
+        turning = twists(walk)
         bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)
-        for body, (k, beam), (_, numbers), (_, at) in bent:
-            planes = zip("yz", beam.planes, numbers.planes, beam.parted(x[at])[:2], strict=True)
-            for axis, link, number, q in planes:
-                name = f"{body.name} in x-{axis}"
-                found += [
-                    *small_slopes(name, link, q, f"{NONE_HOLDS} for trees"),
-                    *pulled(name, link, number, axial[k]),
-                ]
+        for body, (k, own), (_, numbers), (_, at, _) in bent:
+            found += ranges_of(body.name, own, numbers, x[at], axial[k], turning[k].omega)
         return tuple(found)
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
@@ -188,22 +202,27 @@ class FlexibleTree(TreeElasticity):
         drives: Mapping[str, str] | None = None,
         tip: str = "",
         mimic: str = "refused",
+        inertias: str = "refuse",
         **options: Any,
     ) -> Self:
-        """A machine from a URDF file, fixed at its root link.
+        """A machine from a URDF file, its root link the base: fixed, or where base="free" or "driven" with that link's
+        inertia as `platform`.
 
         `flexible` links become beams from their own origin to their farthest joint, in the place of the file's inertia,
         with `modes` shapes (in x-y, in x-z, twist, stretch; 2, 2, 1, 0 by default); `joints` get motors behind elastic
         gears; `drives` says which have no input or a given motion. `tip` is the link that holds the payload and is
-        measured. A joint that mimics another is refused, or moves by itself with mimic="free". Further
-        keywords as the class has them.
+        measured. A joint that mimics another is refused, or moves by itself with mimic="free". Inertias that no body
+        has are refused; inertias="repair" takes the nearest that one can have, says what it changed in a warning and
+        keeps it in `repairs`. Further keywords as the class has them.
 
         >>> arm = FlexibleTree.from_urdf("arm.urdf", flexible={"forearm": tube}, tip="tool0")
         """
-        machine = read(path, mimic)
+        machine = read(path, mimic, inertias)
+        tell_repairs(path, machine.repairs)
+        own = platform(machine, options.get("base")) | {"repairs": machine.repairs}
         tip = require_text("from_urdf.tip", tip, empty=True)
         parts = bodies(machine, flexible, joints, modes, drives, tip)
-        return cls(bodies=parts, tip=tip, root=machine.root, **options)
+        return cls(bodies=parts, tip=tip, root=machine.root, **(own | options))
 
 
 def _without(v: ca.SX, n: int, m: int) -> ca.SX:

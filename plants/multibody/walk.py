@@ -9,14 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import entries
-from pliant.plants.multibody_parts.joint import Joint
-from pliant.plants.multibody_parts.steps import Acting, Fixed, Move, Spin, Step
+from pliant.plants.multibody_joints.freedoms import Slot, ends, slots
+from pliant.plants.multibody_parts.steps import Acting, Array, Ball, Fixed, Move, Spin, Step
 from pliant.plants.multibody_parts.tree_beam import Section, tidy
 
 from .layout import BASE, Layout, Node
@@ -47,21 +47,27 @@ def _aligned(axis: tuple[float, ...]) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """A tree at coordinates q (joints, then beams one after the other) and rates v."""
+    """A tree at coordinates q and speeds v (of joints, then of beams one after the other). Keys are places in v."""
 
     tree: Layout
     q: ca.SX
     v: ca.SX
 
     @cached_property
-    def joint_keys(self) -> dict[int, int]:
-        """{node: its joint's coordinate}."""
-        return {k: i for i, (k, _) in enumerate(self.tree.joints)}
+    def joint_slots(self) -> dict[int, Slot]:
+        """{node: where its joint's coordinates and speeds are}."""
+        joints = self.tree.joints
+        return dict(zip((k for k, _ in joints), slots([joint for _, joint in joints]), strict=True))
+
+    @cached_property
+    def joint_keys(self) -> range:
+        """The speeds of all joints."""
+        return range(ends(tuple(self.joint_slots.values()))[1])
 
     @cached_property
     def beam_keys(self) -> dict[int, range]:
         """{node: its beam's coordinates}."""
-        found, at = {}, len(self.tree.joints)
+        found, at = {}, len(self.joint_keys)
         for k, beam in self.tree.beams:
             found[k] = range(at, at + beam.n)
             at += beam.n
@@ -69,14 +75,13 @@ class Walk:
 
     def bent(self, k: int) -> tuple[ca.SX, ca.SX]:
         """(eta, its rate) of a node's beam."""
-        at = self.beam_keys.get(k, range(0))
-        where = slice(at.start, at.stop)
-        return entries(self.q, where), entries(self.v, where)
+        at, more = self.beam_keys.get(k, range(0)), self.q.shape[0] - self.v.shape[0]
+        return entries(self.q, slice(at.start + more, at.stop + more)), entries(self.v, slice(at.start, at.stop))
 
     @cached_property
     def edges(self) -> list[Edge]:
         """By node."""
-        fresh = count(self.q.shape[0])
+        fresh = count(self.v.shape[0])
         return [self._edge(k, node, fresh) for k, node in enumerate(self.tree.nodes)]
 
     def _edge(self, k: int, node: Node, fresh: count[int]) -> Edge:
@@ -91,30 +96,28 @@ class Walk:
             for i in (2, 1, 0) if node.turned else ():
                 if section.T[3 + i, :].nnz():
                     angle, rate = section.turn[i], section.turn_rate[i]
-                    steps.append(Spin(i, ca.cos(angle), ca.sin(angle), rate, Acting(keys[3 + i], UNIT[i])))
+                    acting, bias = Acting(keys[3 + i], UNIT[i]), section.twist_bias if i == 0 else None
+                    steps.append(Spin(i, ca.cos(angle), ca.sin(angle), rate, acting, angle, bias))
         still = ca.SX.zeros(3)
         if not node.r.is_zero():
             steps.append(Move(node.r, still, still))
         if node.joint is not None:
-            steps += self._moved(node.joint, self.joint_keys[k], node.R)
-            steps += _constant(node.own)
+            steps += [*_constant(node.R), *self._moved(self.joint_slots[k]), *_constant(node.own)]
         else:
             steps += _constant(node.R @ node.own)
-        return Edge(steps, section, keys)
+        return Edge(_folded(steps), section, keys)
 
-    def _moved(self, joint: Joint, key: int, R: np.ndarray) -> list[Step]:
-        q, v = self.q[key], self.v[key]
-        if joint.slides:
-            e = np.array(joint.axis)
-            direction = ca.SX(ca.DM(e))
-            return [*_constant(R), Move(direction * q, direction * v, ca.SX.zeros(3), (Acting(key, e),))]
-        along = _along(joint.axis)
-        if along is not None:
-            axis, sign = along
-            acting = Acting(key, sign * UNIT[axis])
-            return [*_constant(R), Spin(axis, ca.cos(q), sign * ca.sin(q), sign * v, acting)]
-        B = _aligned(joint.axis)
-        return [*_constant(R @ B), Spin(2, ca.cos(q), ca.sin(q), v, Acting(key, UNIT[2])), *_constant(B.T)]
+    def _moved(self, slot: Slot) -> list[Step]:
+        joint, q, v, key = slot.joint, self.q[slot.q :], self.v[slot.v :], slot.v
+        if joint.kind == "revolute":
+            return _turn(joint.axis, q[0], v[0], key)
+        if joint.kind == "prismatic":
+            return [_shift([joint.axis], q, v, key)]
+        if joint.kind == "planar":
+            return [_shift(plane(joint.axis), q, v, key), *_turn(joint.axis, q[2], v[2], key + 2)]
+        if joint.kind == "spherical":
+            return [Ball(q[:4], v[:3], (key, key + 1, key + 2))]
+        return [_shift(UNIT, q, v, key), Ball(q[3:7], v[3:6], (key + 3, key + 4, key + 5))]
 
     def within(self, k: int, v: ca.SX) -> ca.SX:
         """A vector of the base's axes in those of a node."""
@@ -125,6 +128,44 @@ class Walk:
             for step in self.edges[at][0]:
                 v = step.within(v)
         return v
+
+
+def plane(axis: tuple[float, ...]) -> Array:
+    """Two directions (2, 3) across an axis: x and y of z, y and z of x, z and x of y."""
+    along = _along(axis)
+    if along is not None and along[1] > 0:
+        return UNIT[[(along[0] + 1) % 3, (along[0] + 2) % 3]]
+    return _aligned(axis).T[:2]
+
+
+def _shift(directions: Any, q: ca.SX, v: ca.SX, key: int) -> Move:
+    """Along constant directions, by as many coordinates."""
+    acting = tuple(Acting(key + i, np.array(e)) for i, e in enumerate(directions))
+    ways = [ca.SX(ca.DM(one.along)) for one in acting]
+    r, rate = (sum((e * by[i] for i, e in enumerate(ways[1:], 1)), ways[0] * by[0]) for by in (q, v))
+    return Move(r, rate, ca.SX.zeros(3), acting)
+
+
+def _turn(axis: tuple[float, ...], q: ca.SX, v: ca.SX, key: int) -> list[Step]:
+    """About a constant axis."""
+    along = _along(axis)
+    if along is not None:
+        i, sign = along
+        return [Spin(i, ca.cos(q), sign * ca.sin(q), sign * v, Acting(key, sign * UNIT[i]), sign * q)]
+    B = _aligned(axis)
+    return [*_constant(B), Spin(2, ca.cos(q), ca.sin(q), v, Acting(key, UNIT[2]), q), *_constant(B.T)]
+
+
+def _folded(steps: list[Step]) -> list[Step]:
+    """With one constant turn in the place of several that follow each other."""
+    found: list[Step] = []
+    for step in steps:
+        last = found[-1] if found else None
+        if isinstance(step, Fixed) and isinstance(last, Fixed):
+            found[-1:] = _constant(np.array(last.R) @ np.array(step.R))
+        else:
+            found.append(step)
+    return found
 
 
 def _constant(R: np.ndarray) -> list[Step]:

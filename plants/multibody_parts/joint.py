@@ -7,13 +7,15 @@ in a URDF). The joint turns about `axis`, or slides along it, both in those axes
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from pliant.plants.core.argument_gates import require_number, require_text, shown, unit_vector
 from pliant.plants.core.parameters import flag, is_symbolic, quantity, require_choice, validate
 
-KINDS = ("revolute", "prismatic", "fixed")
+KINDS = ("revolute", "prismatic", "fixed", "spherical", "planar", "free")
+SINGLE = ("revolute", "prismatic")  # of one coordinate
 DRIVES = ("torque", "acceleration", "none")
 AS_BUILT = "decides which terms the equations have"
 
@@ -61,14 +63,48 @@ def _elastic_gate(name: str, value: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Sliding:
+    """What holds the shifts of a "planar" or "free" joint: a spring to zero, damping, dry friction, and stops where
+    each of them reaches `lower` and `upper`; as those of `Joint`, in metres.
+
+    >>> Sliding(stiffness=200.0, damping=3.0)
+    """
+
+    stiffness: Any = quantity("N/m", "nonnegative", 0.0)
+    damping: Any = quantity("N s/m", "nonnegative", 0.0, uncertain=True)
+    friction: Any = quantity("N", "nonnegative", 0.0, uncertain=True)
+    friction_rate: Any = quantity("m/s", "positive", 0.01)
+    stop_stiffness: Any = quantity("N/m", "nonnegative", 0.0)
+    stop_width: Any = quantity("m", "positive", 0.01)
+    lower: float | None = field(default=None, metadata={"gate": limit_gate})
+    upper: float | None = field(default=None, metadata={"gate": limit_gate})
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise ValueError(f"Sliding.lower = {self.lower!r} must be at most upper = {self.upper!r}")
+
+
+def _sliding_gate(name: str, value: Any) -> Any:
+    if value is not None and not isinstance(value, Sliding):
+        raise ValueError(f"{name} = {shown(value)} must be a Sliding or None")
+    return value
+
+
+@dataclass(frozen=True, kw_only=True)
 class Joint:
     """How a body hangs on its parent; its coordinate is an angle [rad], or a length [m] where it is "prismatic".
 
-    `station` is the section x/L of a flexible parent's beam that it hangs from; `turned`: whether it turns with that
-    section. Of a prismatic joint N m reads N, and rad m. `friction` is dry, friction rate/sqrt(rate^2 +
-    friction_rate^2). `armature` is the inertia of a stiff gear's rotor, felt at the joint. `drive`: the input is a
-    "torque", an "acceleration" (the motion is then given, its torque a reaction), or there is "none". Limits are told,
-    and held where `stop_stiffness` > 0: by the spring k d^2/2 with d = (z + sqrt(z^2 + stop_width^2))/2, z beyond them.
+    "planar" slides along two axes across `axis` and turns about it; "spherical" turns as it likes, by a quaternion;
+    "free" does so and moves along x, y, z of the axes before (see `freedoms`). Of these, stiffness, damping, friction
+    and stops are the turn's (see `joint_forces`), those of the shifts are `sliding`.
+
+    `station` is the section x/L of a flexible parent's beam that it hangs from, `node` the named node of a parent given
+    by its modes; `turned`: whether it turns with that section or node. Of a prismatic joint N m reads N, and rad m.
+    `friction` is dry, friction rate/sqrt(rate^2 + friction_rate^2). `armature` is the inertia of a stiff gear's rotor,
+    felt at the joint. `drive`: the input is a "torque", an "acceleration" (the motion is then given, its torque a
+    reaction), or there is "none". Limits are told, and held where `stop_stiffness` > 0: by the spring k d^2/2 with
+    d = (z + sqrt(z^2 + stop_width^2))/2, z beyond them.
 
     >>> Joint(name="shoulder", axis=(0, 0, 1), damping=0.1)
     """
@@ -79,6 +115,7 @@ class Joint:
     position: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
     rotation: Any = quantity("rad", "finite", (0.0, 0.0, 0.0), shape=(3,), fixed=AS_BUILT)
     station: Any = quantity("1", "nonnegative", 1.0, fixed=AS_BUILT)
+    node: str = field(default="", metadata={"gate": place_gate})
     turned: bool = flag(True)
     damping: Any = quantity("N m s/rad", "nonnegative", 0.0, uncertain=True)
     friction: Any = quantity("N m", "nonnegative", 0.0, uncertain=True)
@@ -94,6 +131,7 @@ class Joint:
     upper: float | None = field(default=None, metadata={"gate": limit_gate})
     effort: float | None = field(default=None, metadata={"gate": limit_gate})
     speed: float | None = field(default=None, metadata={"gate": limit_gate})
+    sliding: Sliding | None = field(default=None, metadata={"gate": _sliding_gate})
 
     def __post_init__(self) -> None:
         validate(self)
@@ -105,18 +143,38 @@ class Joint:
             raise ValueError(
                 f"Joint.lower = {self.lower!r} of joint {self.name!r} must be at most upper = {self.upper!r}"
             )
-        if self.elastic is not None and (self.kind == "fixed" or self.drive != "torque"):
+        if self.elastic is not None and (self.kind not in SINGLE or self.drive != "torque"):
             raise ValueError(
                 f"Joint.elastic of joint {self.name!r} must be None where kind = {self.kind!r}, drive = {self.drive!r}:"
-                " a motor drives a joint that moves, by its torque"
+                " a motor drives a joint that turns or slides, by its torque"
             )
+        self._check_kind()
 
-    def beyond(self, q: Any) -> list[tuple[float, Any]]:
-        """(side, z) of each stop: z how far the coordinate is beyond it, towards side = 1 or -1."""
-        if not is_symbolic(self.stop_stiffness) and self.stop_stiffness == 0:
-            return []
-        sides = ((1.0, self.upper), (-1.0, self.lower))
-        return [(side, side * (q - limit)) for side, limit in sides if limit is not None]
+    def _check_kind(self) -> None:
+        """What joints of several coordinates have and have not."""
+        several = self.kind in ("spherical", "planar", "free")
+        if self.sliding is not None and self.kind not in ("planar", "free"):
+            raise ValueError(
+                f"Joint.sliding of joint {self.name!r} must be None where kind = {self.kind!r}: only planar and free "
+                "joints have shifts beside a turn"
+            )
+        if several and (is_symbolic(self.armature) or self.armature):
+            raise ValueError(
+                f"Joint.armature = {shown(self.armature)} of joint {self.name!r} must be 0 where kind = {self.kind!r}"
+            )
+        if self.kind not in ("spherical", "free"):
+            return
+        for word, value in (("rest", self.rest), ("lower", self.lower)):
+            if is_symbolic(value) or value:
+                raise ValueError(
+                    f"Joint.{word} = {shown(value)} of joint {self.name!r} must be left out where kind = "
+                    f"{self.kind!r}: its turn is measured from where its axes are parallel, up to `upper`"
+                )
+        if self.upper is not None and not 0 < self.upper < math.pi:
+            raise ValueError(
+                f"Joint.upper = {self.upper!r} of joint {self.name!r} must be within (0, pi) where kind = "
+                f"{self.kind!r} [rad]"
+            )
 
     @property
     def moves(self) -> bool:
@@ -141,6 +199,7 @@ class Frame:
     position: Any = quantity("m", "finite", (0.0, 0.0, 0.0), shape=(3,))
     rotation: Any = quantity("rad", "finite", (0.0, 0.0, 0.0), shape=(3,), fixed=AS_BUILT)
     station: Any = quantity("1", "nonnegative", 1.0, fixed=AS_BUILT)
+    node: str = field(default="", metadata={"gate": place_gate})
 
     def __post_init__(self) -> None:
         validate(self)

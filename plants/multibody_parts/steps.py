@@ -8,9 +8,12 @@ and with them the inertia of all that hangs beyond.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import casadi as ca
+
+from pliant.plants.core.quaternions import matrix
 
 from .spatial import AROUND, ENTRIES, Array, Inertia, Motion, Wrench, upper
 
@@ -26,13 +29,15 @@ class Acting(NamedTuple):
 
 @dataclass(frozen=True)
 class Spin:
-    """A turn about x, y or z by an angle of cosine c and sine s, at `rate`."""
+    """A turn about x, y or z by an angle, of cosine c and sine s, at `rate`."""
 
     axis: int
     c: ca.SX
     s: ca.SX
     rate: ca.SX
     acting: Acting
+    angle: ca.SX
+    bias: ca.SX | None = None  # [rad/s^2] that is left of the angle's where its coordinates do not accelerate
 
     def _into(self, v: ca.SX, s: ca.SX) -> ca.SX:
         i, j = AROUND[self.axis]
@@ -53,6 +58,8 @@ class Spin:
         i, j = AROUND[self.axis]
         turned = ca.SX(alpha)
         turned[i], turned[j] = alpha[i] + omega[j] * self.rate, alpha[j] - omega[i] * self.rate
+        if self.bias is not None:
+            turned[self.axis] = alpha[self.axis] + self.bias
         spun = ca.SX(omega)
         spun[self.axis] = omega[self.axis] + self.rate
         return Motion(spun, turned, self.within(motion.a))
@@ -87,6 +94,47 @@ class Spin:
         P[i, k] = P[k, i] = ik
         P[j, k] = P[k, j] = jk
         return Inertia(body.m, self.out(body.S), upper(P))
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A turn in space by a unit quaternion: R takes components from the axes beyond to those before; `rate` (3,) is the
+    angular velocity relative to those, in the axes beyond, whose components the coordinates `keys` are.
+    """
+
+    quaternion: ca.SX
+    rate: ca.SX
+    keys: tuple[int, int, int]
+
+    @cached_property
+    def R(self) -> ca.SX:
+        """(3, 3)."""
+        return matrix(self.quaternion)
+
+    def out(self, v: ca.SX) -> ca.SX:
+        return self.R @ v
+
+    def within(self, v: ca.SX) -> ca.SX:
+        return self.R.T @ v
+
+    def down(self, motion: Motion) -> Motion:
+        omega, alpha, a = map(self.within, motion)
+        return Motion(omega + self.rate, alpha + ca.cross(omega, self.rate), a)
+
+    def pushed(self, motion: Motion, given: dict[int, ca.SX]) -> Motion:
+        return Motion(motion.omega, motion.alpha + ca.vertcat(*[given[key] for key in self.keys]), motion.a)
+
+    def up(self, load: Wrench) -> Wrench:
+        return Wrench(self.out(load.f), self.out(load.n))
+
+    def work(self, load: Wrench) -> dict[int, ca.SX]:
+        return {key: load.n[i] for i, key in enumerate(self.keys)}
+
+    def unit(self, body: Inertia) -> dict[int, Wrench]:
+        return {key: body.turning(i) for i, key in enumerate(self.keys)}
+
+    def lift(self, body: Inertia) -> Inertia:
+        return Inertia(body.m, self.out(body.S), upper(ca.densify(self.R @ body.matrix() @ self.R.T)))
 
 
 @dataclass(frozen=True)
@@ -159,4 +207,4 @@ class Move:
         return Inertia(m, S + m * r, body.P + ca.vertcat(*P))
 
 
-Step = Spin | Fixed | Move
+Step = Spin | Ball | Fixed | Move

@@ -50,7 +50,7 @@ def head(v: ca.SX, k: int) -> ca.SX:
 
 @dataclass(frozen=True)
 class Section:
-    """Where a section stands and how it turns, linear in the coordinates but for the shortening."""
+    """Where a section stands and how it turns: about z, then y, then x, by `turn`."""
 
     shift: ca.SX  # (3,) [m] from the root
     shift_rate: ca.SX
@@ -58,6 +58,7 @@ class Section:
     turn: ca.SX  # (3,) [rad]
     turn_rate: ca.SX
     T: ca.SX  # (6, n): shift and turn by the coordinates
+    twist_bias: ca.SX | None = None  # [rad/s^2] of the turn about x; the others have none
 
 
 @dataclass(frozen=True, eq=False)

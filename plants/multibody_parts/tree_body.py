@@ -1,4 +1,4 @@
-"""A body of a tree: a rigid part, a beam, or both."""
+"""A body of a tree: a rigid part, a beam or a body given by its modes, or both."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 from pliant.plants.beams.payload import check_inertia
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_counts, shown
-from pliant.plants.core.parameters import is_symbolic, part, quantity, validate
+from pliant.plants.core.parameters import is_symbolic, part, quantity, require_count, validate
+from pliant.plants.modal_data.modal_data import ModalData
 
 from .joint import AS_BUILT, Joint, name_gate, place_gate
 
@@ -23,6 +24,12 @@ def _beam_gate(name: str, value: Any) -> Any:
     return value
 
 
+def _modal_gate(name: str, value: Any) -> Any:
+    if value is not None and not isinstance(value, ModalData):
+        raise ValueError(f"{name} = {shown(value)} must be ModalData or None")
+    return value
+
+
 @dataclass(frozen=True, kw_only=True)
 class TreeBody:
     """A body that `joint` hangs on `parent` (another body's name, that of the base, or "" for the body before it).
@@ -31,7 +38,11 @@ class TreeBody:
     in the axes of the body's frame, which stands where the joint is. A `beam` starts there too, along x of axes turned
     by `beam_rotation` (roll, pitch, yaw): it bends in its x-y plane by `modes[0]` shapes and in x-z by `modes[1]`,
     twists by `modes[2]` and stretches by `modes[3]`, and what hangs on the body hangs on its sections. A section's
-    turning inertia counts in torsion alone.
+    turning inertia counts in torsion alone, but with exact rotations also as the straight beam bends.
+
+    `modal` data stand in the place of a beam, in those turned axes, with the `modal_modes` slowest of their modes
+    (None: all), their stiffness times `stiffness_factor`, and `damping_ratio` besides their own damping; what hangs on
+    the body hangs on its named nodes.
 
     >>> TreeBody(name="forearm", joint=Joint(name="elbow"), beam=strip, modes=(2, 2, 1, 0))
     """
@@ -45,14 +56,30 @@ class TreeBody:
     beam: Beam | None = field(default=None, metadata={"gate": _beam_gate})
     beam_rotation: Any = quantity("rad", "finite", (0.0, 0.0, 0.0), shape=(3,), fixed=AS_BUILT)
     modes: tuple[int, ...] = (2, 2, 1, 0)
+    modal: ModalData | None = field(default=None, metadata={"gate": _modal_gate})
+    modal_modes: int | None = None
+    stiffness_factor: Any = quantity("1", "positive", 1.0, uncertain=True)
+    damping_ratio: Any = quantity("1", "nonnegative", 0.0, uncertain=True)
 
     def __post_init__(self) -> None:
         validate(self)
         object.__setattr__(self, "modes", require_counts("TreeBody", "modes", self.modes, 0, MOST_MODES, length=4))
         check_inertia(f"TreeBody.inertia of body {self.name!r}", self.inertia)
 
+        if self.modal is not None:
+            if self.beam is not None:
+                raise ValueError(f"TreeBody.modal of body {self.name!r} must be None where it has a beam")
+            most = self.modal.n
+            count = most if self.modal_modes is None else self.modal_modes
+            object.__setattr__(self, "modal_modes", require_count("TreeBody", "modal_modes", count, 0, most))
+
+    @property
+    def bends(self) -> bool:
+        """Whether it has a beam or modal data."""
+        return self.beam is not None or self.modal is not None
+
     @property
     def weightless(self) -> bool:
         """Whether it has neither mass nor inertia, as a body that only places another."""
         entries = [self.mass, *np.ravel(np.array(self.inertia, dtype=object))]
-        return self.beam is None and not any(is_symbolic(e) or e != 0.0 for e in entries)
+        return not self.bends and not any(is_symbolic(e) or e != 0.0 for e in entries)

@@ -18,9 +18,10 @@ from pliant.plants.core.quaternions import matrix
 from pliant.plants.core.signals import Signal, index
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.dynamics.mechanical import MechanicalPlant
+from pliant.plants.modal_data.deformed_body import constant
 from pliant.plants.modal_data.driven_families import before_the_last, left_out
 from pliant.plants.modal_data.modal_data import ModalData
-from pliant.plants.spacecraft_parts.appendage import Appendage, constant
+from pliant.plants.spacecraft_parts.appendage import Appendage
 from pliant.plants.spacecraft_parts.environment import Environment
 from pliant.plants.spacecraft_parts.hub import Hub
 

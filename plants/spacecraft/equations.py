@@ -14,7 +14,8 @@ import casadi as ca
 
 from pliant.plants.core.casadi_functions import entries
 from pliant.plants.core.quaternions import cross, matrix, rates
-from pliant.plants.spacecraft_parts.appendage import Appendage, Inertia
+from pliant.plants.modal_data.deformed_body import Deformed
+from pliant.plants.spacecraft_parts.appendage import Appendage
 
 from .block_arrow import Share, accelerations
 from .declaration import SpacecraftDeclaration
@@ -69,7 +70,7 @@ class Motion(NamedTuple):
     C: ca.SX  # appendage axes to hub axes
     G: ca.SX
     J: ca.SX  # (6 + n, 6 + nh + n): origin, axes and modes from the hub's and its own unknowns
-    inertia: Inertia
+    inertia: Deformed
     theta: ca.SX
     eta: ca.SX
     theta_rate: ca.SX
@@ -93,7 +94,7 @@ def motion(craft: SpacecraftDeclaration, i: int, x: ca.SX) -> Motion:
     )
     stiffened = craft.kinematics == "stiffened"
     omega_A = C.T @ omega + G @ theta_rate
-    inertia = Inertia.of(craft.nominal_data(i), eta, stiffened)
+    inertia = Deformed.of(craft.nominal_data(i), eta, stiffened)
     return Motion(C, G, J, inertia, theta, eta, theta_rate, eta_rate, omega, omega_A)
 
 

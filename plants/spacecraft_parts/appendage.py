@@ -1,4 +1,4 @@
-"""A flexible body on a hinge: its kinematics, its inertia and its share of the spacecraft's equations.
+"""A flexible body on a hinge: its kinematics and its strain.
 
 Axes     C takes appendage axes to hub axes: the mounting times one turn about each hinge axis in order
 Motion   of the origin (acceleration a0), of the axes (omega, alpha) and of the modes; all in appendage axes
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -19,19 +19,14 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import as_tuple, nested, real_array, require_instance, shown, unit_vector
 from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
-from pliant.plants.core.quaternions import about, cross, matrix_of
-from pliant.plants.modal_data.integrals import axial
+from pliant.plants.core.quaternions import about, matrix_of
+from pliant.plants.modal_data.deformed_body import constant
 from pliant.plants.modal_data.modal_data import ModalData
 
 from .environment import Surface
 
 DRIVES = ("free", "torque", "angle", "motion")
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-
-def constant(value: Any) -> ca.SX:
-    """A numeric array as an expression without its zeros."""
-    return ca.SX(ca.sparsify(ca.DM(np.asarray(value, dtype=float))))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,105 +149,3 @@ class Appendage:
         """(1/2) eta K eta [J]."""
         n = eta.shape[0]
         return self.stiffness_factor * ca.dot(eta, constant(self.data.stiffness[:n, :n]) @ eta) / 2 if n else ca.SX(0)
-
-
-class _Fields(NamedTuple):
-    """The modes and, behind them, the shortening fields g_kl of the pairs k <= l that are not zero."""
-
-    R: np.ndarray
-    moments: np.ndarray
-    overlaps: np.ndarray
-    pairs: list[tuple[int, int]]
-
-    @classmethod
-    def of(cls, data: ModalData, n: int, stiffened: bool) -> _Fields:
-        found = [
-            (k, l) for k in range(n) for l in range(k, n) if stiffened and data.shortening_squares[k, l, k, l].any()
-        ]
-        k, l = [p[0] for p in found], [p[1] for p in found]
-        mixed = data.shortening_overlaps[:n, k, l]
-        squares = data.shortening_squares[k, l][:, k, l]
-        overlaps = np.block(
-            [[_flat(data.overlaps[:n, :n]), _flat(mixed)], [_flat(mixed.transpose(1, 0, 3, 2)), _flat(squares)]]
-        )
-        count = n + len(found)
-        return cls(
-            np.concatenate([data.R[:n], data.shortening[k, l]]),
-            np.concatenate([data.moments[:n], data.shortening_moments[k, l]]),
-            overlaps.reshape(count, 3, count, 3).transpose(0, 2, 1, 3),
-            found,
-        )
-
-
-def _flat(blocks: np.ndarray) -> np.ndarray:
-    """(a, b, 3, 3) as a matrix (3 a, 3 b)."""
-    a, b = blocks.shape[:2]
-    return blocks.transpose(0, 2, 1, 3).reshape(3 * a, 3 * b)
-
-
-@dataclass(frozen=True)
-class Inertia:
-    """The moments of a deformed body in its own axes."""
-
-    mass: float
-    S: ca.SX  # int s dm (3,)
-    P: ca.SX  # int s s^T dm (3, 3)
-    R: ca.SX  # int ds/deta dm (3, n)
-    Y: ca.SX  # int s x ds/deta dm (3, n)
-    m: ca.SX  # (n, n)
-
-    @classmethod
-    def of(cls, data: ModalData, eta: ca.SX, stiffened: bool) -> Inertia:
-        """At eta (n,). Shortening -(1/2) g_kl eta_k eta_l is a field like a mode's, its amplitude a function of eta,
-        so that the energy is that of a motion of the points and M_A stays positive definite.
-        """
-        n = eta.shape[0]
-        fields, amplitudes = _Fields.of(data, n, stiffened), [eta[k] for k in range(n)]
-        amplitudes += [-eta[k] * eta[l] / (2 if k == l else 1) for k, l in fields.pairs]
-        S, P = constant(data.first), constant(data.second)
-        Y = ca.SX(3, len(amplitudes))
-        for a, c in enumerate(amplitudes):
-            S = S + constant(fields.R[a]) * c
-            P = P + constant(fields.moments[a] + fields.moments[a].T) * c
-            Y[:, a] = constant(axial(fields.moments[a]))
-        for a, c in enumerate(amplitudes):
-            for b, d in enumerate(amplitudes):
-                if fields.overlaps[a, b].any():
-                    P = P + constant(fields.overlaps[a, b]) * (c * d)
-                    Y[:, a] += constant(axial(fields.overlaps[b, a])) * d
-        R = constant(fields.R.T) if amplitudes else ca.SX(3, 0)
-        m = constant(np.einsum("abii->ab", fields.overlaps)) if amplitudes else ca.SX(0, 0)
-        if fields.pairs:
-            slopes = ca.vertcat(ca.SX.eye(n), ca.jacobian(ca.vertcat(*amplitudes[n:]), eta))
-            R, Y, m = R @ slopes, Y @ slopes, slopes.T @ m @ slopes
-        return cls(float(data.mass), S, P, R, Y, m)
-
-    @property
-    def tensor(self) -> ca.SX:
-        """Inertia about the origin (3, 3)."""
-        return ca.trace(self.P) * ca.SX.eye(3) - self.P
-
-    @property
-    def matrix(self) -> ca.SX:
-        """M_A (6 + n, 6 + n) for (velocity of the origin, omega, deta/dt)."""
-        S = cross(self.S)
-        return ca.vertcat(
-            ca.horzcat(self.mass * ca.SX.eye(3), -S, self.R),
-            ca.horzcat(S, self.tensor, self.Y),
-            ca.horzcat(self.R.T, self.Y.T, self.m),
-        )
-
-    def momenta(self, omega: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Linear, angular and modal momentum of the motion relative to the origin's."""
-        p = cross(omega) @ self.S + self.R @ rate
-        h = self.tensor @ omega + self.Y @ rate
-        return p, h, self.Y.T @ omega + self.m @ rate
-
-    def bias(self, omega: ca.SX, eta: ca.SX, rate: ca.SX) -> ca.SX:
-        """(6 + n,): what M_A (a0, alpha, d2eta/dt2) lacks of the rates of the momenta; without strain forces."""
-        p, h, modal = self.momenta(omega, rate)
-        if not eta.shape[0]:
-            return ca.vertcat(cross(omega) @ p, cross(omega) @ h)
-        T = ca.dot(omega, self.tensor @ omega) / 2 + ca.dot(rate, self.Y.T @ omega) + ca.dot(rate, self.m @ rate) / 2
-        along = ca.jtimes(ca.vertcat(p, h, modal), eta, rate)
-        return along + ca.vertcat(cross(omega) @ p, cross(omega) @ h, -ca.gradient(T, eta))

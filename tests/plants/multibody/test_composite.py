@@ -24,7 +24,7 @@ def test_kinetic_energy_of_every_node(space, kinematics):
             body = body + node.beam.inertia(eta)
             for one, by in zip(node.beam.coupling(eta), ca.vertsplit(rate) if rate.shape[0] else (), strict=True):
                 T += by * (ca.dot(u, one.f) + ca.dot(omega, one.n))
-            T += ca.dot(rate, node.beam.mass() @ rate) / 2
+            T += ca.dot(rate, node.beam.mass(eta) @ rate) / 2
         P = body.matrix()
         T += body.m * ca.dot(u, u) / 2 + ca.dot(u, ca.cross(omega, body.S))
         T += ((P[0, 0] + P[1, 1] + P[2, 2]) * ca.dot(omega, omega) - ca.dot(omega, P @ omega)) / 2

@@ -34,7 +34,16 @@ TABLE = {
     "tip": ({"tip": "hand"}, r"FlexibleTree\.tip = 'hand' must be a body or a frame"),
     "loads": ({"loads": ("hand",)}, r"FlexibleTree\.loads\[0\] = 'hand' must be one of tip"),
     "gravity": ({"gravity": 9.81}, r"FlexibleTree\.gravity = 9\.81 must be three numbers \[m/s\^2\]"),
-    "base": ({"base": "free"}, r"FlexibleTree\.base = 'free' must be one of 'fixed'"),
+    "base": ({"base": "floating"}, r"FlexibleTree\.base = 'floating' must be one of 'fixed', 'free', 'driven'"),
+    "a free base without mass": (
+        {"base": "free"},
+        r"FlexibleTree\.platform\.mass = 0\.0 must be > 0 \[kg\] where base = 'free'",
+    ),
+    "base freedoms": (
+        {"base": "driven", "base_freedoms": ("x", "roll")},
+        r"FlexibleTree\.base_freedoms\[1\] = 'roll': no such freedom; choose from x, y",
+    ),
+    "no base freedoms": ({"base": "driven", "base_freedoms": ()}, r"base_freedoms = \(\) must name one freedom at"),
     "basis": ({"basis": "payload"}, r"FlexibleTree\.basis = 'payload' must be one of"),
     "payload": ({"payload": 1.0}, r"FlexibleTree\.payload = 1\.0 must be a Payload"),
     "nothing moves": (

@@ -41,5 +41,5 @@ def test_keys(space):
     tree = space()
     n = len(tree.coordinates)
     walk = tree._walk(ca.SX.sym("q", n), ca.SX.sym("v", n))
-    assert list(walk.joint_keys.values()) == [0, 1, 2, 3]
+    assert list(walk.joint_keys) == [0, 1, 2, 3]
     assert [len(r) for r in walk.beam_keys.values()] == [5, 4]

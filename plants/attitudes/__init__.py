@@ -1,0 +1,1 @@
+"""Plants with quaternions among their coordinates: equations, rests, linear models in small turns."""

@@ -1,0 +1,117 @@
+"""The states, inputs and joints of a tree, from its joints and from what comes after their coordinates."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pliant.plants.attitudes.turning_plant import TurningPlant
+from pliant.plants.core.signals import Joint as Driven
+from pliant.plants.core.signals import Signal
+from pliant.plants.integration.inverse_dynamics import InverseDynamics
+from pliant.plants.multibody_parts.joint import Joint
+
+from .floating import Floating
+from .freedoms import Freedom, Slot, coordinates, ends, freedoms, slots
+
+
+@dataclass(frozen=True, kw_only=True)
+class TreeJoints(TurningPlant):
+    """q = [joints, motors, elastic coordinates] and the speeds of these."""
+
+    @property
+    @abstractmethod
+    def moving(self) -> tuple[Joint, ...]:
+        """Joints with coordinates, in order, those of a base that moves first."""
+
+    @property
+    @abstractmethod
+    def motors(self) -> tuple[int, ...]:
+        """Which of them have a motor behind an elastic gear."""
+
+    @property
+    @abstractmethod
+    def beyond(self) -> tuple[Signal, ...]:
+        """Coordinates of motors and of bodies that bend."""
+
+    @property
+    @abstractmethod
+    def floats(self) -> bool:
+        """Whether the first joint is that of a free base."""
+
+    @cached_property
+    def slots(self) -> tuple[Slot, ...]:
+        """Where the coordinates and speeds of the joints are."""
+        return slots(list(self.moving))
+
+    @property
+    def coordinates(self) -> tuple[Signal, ...]:
+        return (*(s for joint in self.moving for s in coordinates(joint)), *self.beyond)
+
+    @cached_property
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """Of all joints, then of the motors."""
+        motors = [self.moving[i].name for i in self.motors]
+        return (
+            *(f for joint in self.moving for f in freedoms(joint)),
+            *(
+                Freedom(Signal(f"{n}_motor", "rad"), Signal(f"{n}_motor_rate", "rad/s"), Signal(f"{n}_torque", "N m"))
+                for n in motors
+            ),
+        )
+
+    @property
+    def speeds(self) -> tuple[Signal, ...]:
+        own = [f.rate for joint in self.moving for f in freedoms(joint)]
+        return (*own, *(Signal(f"{s.name}_rate", f"{s.unit}/s") for s in self.beyond))
+
+    @cached_property
+    def turns(self) -> tuple[tuple[str, int, int], ...]:
+        return tuple((s.joint.name, *s.turn) for s in self.slots if s.turn is not None)
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Place and attitude of a free base."""
+        if not self.floats:
+            return {}
+        return {s.name: float(s.name.endswith("_quaternion_0")) for s in coordinates(self.moving[0])}
+
+    @cached_property
+    def _inputs(self) -> tuple[tuple[Signal, int], ...]:
+        """(input, speed that it acts on)."""
+        found, n = [], ends(self.slots)[1]
+        for i, (joint, _, v) in enumerate(self.slots):
+            if i in self.motors:
+                found.append((Signal(f"{joint.name}_motor_torque", "N m"), n + self.motors.index(i)))
+            elif joint.drive != "none":
+                given = joint.drive == "acceleration"
+                found += [(f.acceleration if given else f.force, v + k) for k, f in enumerate(freedoms(joint))]
+        return tuple(found)
+
+    @property
+    def inputs(self) -> tuple[Signal, ...]:
+        return tuple(signal for signal, _ in self._inputs)
+
+    @property
+    def driven(self) -> dict[int, int]:
+        given = {s.v + k for s in self.slots if s.joint.drive == "acceleration" for k in range(len(freedoms(s.joint)))}
+        return {v: k for k, (_, v) in enumerate(self._inputs) if v in given}
+
+    @property
+    def joints(self) -> tuple[Driven, ...]:
+        return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
+
+    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+        """As of every plant; a free base moves as its momentum, which is none, says."""
+        return (Floating if self.floats else InverseDynamics)(self, begin, end, time)
+
+    @property
+    def measured(self) -> list[int]:
+        """The freedoms in the order in which their places are told: those without an input first."""
+        driven = {v for _, v in self._inputs}
+        passive = [v for v in range(ends(self.slots)[1]) if v not in driven]
+        return [*passive, *sorted(driven)]
