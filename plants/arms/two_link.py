@@ -166,6 +166,10 @@ class TwoLinkArm(TwoLinkDeclaration):
         by = small_slope_equations if small else exact_rotation_equations
         return by.of_two_links(self, x, u, w, self._offset_load)
 
+    @property
+    def _written_out(self) -> bool:
+        return self.reduction in ("full", "rigid") and of_small_slopes(self.links[0])
+
     @last_call
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         if self.reduction not in ("full", "rigid") or not of_small_slopes(self.links[0]):
@@ -184,6 +188,9 @@ class TwoLinkArm(TwoLinkDeclaration):
         return torque + ca.jtimes(self._tip(q), q, w, True)
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        return self.output_at(t, x, u, w, self.solved(t, x, u, w)[0])
+
+    def output_at(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
         n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
         (theta1, theta2, q1, q2), (_, _, v1, v2) = self._split(q), self._split(v)
@@ -195,7 +202,7 @@ class TwoLinkArm(TwoLinkDeclaration):
             link2.deflection_rate(q2, v2),
         ]
         bent += [self._tip(q), link1.root_curvature(q1), link2.root_curvature(q2)]
-        a = second_derivative(self._tip(q), q, v, self.solved(t, x, u, w)[0])
+        a = second_derivative(self._tip(q), q, v, a)
         _, _, c12, s12 = self._heights(q)
         c, s = ca.cos(link2.slope(q2)), ca.sin(link2.slope(q2))
         felt = (c * c12 - s * s12) * (a[1] + self.gravity) - (s * c12 + c * s12) * a[0]
