@@ -97,18 +97,20 @@ class ForceBalance:
 
     def __init__(self, plant: PlantLike, lacking: ca.SX, a: ca.SX, free: list[int]) -> None:
         """lacking: r - M a of the free coordinates at their accelerations a."""
-        _, x, _, _, _ = plant.symbols
+        _, x, u, _, _ = plant.symbols
         self.plant, self.free, self.n = plant, free, plant.nx // 2
         at = [*plant.symbols, a]
         along, pull = ca.SX.sym("dx", plant.nx), ca.SX.sym("da", len(free))
         lacking = ca.cse(lacking)
+        self._lacking = _numeric("lacking", at, lacking)
+        self._weighed = _numeric("weighed", [*at, pull], ca.jtimes(-lacking, a, pull))
+        self._changed = _numeric("changed", [*at, along], ca.jtimes(lacking, x, along))
+        self._expressions = at, lacking, u
 
-        def numeric(name: str, symbols: list[ca.SX], found: ca.SX) -> NumericFunction:
-            return NumericFunction(ca.Function(name, symbols, [ca.densify(ca.cse(found))]))
-
-        self._lacking = numeric("lacking", at, lacking)
-        self._weighed = numeric("weighed", [*at, pull], ca.jtimes(-lacking, a, pull))
-        self._changed = numeric("changed", [*at, along], ca.jtimes(lacking, x, along))
+    @cached_property
+    def _pushed(self) -> NumericFunction:
+        at, lacking, u = self._expressions
+        return _numeric("pushed", at, ca.jacobian(lacking, u))
 
     def _values(self, t: Array, x: Array, u: Array, w: Any, p: Any) -> tuple[Array, ...]:
         quiet_w, quiet_p = self.plant.quiet
@@ -123,6 +125,14 @@ class ForceBalance:
         m = len(self.free)
         M = _columns(self._weighed, (*self._values(t, x, u, w, p), np.zeros((len(x), m))), m)
         return (M + np.swapaxes(M, 1, 2)) / 2
+
+    def at_rest(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> list[Array]:
+        """[r (n, 1), dr/dq, dr/dv, dr/du, M] at one row, where nothing moves and no coordinate is driven."""
+        values, still = self._values(t, x, u, w, p), np.zeros((1, self.n))
+        slopes = _columns(self._changed, (*values, still), 2 * self.n)[0]
+        forces, pushed = self._lacking(*values, still, batch=1)[0], self._pushed(*values, still, batch=1)[0]
+        pushed = pushed.reshape(self.n, -1)
+        return [forces.T, slopes[:, : self.n], slopes[:, self.n :], pushed, self.mass(t, x, u, w=w, p=p)[0]]
 
     def accelerations(self, t: Array, x: Array, u: Array, M: Array, driven: dict[int, int]) -> Array:
         """a (B, n) that solve the equations with M of `mass`; coordinates i are driven by inputs k, {i: k}."""
@@ -142,6 +152,10 @@ class ForceBalance:
         if m:
             A[:, [n + i for i in self.free]] = np.linalg.solve(self.mass(t, x, u, w=w, p=p), slopes)
         return A
+
+
+def _numeric(name: str, symbols: list[ca.SX], found: ca.SX) -> NumericFunction:
+    return NumericFunction(ca.Function(name, symbols, [ca.densify(found)]))
 
 
 def _columns(along: NumericFunction, values: tuple[Array, ...], count: int) -> Array:
