@@ -83,10 +83,6 @@ class TwoLinkArm(TwoLinkDeclaration):
             )
         return tuple(steps)
 
-    def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        n1 = self.mode_counts[0]
-        return q[0], q[1], q[2 : 2 + n1], q[2 + n1 :]
-
     @property
     def _offset_load(self) -> bool:
         return any(is_symbolic(o) or o != 0.0 for o in self.payload.offset[:2])
@@ -153,11 +149,6 @@ class TwoLinkArm(TwoLinkDeclaration):
         )
         return self.gravity * lifted + link1.strain_energy(q1) + link2.strain_energy(q2)
 
-    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        w1, w2, v1, v2 = self._split(v)
-        friction = self.joint_friction[0] * w1**2 / 2 + self.joint_friction[1] * w2**2 / 2
-        return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
-
     @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         small, whole = of_small_slopes(self.links[0]), self.reduction in ("full", "rigid")
@@ -165,10 +156,6 @@ class TwoLinkArm(TwoLinkDeclaration):
             return super().equations(t, x, u, w)
         by = small_slope_equations if small else exact_rotation_equations
         return by.of_two_links(self, x, u, w, self._offset_load)
-
-    @property
-    def _written_out(self) -> bool:
-        return self.reduction in ("full", "rigid") and of_small_slopes(self.links[0])
 
     @last_call
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:

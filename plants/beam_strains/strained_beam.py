@@ -108,6 +108,7 @@ class StrainedBeam:
 
     def balance(self, q: ca.SX, v: ca.SX, a: ca.SX, loads: ca.SX) -> ca.SX:
         """r - M a (n,) at accelerations a (n,) in the plane, where T = |dz/dt|^2/2 with z(q) = `inertial_places`."""
+        assert isinstance(self.frames, PlanarFrames)
         z, turned = self.frames.inertial_places(q), self.frames.tip_rotation(q)
         second = ca.jtimes(ca.jtimes(z, q, v), ca.vertcat(q, v), ca.vertcat(v, a))
         acting = self.loads.acting(loads, self._places(q)[1], turned, self.frames.tip_frame(q), q)

@@ -93,7 +93,6 @@ class ForcesAtRest(RestConditions):
             return super().states(x, u)
         return np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(known[4], np.hstack(known[1:3]))]])
 
-
     def rate(self, x: Array, u: Array) -> Array:
         if (known := self._known(x, u)) is None or not all(np.isfinite(e).all() for e in known):
             return super().rate(x, u)

@@ -23,14 +23,13 @@ from pliant.plants.linear.second_order import natural_squares
 from . import arguments
 from .declaration import Array
 from .equilibrium import ForcesAtRest, RestConditions, forces_at_rest
-from .linear_models import check_signals
-from .mechanical import MechanicalPlant
-from .residual_jacobians import Differentiated, ForceBalance
+from .mechanical import BalancedPlant
+from .residual_jacobians import Differentiated
 from .symbolic_ldl import ldl, ldl_solve
 
 
 @dataclass(frozen=True, kw_only=True)
-class LagrangianPlant(MechanicalPlant):
+class LagrangianPlant(BalancedPlant):
     """M(q) dv/dt = Q + dT/dq - (d^2T/dv dq) v - dV/dq - dD/dv."""
 
     @abstractmethod
@@ -48,11 +47,6 @@ class LagrangianPlant(MechanicalPlant):
     @abstractmethod
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         """Q (n,): generalised forces of the inputs and disturbances."""
-
-    @property
-    def driven(self) -> dict[int, int]:
-        """Coordinates whose acceleration is an input: {coordinate index: input index}."""
-        return {}
 
     @property
     def states(self) -> tuple[Signal, ...]:
@@ -102,28 +96,6 @@ class LagrangianPlant(MechanicalPlant):
         r = self.generalized_force(t, q, v, u, w) + ca.gradient(T - V, q) - ca.gradient(D, v)
         return M, r - ca.jtimes(momentum, q, v), T, V
 
-    @property
-    def _written_out(self) -> bool:
-        """Whether `equations` are written out, in fewer operations than the energies give."""
-        return type(self).equations is not LagrangianPlant.equations
-
-    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
-        """r - M a (n,) at accelerations a (n,); from the energies without writing M out."""
-        if self._written_out:
-            M, r, _, _ = self.equations(t, x, u, w)
-            return r - M @ a
-        n = len(self.coordinates)
-        q, v = x[:n], x[n:]
-        T, V, D = self.kinetic_energy(q, v), self.potential_energy(q), self.dissipation(q, v)
-        moved = ca.jtimes(ca.gradient(T, v), x, ca.vertcat(v, a))
-        return self.generalized_force(t, q, v, u, w) + ca.gradient(T - V, q) - ca.gradient(D, v) - moved
-
-    def output_at(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
-        """y (ny,) at accelerations a (n,), where outputs tell these. Default: `output`, whose accelerations are its
-        own.
-        """
-        return self.output(t, x, u, w)
-
     def acceleration(self, M: ca.SX, r: ca.SX, u: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         """Accelerations (n,), driven ones taken from u, and the pivots of the part of M that is solved."""
         n, driven = M.shape[0], self.driven
@@ -169,42 +141,6 @@ class LagrangianPlant(MechanicalPlant):
             lacking = (r - M @ moving)[free]
             change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))
         return Differentiated(a, ca.vertcat(x[n:], a), change, self._motion[0][n:])
-
-    @built_once
-    def force_balance(self) -> ForceBalance:  # type: ignore[override]
-        """Of the coordinates that are not driven; the others' accelerations are inputs."""
-        t, x, u, w, _ = self.symbols
-        n, driven = len(self.coordinates), self.driven
-        free = [i for i in range(n) if i not in driven]
-        a, moving = ca.SX.sym("a", len(free)), ca.SX(n, 1)
-        moving[free] = a
-        for i, k in driven.items():
-            moving[i] = u[k]
-        return ForceBalance(self, self.symbolic.balance(t, x, u, w, moving)[free], a, free)
-
-    def measure_at(self, t: Array, x: Array, u: Array, a: Array) -> Array:
-        """y (B, ny) at rows of t, states, inputs and accelerations; see `output_at`."""
-        w, p = self.quiet
-        return self._output_at[0](t[:, None], x, u, w, p, a, batch=len(x))[0]
-
-    @property
-    def feels_accelerations(self) -> list[bool]:
-        """Which outputs depend on accelerations."""
-        return self._output_at[1]
-
-    @built_once
-    def _output_at(self) -> tuple[NumericFunction, list[bool]]:
-        """(t, x, u, w, p, a) -> y, and which of y depend on a."""
-        t, x, u, w, p = self.symbols
-        a = ca.SX.sym("a", len(self.coordinates))
-        y = ca.SX(self.symbolic.output_at(t, x, u, w, a))
-        return function("output_at", [t, x, u, w, p, a], [y]), ca.which_depends(y, a, 1, True)
-
-    def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
-        check_signals(self, nominal)
-        t, x, u, w, p = self._arguments(nominal.x, nominal.u, nominal.w, p, nominal.t)[0]
-        a = self._accelerations(nominal, p)
-        return self.force_balance.state_jacobians(t[:, 0], x, u, a, w=w, p=p)
 
     def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
         return nominal.derivative()[:, len(self.coordinates) :]

@@ -1,9 +1,9 @@
-"""Equations of motion M a = r as they stand, and their Jacobians, at any accelerations a, not only those that solve them.
+"""Equations of motion M a = r as they stand and their Jacobians, at any accelerations, not those alone that solve them.
 
-With a held, dM a + M da = dr gives da = M^-1 (dr - dM a); the plant gives da, its rate dx/dt as a function of a, and
-the accelerations that solve the equations. At those the Jacobians are the plant's own, with fewer operations than the
-derivative of M^-1 r takes. Where they are asked for at some points only, writing them out costs more than it saves:
-`ForceBalance` has them from derivatives along one direction at a time, and M from the same.
+With accelerations a held, dM a + M da = dr gives da = M^-1 (dr - dM a); the plant gives da, its rate dx/dt as a
+function of a, and the accelerations that solve the equations. At those the Jacobians are the plant's own, with fewer operations
+than the derivative of M^-1 r takes. Where they are asked for at some points only, writing them out costs more than it
+saves: `ForceBalance` has them from derivatives along one direction at a time, and M from the same.
 """
 
 from __future__ import annotations
@@ -90,17 +90,28 @@ class ResidualJacobians:
         return NativeFunction(found.function, [*points, moving], matrices=True)
 
 
+def from_energies(plant: Any, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+    """r - M a = Q - d/dt(dT/dv) + d(T - V)/dq - dD/dv (n,) at accelerations a (n,)."""
+    q, v = x[: a.shape[0]], x[a.shape[0] :]
+    T, V, D = plant.kinetic_energy(q, v), plant.potential_energy(q), plant.dissipation(q, v)
+    moved = ca.jtimes(ca.gradient(T, v), x, ca.vertcat(v, a))
+    return plant.generalized_force(t, q, v, u, w) + ca.gradient(T - V, q) - ca.gradient(D, v) - moved
+
+
 class ForceBalance:
-    """M a = r of a plant with n coordinates, the `free` of them, at rows (B, ..) of t, x, u and accelerations a (B, n):
-    undisturbed where w is None, with the plant's own parameters where p is.
+    """M a = r of the `free` ones of n coordinates, the others `driven` by inputs.
+
+    At rows (B, ..) of t, x, u and accelerations a (B, n), undisturbed where w is None, with the plant's own parameters
+    where p is.
     """
 
-    def __init__(self, plant: PlantLike, lacking: ca.SX, a: ca.SX, free: list[int]) -> None:
-        """lacking: r - M a of the free coordinates at their accelerations a."""
+    def __init__(self, plant: PlantLike, lacking: ca.SX, a: ca.SX, driven: dict[int, int]) -> None:
+        """lacking: r - M a of the free coordinates at their accelerations a; driven: {coordinate: input}."""
         _, x, u, _, _ = plant.symbols
-        self.plant, self.free, self.n = plant, free, plant.nx // 2
+        self.plant, self.driven, self.n = plant, driven, plant.nx // 2
+        self.free = [i for i in range(self.n) if i not in driven]
         at = [*plant.symbols, a]
-        along, pull = ca.SX.sym("dx", plant.nx), ca.SX.sym("da", len(free))
+        along, pull = ca.SX.sym("dx", plant.nx), ca.SX.sym("da", a.shape[0])
         lacking = ca.cse(lacking)
         self._lacking = _numeric("lacking", at, lacking)
         self._weighed = _numeric("weighed", [*at, pull], ca.jtimes(-lacking, a, pull))
@@ -134,10 +145,10 @@ class ForceBalance:
         pushed = pushed.reshape(self.n, -1)
         return [forces.T, slopes[:, : self.n], slopes[:, self.n :], pushed, self.mass(t, x, u, w=w, p=p)[0]]
 
-    def accelerations(self, t: Array, x: Array, u: Array, M: Array, driven: dict[int, int]) -> Array:
-        """a (B, n) that solve the equations with M of `mass`; coordinates i are driven by inputs k, {i: k}."""
+    def accelerations(self, t: Array, x: Array, u: Array, M: Array) -> Array:
+        """a (B, n) that solve the equations with M of `mass`."""
         a = np.zeros((len(x), self.n))
-        for i, k in driven.items():
+        for i, k in self.driven.items():
             a[:, i] = u[:, k]
         forces = self.lacking(t, x, u, a)[..., None]
         a[:, self.free] = np.linalg.solve(M, forces)[..., 0]

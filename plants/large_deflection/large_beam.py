@@ -195,12 +195,6 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
             r += self.payload.mass * (J.T @ (self._g - bias))
         return M, r, ca.bilin(M, v, v) / 2, self.potential_energy(q)
 
-    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
-        if not (self.strained and self.planar):
-            return super().balance(t, x, u, w, a)
-        n = len(self.coordinates)
-        return self.strained_beam.balance(x[:n], x[n:], a, w if self.driven else u)
-
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]

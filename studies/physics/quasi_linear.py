@@ -16,15 +16,15 @@ Source   R. E. Bellman, R. E. Kalaba, "Quasilinearization and Nonlinear Boundary
 
 from __future__ import annotations
 
-from typing import Any, Self, cast
+from typing import Self, cast
 
 import numpy as np
 
 from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import GAUSS
-from pliant.plants.dynamics.residual_jacobians import ForceBalance
 
 from .block_collocation import BUTCHER, BlockCollocation, HeldModel
+from .fine_model import lacking, masses, outputs, trajectory
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
@@ -64,8 +64,7 @@ class CorrectedMotion:
         model: HeldModel | None = None,
         goes_on: bool = False,
     ) -> None:
-        self.fine: Any = fine
-        self.nodes, self.columns = nodes, columns
+        self.fine, self.nodes, self.columns = fine, nodes, columns
         self.u, self.t = nodes.inputs[nodes.gauss], nodes.all[nodes.gauss]
         self.rate, slopes = rate, rate.reshape(len(nodes.h), 2, len(begin))
         steps = nodes.h[:, None] * slopes.mean(axis=1)
@@ -163,7 +162,9 @@ class CorrectedMotion:
         if self._steps is None:
             self._steps = model.over(self.nodes.all[self.nodes.ends])
         n = self.x.shape[1]
-        c = self._lacking(model)
+        if not (np.abs(self.x) < BEYOND).all():
+            raise NotSettled("the corrected motion runs away")
+        c = lacking(self.fine, self.t, self.x, self.u, self.rate, self._inverse(model))
         delta, moved, slopes = self._steps.response(c.reshape(-1, 2, n), self._start)
         self.at_ends = self.at_ends + delta
         self.x, self.rate = self.x + moved.reshape(-1, n), self.rate + slopes.reshape(-1, n)
@@ -171,6 +172,12 @@ class CorrectedMotion:
         self.passes += 1
         before, self.outputs = self.outputs, self._measured()
         self.changes.append(float(np.abs(self.outputs - before).max()))
+
+    def _inverse(self, model: HeldModel) -> Array | None:
+        """The inverse mass matrix (2 m, n, n) that each Gauss point's linear model is held with, if any."""
+        if model.mass is None:
+            return None
+        return np.repeat(model.inverse_mass[model.blocks(self.nodes.all[self.nodes.ends])], 2, axis=0)
 
     def _linearise(self) -> HeldModel:
         """A of each block, in its middle, at the accelerations of the motion as it is."""
@@ -181,8 +188,10 @@ class CorrectedMotion:
         A = self._jacobians(t, x, self.u[at], rate)
         if not np.isfinite(A).all():
             raise NotSettled("the linear model along the motion is not finite")
-        balance = self.fine.force_balance
-        made = HeldModel(ends[edges], A, None if balance is None else self._masses(balance, t, x, self.u[at]))
+        M = masses(self.fine, t, x, self.u[at])
+        if M is not None and not np.isfinite(M).all():
+            raise NotSettled("the mass matrix along the motion is not finite")
+        made = HeldModel(ends[edges], A, M)
         self._model, self._steps, self._own = made, None, True
         return made
 
@@ -195,59 +204,13 @@ class CorrectedMotion:
         y = np.zeros((len(t), tangent.ny))  # unused
         return tangent.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=tangent, y=y, dx=rate))
 
-    def _masses(self, balance: ForceBalance, t: Array, x: Array, u: Array) -> Array:
-        """Mass matrices (b, m, m) at points; MassMatrixError where one is not definite."""
-        M = balance.mass(t, x, u)
-        if not np.isfinite(M).all():
-            raise NotSettled("the mass matrix along the motion is not finite")
-        self.fine.check_definite(x, np.linalg.eigvalsh(M).min(axis=1, initial=np.inf))
-        return M
-
-    def _lacking(self, model: HeldModel) -> Array:
-        """f(x, u) - dx/dt (2 m, nx) at the Gauss points, or what vanishes with it: of a mechanical plant the forces
-        that its equations of motion lack, by the mass matrix that the linear model is held with.
-        """
-        if not (np.abs(self.x) < BEYOND).all():
-            raise NotSettled("the corrected motion runs away")
-        balance = self.fine.force_balance
-        if balance is None:
-            return np.asarray(self.fine.dynamics(self.x, self.u, t=self.t)) - self.rate
-        n, c = balance.n, np.empty_like(self.x)
-        a = self.rate[:, n:]
-        c[:, :n] = self.x[:, n:] - self.rate[:, :n]
-        for i, k in self.fine.driven.items():
-            c[:, n + i] = self.u[:, k] - a[:, i]
-        forces = balance.lacking(self.t, self.x, self.u, a)
-        inverse = model.inverse_mass[np.repeat(model.blocks(self.nodes.all[self.nodes.ends]), 2)]
-        c[:, [n + i for i in balance.free]] = (inverse @ forces[..., None])[..., 0]
-        return c
-
     def _measured(self) -> Array:
         at = self.at_ends[self.nodes.control]
         if not (np.abs(at) < BEYOND).all():
             raise NotSettled("the corrected motion runs away")
-        return np.hstack([self._outputs(at), at])[:, self.columns]
-
-    def _outputs(self, at: Array) -> Array:
-        u, t, fine = self.nodes.held, self.nodes.times, self.fine
-        if fine.force_balance is None:
-            return np.asarray(fine.measure(at, u, t=t))
-        felt = fine.feels_accelerations
-        if any(felt[k] for k in self.columns if k < len(felt)):
-            return np.asarray(fine.measure_at(t, at, u, self._accelerations(at)))
-        return np.asarray(fine.measure_at(t, at, u, np.zeros((len(at), fine.force_balance.n))))
-
-    def _accelerations(self, at: Array) -> Array:
-        """(nt, n) at states (nt, nx) at the control times."""
-        u, t, balance = self.nodes.held, self.nodes.times, self.fine.force_balance
-        assert balance is not None
-        return balance.accelerations(t, at, u, self._masses(balance, t, at, u), self.fine.driven)
+        y = outputs(self.fine, self.nodes.times, at, self.nodes.held, self.columns)
+        return np.hstack([y, at])[:, self.columns]
 
     def trajectory(self) -> Trajectory:
         """The motion at the control times."""
-        at, u, t, fine = self.at_ends[self.nodes.control], self.nodes.held, self.nodes.times, self.fine
-        if fine.force_balance is None:
-            return Trajectory.from_arrays(t, at, u, plant=fine, dx=fine.dynamics(at, u, t=t))
-        a = self._accelerations(at)
-        y, dx = fine.measure_at(t, at, u, a), np.hstack([at[:, fine.force_balance.n :], a])
-        return Trajectory.from_arrays(t, at, u, plant=fine, y=y, dx=dx)
+        return trajectory(self.fine, self.nodes.times, self.at_ends[self.nodes.control], self.nodes.held)
