@@ -1,9 +1,9 @@
 """Equations of motion M a = r as they stand and their Jacobians, at any accelerations, not those alone that solve them.
 
 With accelerations a held, dM a + M da = dr gives da = M^-1 (dr - dM a); the plant gives da, its rate dx/dt as a
-function of a, and the accelerations that solve the equations. At those the Jacobians are the plant's own, with fewer operations
-than the derivative of M^-1 r takes. Where they are asked for at some points only, writing them out costs more than it
-saves: `ForceBalance` has them from derivatives along one direction at a time, and M from the same.
+function of a, and the accelerations that solve the equations. At those the Jacobians are the plant's own, with fewer
+operations than the derivative of M^-1 r takes. Where they are asked for at some points only, writing them out costs
+more than it saves: `ForceBalance` has them from derivatives along one direction at a time, and M from the same.
 """
 
 from __future__ import annotations
