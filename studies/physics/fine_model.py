@@ -1,6 +1,7 @@
-"""What Newton's method on a motion asks of the fine model: what the motion lacks of being one, mass matrices, outputs.
+"""What Newton's method on a motion asks of its models: of the fine one what the motion lacks of being one, its mass
+matrices and outputs, of the simple one its motion at all nodes.
 
-Of mechanical plants it is asked at the motion's own accelerations a: the forces r - M a that their equations lack take
+Mechanical plants are asked at the motion's own accelerations a: the forces r - M a that their equations lack take
 a fraction of the operations of M^-1 r - a, and vanish with it. What a pass makes of them needs no more than a mass
 matrix near by.
 """
@@ -14,7 +15,10 @@ import numpy as np
 
 from pliant.plants import Plant, Trajectory
 
+from .motion_nodes import MotionNodes
+
 Array = np.ndarray
+ENDS = 1e-4  # of the largest value of a state: how near a motion between control times must come to the next of them
 
 
 def lacking(fine: Plant, t: Array, x: Array, u: Array, rate: Array, inverse: Array | None) -> Array:
@@ -63,3 +67,36 @@ def trajectory(fine: Any, t: Array, x: Array, u: Array) -> Trajectory:
     a = balance.accelerations(t, x, u, masses(fine, t, x, u))
     dx = np.hstack([x[:, balance.n :], a])
     return Trajectory.from_arrays(t, x, u, plant=fine, y=fine.measure_at(t, x, u, a), dx=dx)
+
+
+def between_control_times(simple: Plant, motion: Trajectory, nodes: MotionNodes) -> Trajectory | None:
+    """A motion that is known at the control times at all nodes: in all periods at once, from node to node by RK4; None
+    where that does not end where the next period begins.
+    """
+    h, start = np.diff(nodes.times), np.arange(0, len(nodes.all) - 1, 3 * nodes.parts)
+    x = np.empty((len(nodes.all), simple.nx))
+    x[nodes.ends[nodes.control]] = motion.x
+    here, u = motion.x[:-1], nodes.held[:-1]
+    with np.errstate(all="ignore"):
+        for k in range(3 * nodes.parts):
+            t = nodes.all[start + k]
+            here = _stepped(simple, t, here, u, nodes.all[start + k + 1] - t)
+            if not np.isfinite(here).all():
+                return None
+            if k + 1 < 3 * nodes.parts:
+                x[start + k + 1] = here
+    size = np.abs(motion.x).max(axis=0) + np.abs(h).max() * np.abs(motion.derivative()).max(axis=0)
+    if (np.abs(here - motion.x[1:]) > ENDS * size).any():
+        return None
+    dx = simple.dynamics(x, nodes.inputs, t=nodes.all)
+    y = np.zeros((len(x), simple.ny))  # unused
+    return Trajectory.from_arrays(nodes.all, x, nodes.inputs, plant=simple, y=y, dx=dx)
+
+
+def _stepped(plant: Plant, t: Array, x: Array, u: Array, h: Array) -> Array:
+    """A step of RK4 of each row."""
+    k1 = plant.dynamics(x, u, t=t)
+    k2 = plant.dynamics(x + h[:, None] / 2 * k1, u, t=t + h / 2)
+    k3 = plant.dynamics(x + h[:, None] / 2 * k2, u, t=t + h / 2)
+    k4 = plant.dynamics(x + h[:, None] * k3, u, t=t + h)
+    return np.asarray(x + h[:, None] / 6 * (k1 + 2 * k2 + 2 * k3 + k4))

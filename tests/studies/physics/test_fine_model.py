@@ -7,7 +7,9 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import MassMatrixError
+from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics import fine_model
+from pliant.studies.physics.motion_nodes import MotionNodes
 
 PHYSICS = {
     name: scenes.get(name).plant.physics()
@@ -57,3 +59,16 @@ def test_a_mass_matrix_that_is_not_definite_is_told():
         arm.dynamics(x, u)
     with pytest.raises(MassMatrixError):
         fine_model.masses(arm, t, x, u)
+
+
+def test_a_motion_between_control_times_is_what_is_simulated_there():
+    """Against dop853 at all nodes; where a step is too long for the modes there is none."""
+    scene = scenes.get("two-link-reach", duration=0.2)
+    motions = Motions(scene)
+    nodes = MotionNodes(scene.times, motions.held, 2)
+    rigid, elastic = motions.ladder[0], dataclasses.replace(scene.plant, modes=(4, 4))
+    found = fine_model.between_control_times(rigid, motions.run(rigid, rtol=1e-9, atol=1e-11), nodes)
+    known = motions.at_nodes(rigid, nodes.inputs, nodes.all, rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(found.x, known.x, atol=1e-7)
+    np.testing.assert_allclose(found.dx, known.dx, atol=1e-4)
+    assert fine_model.between_control_times(elastic, motions.run(elastic), nodes) is None
