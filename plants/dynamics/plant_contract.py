@@ -24,6 +24,7 @@ from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.validity.ranges import Range
 
 from .declaration import Array, Declaration
+from .residual_jacobians import ForceBalance
 
 MOST_MATCHED = 6  # inputs whose coordinates are told apart by what they accelerate most
 PINION = 0.05  # [m], radius of the wheel by which an encoder reads a length
@@ -89,6 +90,11 @@ class PhysicsContract(Declaration):
     def newton(self) -> Self:
         """A model of the same states and inputs whose Jacobians, cheaper, serve Newton's method. Default: itself."""
         return self
+
+    @property
+    def force_balance(self) -> ForceBalance | None:
+        """Its equations of motion M a = r as they stand, where they are known as such. Default: None."""
+        return None
 
     def embedding(self, simpler: PhysicsContract) -> Array:
         """E (nx, nx of `simpler`): the states E x of this model that move as x of a simpler one does. Default: states

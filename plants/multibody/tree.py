@@ -109,6 +109,10 @@ class FlexibleTree(TreeElasticity):
         V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
         return V + self._spring_energy(q)
 
+    @property
+    def _written_out(self) -> bool:
+        return True
+
     def _driving(self, n: int, u: ca.SX) -> ca.SX:
         force = ca.SX.zeros(n)
         for k, (_, i) in enumerate(self._inputs):
