@@ -13,6 +13,7 @@ from pliant.controllers.base.objective import Objective
 from pliant.controllers.estimation import sensors
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import Sensor, sensors_of
+from pliant.controllers.export import arrays_of, export_arrays, export_c
 from pliant.controllers.joint_control.computed_torque import ComputedTorque
 from pliant.controllers.joint_control.input_shaping import Shaper, shape, shaper_for
 from pliant.controllers.joint_control.pd import PD
@@ -46,7 +47,10 @@ __all__ = [
     "Sensor",
     "Shaper",
     "Spillover",
+    "arrays_of",
     "delayed",
+    "export_arrays",
+    "export_c",
     "loop",
     "margins",
     "optimal",
