@@ -8,6 +8,8 @@ from typing import Any
 from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.controllers.base.controller import Feedback
 from pliant.controllers.estimation.kalman import Kalman
+from pliant.controllers.filters.filter import Filter
+from pliant.controllers.filters.filtered import Filtered
 from pliant.controllers.linear_quadratic.lqg import LQG
 from pliant.controllers.linear_quadratic.lqr import LQR
 from pliant.controllers.linear_quadratic.tvlqr import TVLQR
@@ -20,7 +22,7 @@ from .c_text import PRECISIONS, Law, c_name, files
 from .estimators import kalman, lqg
 from .plant_step import plant_step
 from .predictive import mpc
-from .state_feedback import feedback, linear, lqr, tvlqr
+from .state_feedback import feedback, filtered, linear, lqr, tvlqr
 
 LONGEST_NAMES = 110  # characters of a line of the comment
 
@@ -28,8 +30,9 @@ LONGEST_NAMES = 110  # characters of a line of the comment
 def export_c(what: Any, path: str | Path, *, dt: float | None = None, precision: str = "double") -> tuple[Path, Path]:
     """Write NAME.c and NAME.h for `path` = folder/NAME.c; the two paths.
 
-    what: LQR, LQG, TVLQR (by time), MPC (about a goal, its states read), Feedback, Kalman, a LinearLaw, or a plant,
-    whose step of dt [s] by the classical Runge-Kutta method it is. precision: "double" or "single".
+    what: LQR, LQG, TVLQR (by time), MPC (about a goal, its states read), Feedback, Kalman, a LinearLaw, a sampled
+    Filter, Filtered, or a plant, whose step of dt [s] by the classical Runge-Kutta method it is. precision: "double"
+    or "single".
 
     The code is C99, allocates nothing, keeps its state in `NAME_state` and calls but <math.h>:
     `NAME_reset(&s)`, then once a period `NAME_act(&s, t, y, u)`; of a plant `NAME_step(t, x, u)`. `y` has the order
@@ -81,13 +84,17 @@ def law_code(what: Any, prefix: str, precision: str) -> Law:
         return tvlqr(what, prefix)
     if isinstance(what, MPC):
         return mpc(what, prefix, precision)
+    if isinstance(what, Filtered):
+        return filtered(what, law_code(what.law, f"{prefix}__law", precision), prefix)
+    if isinstance(what, Filter):
+        return linear(LinearLaw(what.A, what.B, -what.C, -what.D, ("signal",), what.dt), prefix)
     if isinstance(what, Kalman):
         return kalman(what, prefix)
     if isinstance(what, LQG):
         return lqg(what, prefix, lambda law, inside: law_code(law, inside, precision))
     raise ValueError(
-        f"export_c: {type(what).__name__} has no C form; give LQR, LQG, TVLQR, MPC, Feedback, Kalman, a LinearLaw or a "
-        "plant"
+        f"export_c: {type(what).__name__} has no C form; give LQR, LQG, TVLQR, MPC, Feedback, Kalman, a LinearLaw, "
+        "a Filter, what is Filtered, or a plant"
     )
 
 

@@ -6,10 +6,11 @@ import numpy as np
 
 from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.controllers.base.controller import Feedback
+from pliant.controllers.filters.filtered import Filtered
 from pliant.controllers.linear_quadratic.lqr import LQR
 from pliant.controllers.linear_quadratic.tvlqr import TVLQR
 
-from .c_text import Law, added, array, clipped, each
+from .c_text import Law, added, array, clipped, each, indented, number
 
 
 def feedback(law: Feedback, p: str) -> Law:
@@ -126,6 +127,25 @@ def linear(law: LinearLaw, p: str) -> Law:
     reset = "int i;\n" + each("i", m, "s->x[i] = 0;")
     what = "u = -(C s + D y), s' = A s + B y"
     return Law(p, what, law.reads, nu, (f"REAL x[{m}];",), constants, "", reset, act)
+
+
+def filtered(law: Filtered, inside: Law, p: str) -> Law:
+    """u = u_ref + F (law - u_ref), within the limits; each input has its own states of F."""
+    f, nu, top = law.whole, inside.inputs, _top(p)
+    m, base = len(f.A), np.zeros(nu) if law.u_ref is None else law.u_ref
+    free = (np.full(nu, -np.inf), np.full(nu, np.inf))
+    limited, clip = clipped(p, nu, *(free if law.limits is None else law.limits))
+    constants = array(f"{p}_A", f.A) + array(f"{p}_B", f.B) + array(f"{p}_C", f.C) + array(f"{p}_base", base) + limited
+    each_input = f"REAL off = v[i] - {p}_base[i], next[{m}], *x = s->x + i * {m};\nu[i] = {p}_base[i]"
+    each_input += f" + {number(f.D[0, 0])} * off;\n{added(top, 1, m, '1', f'{p}_C', 'x', 'u + i')}"
+    each_input += each("j", m, f"next[j] = {p}_B[j] * off;") + added(top, m, m, "1", f"{p}_A", "x", "next")
+    each_input += each("j", m, "x[j] = next[j];")
+    act = f"int i, j;\nREAL v[{nu}];\n{inside.prefix}_act(&s->law, t, y, v);\n"
+    act += f"for (i = 0; i < {nu}; i++) {{\n{indented(each_input)}}}\n" + clip
+    reset = f"int i;\n{inside.prefix}_reset(&s->law);\n" + each("i", m * nu, "s->x[i] = 0;")
+    fields = (f"{inside.prefix}_state law;", f"REAL x[{m * nu}];")
+    what = f"filters of order {m} behind: {inside.what}"
+    return Law(p, what, law.reads, nu, fields, constants, inside.code("static "), reset, act, inside.struct)
 
 
 def _top(p: str) -> str:
