@@ -1,8 +1,8 @@
 """A data sheet's craft: its free frequencies, its linear model and what no body can have.
 
 The craft is that of Di Gennaro, "Output stabilization of flexible spacecraft with active vibration suppression", IEEE
-Transactions on Aerospace and Electronic Systems 39 (3), 2003, as later papers quote it: inertia J of the whole, coupling
-matrix delta, frequencies and damping ratios of four modes. (Some of them print 280 for J_yy.)
+Transactions on Aerospace and Electronic Systems 39 (3), 2003, as later papers quote it: inertia J of the whole,
+coupling matrix delta, frequencies and damping ratios of four modes. (Some of them print 280 for J_yy.)
 """
 
 import numpy as np
@@ -27,7 +27,10 @@ def test_free_frequencies_are_those_of_the_closed_form(kinematics) -> None:
 def test_translation_too_and_a_centre_off_the_hub() -> None:
     """All six directions, from the closed form M_rr [v; w]' + L' eta'' = 0 of the whole about the hub's centre."""
     rng = np.random.default_rng(0)
-    L, omega = np.hstack([0.8 * rng.standard_normal((3, 3)), 1.5 * rng.standard_normal((3, 3))]), np.array([1.0, 2.0, 5.0])
+    L, omega = (
+        np.hstack([0.8 * rng.standard_normal((3, 3)), 1.5 * rng.standard_normal((3, 3))]),
+        np.array([1.0, 2.0, 5.0]),
+    )
     d, I, at = np.array([0.5, 0.2, -0.1]), np.diag([30.0, 40.0, 50.0]), np.array([1.0, -0.5, 0.3])
     body = ModalData.from_participation(20.0, d, I, omega, 0.0, L[:, :3], L[:, 3:])
     hub = Hub(mass=100.0, inertia=(60.0, 70.0, 80.0))
@@ -66,7 +69,7 @@ def test_a_rigid_body_has_what_it_is_given() -> None:
 
 
 def test_what_no_body_can_have_is_told() -> None:
-    with pytest.raises(ValueError, match="take .* times what mass or inertia"):
+    with pytest.raises(ValueError, match=r"take .* times what mass or inertia"):
         ModalData.from_participation(100.0, (0, 0, 0), J / 10, FREQUENCIES, DAMPING, None, DELTA)
     with pytest.raises(ValueError, match="none above the sum of the others"):
         ModalData.from_participation(100.0, (0, 0, 0), DELTA.T @ DELTA, FREQUENCIES, DAMPING, None, DELTA)
