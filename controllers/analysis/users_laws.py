@@ -36,7 +36,9 @@ def users_law(controller: Any, model: LinearModel, reads: Sequence[str] | None, 
     dt = None if dt is None else require_seconds("loop.dt", dt)
     if callable(controller):
         if own is None:
-            raise ValueError("loop.reads = None must name what a function reads")
+            raise ValueError(
+                f"loop.controller = {shown(controller)}: loop.reads = None must name what a function reads"
+            )
         return _function(controller, model, require_names("loop.reads", own), dt)
     if isinstance(controller, (np.ndarray, list, tuple)):
         K = require_finite("loop.controller", controller, (-1, -1))

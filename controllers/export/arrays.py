@@ -50,7 +50,7 @@ def arrays_of(what: Any) -> dict[str, Any]:
         elif dataclasses.is_dataclass(what):
             found |= _fields(what, set(found))
         if not found:
-            raise ValueError(f"arrays_of: {type(what).__name__} has no linear form and no arrays of its own")
+            raise ValueError(f"arrays_of.what: {type(what).__name__} has no linear form and no arrays of its own")
         if hasattr(what, "reads"):
             found["reads"] = np.array(tuple(what.reads), dtype=object)
     dt = getattr(what, "dt", None)

@@ -14,7 +14,13 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_finite, require_instance, require_number, require_seconds
+from pliant.plants.core.argument_gates import (
+    real_array,
+    require_finite,
+    require_instance,
+    require_number,
+    require_seconds,
+)
 from pliant.plants.core.signals import OwnsArrays, read_only
 
 Array = np.ndarray
@@ -68,7 +74,9 @@ class Filter(OwnsArrays):
 
     def at(self, omega: Any) -> Array:
         """Its transfer (k,) at frequencies omega (k,) [rad/s]."""
-        omega = np.atleast_1d(require_finite("Filter.at: omega", np.atleast_1d(omega), (-1,)))
+        omega = np.atleast_1d(real_array("Filter.at: omega", omega))
+        if omega.ndim != 1 or not np.isfinite(omega).all():
+            raise ValueError(f"Filter.at: omega of shape {omega.shape} must be (k,) finite frequencies [rad/s]")
         s = 1j * omega if self.dt is None else np.exp(1j * omega * self.dt)
         inner = s[:, None, None] * np.eye(len(self.A)) - self.A
         return np.asarray((self.C @ np.linalg.solve(inner, self.B + 0j * inner[:, :, :1]))[:, 0, 0] + self.D[0, 0])

@@ -14,7 +14,7 @@ from typing import Any, final
 import numpy as np
 
 from pliant.controllers.analysis.linear_laws import LinearLaw, law_of
-from pliant.controllers.base.controller import Controller
+from pliant.controllers.base.controller import Controller, moment, reading
 from pliant.plants.core.argument_gates import require_all, require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.signals import OwnsArrays
@@ -82,6 +82,7 @@ class Filtered(OwnsArrays):
         """u (nu,) from y (len(reads),) at time t [s]."""
         if self.dt is None or isinstance(self.law, LinearLaw):
             raise PliantError("Filtered acts only behind a sampled controller: give the law dt, and `act`")
+        t, y = moment("Filtered", t), reading("Filtered.y", y, len(self.reads))
         wanted = np.asarray(self.law.act(t, y), dtype=float)
         base = np.zeros(len(wanted)) if self.u_ref is None else self.u_ref
         f = self.whole

@@ -29,6 +29,7 @@ from pliant.plants.core.argument_gates import (
     require_mapping,
     require_number,
     require_path,
+    shown,
 )
 from pliant.studies.common import machine
 from pliant.studies.common.json_lines import add_line, read_lines
@@ -140,8 +141,7 @@ def monte_carlo(
         require_function("monte_carlo.progress", progress)
     told, path = progress or silent, None if kept is None else require_path("monte_carlo.kept", kept)
     played = dataclasses.replace(scene, randomise=factors)
-    designed = law if isinstance(law, Controller) else require_function("monte_carlo.law", law)(scene)
-    require_instance("monte_carlo.law", designed, Controller)
+    designed = _designed(law, scene)
     mark = _mark(played, designed, seed, noise, delay)
     rows = _done(path, mark, runs)
     left = [k for k in range(runs) if k not in rows]
@@ -153,6 +153,18 @@ def monte_carlo(
             add_line(path, {"study": mark, **row})
         told(len(rows) / runs, f"run {row['number']}{', failed' if row['failure'] else ''}")
     return MonteCarlo(tuple(rows[k] for k in sorted(rows)))
+
+
+def _designed(law: Any, scene: Scene) -> Controller:
+    """The controller, or what `law` makes of the scene."""
+    if isinstance(law, Controller) and not isinstance(law, type):
+        return law
+    make = require_function("monte_carlo.law", law)
+    try:
+        found: Controller = make(scene)
+    except TypeError as error:
+        raise ValueError(f"monte_carlo.law = {shown(law)} must design a controller for a scene: {error}") from error
+    return require_instance("monte_carlo.law", found, Controller, what="a controller, or a function that makes one")
 
 
 def _ends(path: str, pair: Any) -> tuple[float, float]:
