@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 Array = np.ndarray
-TOLERANCE, ROUNDING = 5e-7, 1e-11  # decrease that ends the search, and relative to the cost
+TOLERANCE, ROUNDING = 5e-7, 1e-9  # decrease that ends the search, and relative to the cost
+STALLED = 1e-3  # promised decrease, 0.04 standard errors, that may be left where a step gains nothing: rounding
 FIRST, LARGEST = 1e-3, 1e12  # lambda
 MOST = 60  # evaluations
 
@@ -77,6 +78,8 @@ def minimise(
         if new is not None and gain > 0:
             z, at, factor = trial, new, 2.0
             damping = max(1e-12, damping * max(1 / 3, 1 - (2 * gain - 1) ** 3))
+        elif left <= STALLED:
+            return Found(z, at, used, True)
         else:
             damping, factor = damping * factor, 2 * factor
 

@@ -1,4 +1,4 @@
-"""A measured motion: times, inputs, what sensors read (NaN where a sample is missing), and what is known of its start."""
+"""A measured motion: times, inputs, what sensors read (NaN where a sample is missing), what is known of its start."""
 
 from __future__ import annotations
 

@@ -38,8 +38,8 @@ class Untold:
         """As a sentence."""
         if len(self.names) == 1:
             return f"{self.names[0]} cannot be told from these data"
-        ratio = ", ".join(f"{name} {100 * part:+.3g} %" for name, part in zip(self.names, self.direction))
-        return f"{' and '.join(self.names)} cannot be told apart: changes by {ratio} do not show"
+        ratio = ", ".join(f"{part:+.3g}" for part in self.direction)
+        return f"{' and '.join(self.names)} cannot be told apart: relative changes by {ratio} do not show"
 
 
 def condensed(J: Array, r: Array) -> Array:

@@ -1,10 +1,10 @@
-"""What an identification found: values, how sure they are, what cannot be told, and what speaks against believing it."""
+"""What an identification found: values, how sure they are, what cannot be told, what speaks against believing it."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,8 @@ from pliant.plants.core import parameters
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.dynamics.plant import Plant
 
-from .fisher_information import Untold
+from .fisher_information import NORMAL, Untold, covariance, untold
+from .output_error import Fit, OutputError, Played
 
 Array = np.ndarray
 Interval = tuple[float, float]
@@ -138,6 +139,66 @@ class Identification(OwnsArrays):
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())
         return f"Identification({values}{'' if self.trusted else ', not to be trusted'})"
+
+
+def conclude(
+    problem: OutputError,
+    fit: Fit,
+    played: Sequence[Played],
+    given_noise: Mapping[str, float],
+    doubts: tuple[str, ...],
+    step_error: float,
+    stats: Mapping[str, Any],
+) -> Identification:
+    """The result of a search's end, with intervals where they may be claimed."""
+    space, theta = problem.space, problem.parameters(fit.z)
+    R = problem.information(played, fit.sigma)
+    C = covariance(R) * np.outer(space.scale, space.scale)
+    deviation = np.sqrt(np.diag(C))
+    relative = np.where(theta != 0, np.abs(theta), space.scale) / space.scale
+    groups, bound = untold(R * relative, space.names), tuple(space.at_bound(theta))
+    lost = {name for g in groups for name in g.names} | set(bound)
+    all_given = set(given_noise) == set(problem.signals)
+    width = (NORMAL if all_given else _student(problem.samples - len(fit.z))) * deviation
+    intervals = {
+        name: NOTHING if doubts or name in lost else (float(v - w), float(v + w))
+        for name, v, w in zip(space.names, theta, width)
+    }
+    sizes = np.where(np.isfinite(deviation) & (deviation > 0), deviation, np.nan)
+    return Identification(
+        given=problem.plant,
+        values=dict(zip(space.names, theta.tolist())),
+        units=dict(zip(space.names, space.units)),
+        standard_errors=dict(zip(space.names, deviation.tolist())),
+        intervals=intervals,
+        unidentifiable=groups,
+        doubts=doubts,
+        correlation=C / np.outer(sizes, sizes),
+        noise=dict(fit.sigma),
+        noise_given=tuple(given_noise),
+        starts=tuple(_starts(problem, fit)),
+        residuals=tuple(Residuals(e.name, e.t, e.signals, one.residual) for e, one in zip(problem.experiments, played)),
+        at_bound=bound,
+        converged=fit.converged,
+        step_error=step_error,
+        samples=problem.samples,
+        stats=stats,
+    )
+
+
+def _starts(problem: OutputError, fit: Fit) -> Iterator[dict[str, tuple[float, float]]]:
+    """Of each motion {state: (value, standard error)} of the unknown ones."""
+    errors = np.sqrt(np.diag(covariance(fit.at.R)))
+    for k, one in enumerate(problem.experiments):
+        x0, own = problem.starts(fit.z, k), errors[problem.ends[k] : problem.ends[k + 1]] * one.scale
+        yield {problem.plant.states[i].name: (float(x0[i]), float(e)) for i, e in zip(one.unknown, own)}
+
+
+def _student(freedom: int) -> float:
+    """Student's quantile of 97.5 %: where noise is estimated."""
+    from scipy.stats import t
+
+    return float(t.ppf(0.975, max(1, freedom)))
 
 
 def _plain(value: float) -> float | None:

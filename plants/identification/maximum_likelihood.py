@@ -10,8 +10,7 @@ residuals pass the tests of residual_tests.py: a false minimum, physics that lac
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,9 +23,9 @@ from pliant.plants.dynamics.plant import Plant
 from . import bounded_least_squares, residual_tests
 from .bounded_least_squares import Found, Linearised
 from .experiment import Experiment, checked
-from .fisher_information import NORMAL, Untold, covariance, untold
-from .identification import NOTHING, Identification, Residuals
-from .output_error import OutputError, Played
+from .fisher_information import covariance
+from .identification import Identification, conclude
+from .output_error import Fit, OutputError, Played
 from .parameter_space import ParameterSpace, varied
 
 Array = np.ndarray
@@ -35,19 +34,8 @@ SMALLEST_NOISE = 1e-7  # of a signal's size: what integration and rounding leave
 STEP_ERROR, STEP_HALVINGS = 0.05, 10  # standard errors that the steps may move a value
 SMALL_CHANGE = 1e-9  # relative to a parameter: what the steps may always move it
 TRIES = 1000
+MANY, FIRST_PART = 20_000, 1 / 16  # times past which a search begins with the first part of every motion
 Told = Callable[[float, str], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """The end of a search: z, the noise {signal: sigma} there, and minus the logarithm of the likelihood."""
-
-    z: Array
-    at: Linearised
-    sigma: Mapping[str, float]
-    evaluations: int
-    converged: bool
-    cost: float
 
 
 def identify(
@@ -98,8 +86,11 @@ def identify(
             search.problem.steps[0],
         )
     fit, step_error = search.refined(fit)
-    stats = {"tries": tries, "evaluations": search.evaluations, "steps": list(search.problem.steps)}
-    return search.result(fit, step_error, {**stats, "seconds": clock.perf_counter() - began})
+    stats: dict[str, Any] = {"tries": tries, "evaluations": search.evaluations, "steps": list(search.problem.steps)}
+    assert search.played is not None
+    doubts = search.doubts(fit, step_error)
+    stats["seconds"] = clock.perf_counter() - began
+    return conclude(search.problem, fit, search.played, levels, doubts, step_error, stats)
 
 
 class _Search:
@@ -108,13 +99,14 @@ class _Search:
     def __init__(self, problem: OutputError, levels: Mapping[str, float], tell: Told) -> None:
         self.problem, self.levels, self.tell = problem, levels, tell
         self.evaluations, self.ahead = 0, (0.0, 1.0)
-        self.size = {s: 0.0 for s in problem.signals}
+        self.size = dict.fromkeys(problem.signals, 0.0)
         for e in problem.experiments:
             for name, column in zip(e.signals, e.y.T):
                 if not np.isnan(column).all():
                     self.size[name] = max(self.size[name], float(np.nanmax(np.abs(column))))
-        self.samples = int(sum((~np.isnan(e.y)).sum() for e in problem.experiments))
+        self.samples = problem.samples
         self.played: list[Played] | None = None
+        self._kept: dict[bytes, list[Played]] = {}
 
     def best(self, starts: Array) -> Fit | None:
         """The likeliest end of searches from parameters (tries, np)."""
@@ -123,15 +115,33 @@ class _Search:
             self.ahead = (k / len(starts), 1 / len(starts))
             z = self.problem.start
             z[: self.problem.np] = theta / self.problem.space.scale
-            fit = self.fitted(z)
+            fit = self.fitted(*self._from_a_part(z))
             if fit is not None and (found is None or fit.cost < found.cost):
                 found = fit
         return found
 
+    def _from_a_part(self, z: Array) -> tuple[Array, Mapping[str, float] | None]:
+        """A nearer start, from the first part of long motions: the same steps on fewer samples; else z itself."""
+        problem = self.problem
+        if sum(len(e.t) for e in problem.experiments) < MANY:
+            return z, None
+        self._play_share(FIRST_PART)
+        near = self.fitted(z)
+        self._play_share(1.0)
+        if near is None:
+            return z, None
+        sigma = dict(near.sigma)
+        costs = [at.cost if (at := self._linearise(point, sigma)) is not None else np.inf for point in (z, near.z)]
+        return (near.z, sigma) if costs[1] <= costs[0] else (z, None)
+
+    def _play_share(self, share: float) -> None:
+        self.problem.share = share
+        self._kept.clear()
+
     def fitted(self, z: Array, sigma: Mapping[str, float] | None = None) -> Fit | None:
         """From z, the noise estimated between searches where it is not given."""
         now = {s: self.levels.get(s, self._loudest(s)) for s in self.problem.signals} if sigma is None else dict(sigma)
-        used = 0
+        used, settled, found = 0, False, None
         for _ in range(NOISE_ROUNDS):
             found = self._minimised(z, now)
             if found is None:
@@ -142,7 +152,7 @@ class _Search:
             now = new
             if settled:
                 break
-        assert played is not None
+        assert found is not None and played is not None
         at = self.problem.linearised(played, now)
         counts = {s: n for s, (_, n) in self.problem.squares(played).items()}
         cost = at.cost + sum(n * np.log(now[s]) for s, n in counts.items())
@@ -151,34 +161,35 @@ class _Search:
     def _loudest(self, signal: str) -> float:
         return self.size[signal] or 1.0
 
-    def _minimised(self, z: Array, sigma: dict[str, float]) -> Found | None:
-        kept: dict[bytes, list[Played]] = {}
-
-        def linearise(trial: Array) -> Linearised | None:
-            self.evaluations += 1
-            played = self.problem.play_all(trial)
+    def _linearise(self, z: Array, sigma: Mapping[str, float]) -> Linearised | None:
+        """At z, whose motions are played unless they are one of the last two."""
+        played = self._kept.get(z.tobytes())
+        if played is None:
+            self.evaluations += self.problem.share == 1.0
+            played = self.problem.play_all(z)
             if played is None:
                 return None
-            if len(kept) > 1:
-                kept.pop(next(iter(kept)))
-            kept[trial.tobytes()] = played
-            return self.problem.linearised(played, sigma)
+            if len(self._kept) > 1:
+                self._kept.pop(next(iter(self._kept)))
+            self._kept[z.tobytes()] = played
+        return self.problem.linearised(played, sigma)
 
+    def _minimised(self, z: Array, sigma: Mapping[str, float]) -> Found | None:
         def told(used: int, cost: float) -> None:
             first, part = self.ahead
-            rms = np.sqrt(2 * cost / max(1, self.samples))
+            rms = np.sqrt(2 * cost / max(1, self.samples * self.problem.share))
             self.tell(min(0.99, first + part * used / 30), f"evaluation {self.evaluations}, residuals {rms:.4g} sigma")
 
         lower, upper = self.problem.bounds
-        found = bounded_least_squares.minimise(linearise, z, lower, upper, told=told)
+        found = bounded_least_squares.minimise(lambda trial: self._linearise(trial, sigma), z, lower, upper, told=told)
         if found is not None:
-            self.played = kept.get(found.z.tobytes()) or self.problem.play_all(found.z)
+            self.played = self._kept.get(found.z.tobytes()) or self.problem.play_all(found.z)
         return found
 
     def _estimated(self, z: Array, now: Mapping[str, float]) -> dict[str, float]:
         """The noise of each sensor: given, or the residuals' own, its share of the unknowns taken from the samples."""
         assert self.played is not None
-        share = len(z) / max(self.samples, len(z) + 1)
+        share = len(z) / max(self.samples * self.problem.share, len(z) + 1)
         found = {}
         for s, (squares, n) in self.problem.squares(self.played).items():
             level = np.sqrt(squares / max(n * (1 - share), 1e-3)) if n else now[s]
@@ -199,7 +210,8 @@ class _Search:
             if finer is None:
                 break
             self.played = finer
-            at = self.problem.linearised(finer, fit.sigma)  # type: ignore[arg-type]
+            self._kept = {fit.z.tobytes(): finer}
+            at = self.problem.linearised(finer, fit.sigma)
             lower, upper = self.problem.bounds
             move = np.abs(bounded_least_squares.within(at.R, at.r, lower - fit.z, upper - fit.z)[:n])
             deviation = np.sqrt(np.diag(covariance(at.R)))[:n]
@@ -213,83 +225,17 @@ class _Search:
             fit = again
         return fit, error
 
-    def result(self, fit: Fit, step_error: float, stats: Mapping[str, Any]) -> Identification:
-        """With intervals where they may be claimed."""
-        problem, space, n = self.problem, self.problem.space, self.problem.np
-        played, sigma = self.played, dict(fit.sigma)
-        assert played is not None
-        theta = problem.parameters(fit.z)
-        R = problem.information(played, sigma)
-        C = covariance(R) * np.outer(space.scale, space.scale)
-        deviation = np.sqrt(np.diag(C))
-        relative = np.where(theta != 0, np.abs(theta), space.scale) / space.scale
-        groups = untold(R * relative, space.names)
-        bound = tuple(space.at_bound(theta))
-        doubts = tuple(self._doubts(fit, played, step_error))
-        lost = {name for g in groups for name in g.names} | set(bound)
-        width = self._quantile(len(fit.z)) * deviation
-        intervals = {
-            name: NOTHING if doubts or name in lost else (float(v - w), float(v + w))
-            for name, v, w in zip(space.names, theta, width)
-        }
-        sizes = np.where(np.isfinite(deviation) & (deviation > 0), deviation, np.nan)
-        whole = np.sqrt(np.diag(covariance(fit.at.R)))
-        starts = []
-        for k, one in enumerate(problem.experiments):
-            x0, states = problem.starts(fit.z, k), problem.plant.states
-            errors = whole[problem.ends[k] : problem.ends[k + 1]] * one.scale
-            starts.append({states[i].name: (float(x0[i]), float(e)) for i, e in zip(one.unknown, errors)})
-        return Identification(
-            given=problem.plant,
-            values=dict(zip(space.names, theta.tolist())),
-            units=dict(zip(space.names, space.units)),
-            standard_errors=dict(zip(space.names, deviation.tolist())),
-            intervals=intervals,
-            unidentifiable=groups,
-            doubts=doubts,
-            correlation=C / np.outer(sizes, sizes),
-            noise=sigma,
-            noise_given=tuple(self.levels),
-            starts=tuple(starts),
-            residuals=tuple(
-                Residuals(e.name, e.t, e.signals, one.residual) for e, one in zip(problem.experiments, played)
-            ),
-            at_bound=bound,
-            converged=fit.converged,
-            step_error=step_error,
-            samples=self.samples,
-            stats=stats,
-        )
-
-    def _quantile(self, unknowns: int) -> float:
-        """Student's where any noise is estimated."""
-        if set(self.levels) == set(self.problem.signals):
-            return NORMAL
-        from scipy.stats import t
-
-        return float(t.ppf(0.975, max(1, self.samples - unknowns)))
-
-    def _doubts(self, fit: Fit, played: Sequence[Played], step_error: float) -> list[str]:
-        found = []
-        if not fit.converged:
-            found.append("the search has not converged: give bounds, another start, or tries")
-        if not step_error <= STEP_ERROR:
-            found.append(f"the integration steps move values by {step_error:.2g} standard errors")
-        for e, one in zip(self.problem.experiments, played):
-            for name, r in zip(e.signals, one.residual.T):
-                if fit.sigma[name] <= SMALLEST_NOISE * self._loudest(name) and name not in self.levels:
-                    continue
-                near = residual_tests.coloured(r)
-                if near is not None:
-                    found.append(
-                        f"the residuals of {name} in {e.name} are not white noise (neighbours correlate by {near:.2g}): "
-                        "a false minimum, physics that lack, or disturbances; try bounds with tries, or a finer plant"
-                    )
-        for name, (squares, n) in self.problem.squares(played).items():
-            if name in self.levels and residual_tests.too_large(squares / self.levels[name] ** 2, n):
-                times = np.sqrt(squares / n) / self.levels[name]
-                found.append(f"the residuals of {name} are {times:.3g} times the noise that was given")
-        return found
+    def doubts(self, fit: Fit, step_error: float) -> tuple[str, ...]:
+        """What speaks against believing the end of the searches."""
+        floor = {s: SMALLEST_NOISE * self._loudest(s) for s in fit.sigma}
+        residuals = [one.residual for one in self.played or ()]
+        tested = residual_tests.doubts(self.problem.experiments, residuals, fit.sigma, self.levels, floor)
+        return (*_of_search(fit, step_error), *tested)
 
 
-__all__ = ["Untold", "identify"]
+def _of_search(fit: Fit, step_error: float) -> Iterator[str]:
+    """What of the search itself speaks against its end."""
+    if not fit.converged:
+        yield "the search has not converged: give bounds, another start, or tries"
+    if not step_error <= STEP_ERROR:
+        yield f"the integration steps move values by {step_error:.2g} standard errors"

@@ -5,7 +5,7 @@ z = [theta/scale; starts of motion 1/scale; ..], residuals in standard deviation
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from .bounded_least_squares import Linearised
 from .experiment import Checked
 from .fisher_information import condensed
 from .parameter_space import ParameterSpace
-from .tangent_motion import METHOD, MOST_STEPS, TangentMotion, measured_function
+from .tangent_motion import METHOD, MOST_STEPS, SAME, TangentMotion, measured_function
 
 Array = np.ndarray
 OF_LIMIT = 0.5  # of the method's stability limit that the first step is
@@ -32,6 +32,18 @@ class Played:
     slopes: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The end of a search: z, the noise {signal: sigma} there, and minus the logarithm of the likelihood."""
+
+    z: Array
+    at: Linearised
+    sigma: Mapping[str, float]
+    evaluations: int
+    converged: bool
+    cost: float
+
+
 class OutputError:
     """y - y(theta, starts) of a set of experiments."""
 
@@ -42,7 +54,7 @@ class OutputError:
         self.sizes = [len(e.unknown) for e in experiments]
         self.ends = (self.np + np.cumsum([0, *self.sizes])).tolist()
         self.steps = [self._first_step(e) for e in experiments]
-        self.seconds_played = 0.0
+        self.share = 1.0  # of every experiment that is played, from its start
         self.signals = tuple(dict.fromkeys(s for e in experiments for s in e.signals))
 
     @property
@@ -75,18 +87,18 @@ class OutputError:
         points = (one.start, self.plant.rest_state)
         with np.errstate(all="ignore"):
             limits = [step_limit(self.plant, x, METHOD, u=one.u[0], p=self.space.start) for x in points]
-        return min(shortest, OF_LIMIT * min(limits))
+        return float(min(shortest * (1 + SAME), OF_LIMIT * min(limits)))
 
     def halve(self) -> bool:
         """Take steps half as long; False where they would be too many."""
         if max(float(e.t[-1] - e.t[0]) / h for e, h in zip(self.experiments, self.steps)) * 2 > MOST_STEPS:
             return False
-        counts = [np.ceil(np.diff(e.t).max() / h - 1e-9) for e, h in zip(self.experiments, self.steps)]
-        self.steps = [float(np.diff(e.t).max()) / (2 * n) for e, n in zip(self.experiments, counts)]
+        counts = [np.ceil(np.diff(e.t).max() / h - SAME) for e, h in zip(self.experiments, self.steps)]
+        self.steps = [float(np.diff(e.t).max() / (2 * n) * (1 + SAME)) for e, n in zip(self.experiments, counts)]
         return True
 
     def play(self, z: Array, k: int) -> Played | None:
-        """Experiment k; None where the motion is not finite."""
+        """Experiment k, the share of it that is played; None where the motion is not finite."""
         one, p, m = self.experiments[k], self.parameters(z), self.np + self.sizes[k]
         nx, x0 = self.plant.nx, self.starts(z, k)
         seeds, directions = np.zeros((m, nx)), np.zeros((m, self.np))
@@ -94,11 +106,11 @@ class OutputError:
         for j, (state, size) in enumerate(zip(one.unknown, one.scale), self.np):
             seeds[j, state] = size
         options = {"step": self.steps[k], "hold": one.hold}
-        x, tangents = self.motion(one.t, x0, one.u, one.w, p, seeds, directions, **options)  # type: ignore[arg-type]
+        nt, ny = max(2, int(np.ceil(self.share * len(one.t)))), len(one.signals)
+        x, tangents = self.motion(one.t[:nt], x0, one.u[:nt], one.w, p, seeds, directions, **options)  # type: ignore[arg-type]
         if not (np.isfinite(x[-1]).all() and np.isfinite(tangents[-1]).all()):
             return None
         measured = measured_function(self.plant, one.signals)
-        nt, ny = len(one.t), len(one.signals)
         y, slopes = np.empty((nt, ny)), np.empty((nt, ny, m))
         for a in range(0, nt, ROWS):
             b = min(nt, a + ROWS)
@@ -109,7 +121,7 @@ class OutputError:
             slopes[rows, :, : self.np] += found[2] * self.space.scale
         if not (np.isfinite(y).all() and np.isfinite(slopes).all()):
             return None
-        return Played(one.y - y, slopes)
+        return Played(one.y[:nt] - y, slopes)
 
     def play_all(self, z: Array) -> list[Played] | None:
         """All experiments; None where one is not finite."""
@@ -121,23 +133,20 @@ class OutputError:
             played.append(one)
         return played
 
-    def factors(self, played: Sequence[Played], sigma: dict[str, float]) -> list[Array]:
-        """Of each experiment the triangle of [d(starts), d(theta), residual], in standard deviations."""
-        found = []
-        for one, this in zip(self.experiments, played):
-            weight = 1 / np.array([sigma[s] for s in one.signals])
-            r = (this.residual * weight).ravel()
-            J = (this.slopes * weight[:, None]).reshape(len(r), -1)
-            known = ~np.isnan(r)
-            order = [*range(self.np, J.shape[1]), *range(self.np)]
-            found.append(condensed(-J[known][:, order], r[known]))
-        return found
+    def factor(self, k: int, this: Played, sigma: Mapping[str, float]) -> Array:
+        """Of experiment k the triangle of [d(starts), d(theta), residual], in standard deviations."""
+        weight = 1 / np.array([sigma[s] for s in self.experiments[k].signals])
+        r = (this.residual * weight).ravel()
+        J = (this.slopes * weight[:, None]).reshape(len(r), -1)
+        known = ~np.isnan(r)
+        order = [*range(self.np, J.shape[1]), *range(self.np)]
+        return condensed(-J[known][:, order], r[known])
 
-    def linearised(self, played: Sequence[Played], sigma: dict[str, float]) -> Linearised:
+    def linearised(self, played: Sequence[Played], sigma: Mapping[str, float]) -> Linearised:
         """r(z + s) ~ R s + r in all of z; what the triangles leave of the residual no s changes."""
         rows, rest = [], 0.0
-        for k, T in enumerate(self.factors(played, sigma)):
-            m = self.sizes[k]
+        for k, this in enumerate(played):
+            T, m = self.factor(k, this, sigma), self.sizes[k]
             block = np.zeros((len(T) - 1, self.ends[-1] + 1))
             block[:, self.ends[k] : self.ends[k + 1]] = T[:-1, :m]
             block[:, : self.np] = T[:-1, m : m + self.np]
@@ -147,14 +156,23 @@ class OutputError:
         whole = np.vstack(rows)
         return Linearised(whole[:, :-1], whole[:, -1], rest)
 
-    def information(self, played: Sequence[Played], sigma: dict[str, float], k: int | None = None) -> Array:
-        """R (np, np) with R'R the Fisher information on theta/scale, starts eliminated; of experiment k alone."""
-        chosen = self.factors(played, sigma)
-        left = [T[m:-1, m : m + self.np] for i, (T, m) in enumerate(zip(chosen, self.sizes)) if k in (None, i)]
+    def information_of(self, k: int, this: Played, sigma: Mapping[str, float]) -> Array:
+        """R with R'R the Fisher information of experiment k on theta/scale, its unknown start eliminated."""
+        m = self.sizes[k]
+        return self.factor(k, this, sigma)[m:-1, m : m + self.np]
+
+    def information(self, played: Sequence[Played], sigma: Mapping[str, float]) -> Array:
+        """The same (np, np) of all experiments together."""
+        left = [self.information_of(k, this, sigma) for k, this in enumerate(played)]
         R = np.linalg.qr(np.vstack(left), mode="r")
         found = np.zeros((self.np, self.np))
         found[: len(R)] = R
         return found
+
+    @property
+    def samples(self) -> int:
+        """How many were measured, of all sensors."""
+        return int(sum((~np.isnan(e.y)).sum() for e in self.experiments))
 
     def squares(self, played: Sequence[Played]) -> dict[str, tuple[float, int]]:
         """Of each sensor the sum of squared residuals and the number of samples."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,9 +17,15 @@ Array = np.ndarray
 NEAREST_ZERO = 1e-4  # of its start, below which a parameter that must be positive is not tried where no bound is given
 
 
+def is_plant(owner: str, plant: Any) -> Plant:
+    """`plant` itself. ValueError where it is none."""
+    found: Plant = require_instance(f"{owner}.plant", plant, Plant)
+    return found
+
+
 def varied(owner: str, plant: Any) -> Plant:
     """`plant` itself. ValueError where it is no plant, or varies no parameters."""
-    found: Plant = require_instance(f"{owner}.plant", plant, Plant)  # type: ignore[type-abstract]
+    found = is_plant(owner, plant)
     if not found.varied:
         known = ", ".join(parameters.quantities(found)[:6])
         raise ValueError(f"{owner}.plant.varied = () must name parameters: plant.vary(..) of {known} ..")
@@ -42,7 +47,7 @@ class ParameterSpace:
     def of(cls, owner: str, plant: Plant, bounds: Any, start: Any) -> ParameterSpace:
         """From a plant that varies parameters; bounds {name: (low, high)}, start {name: value} or None."""
         found, p = names(plant.parameters), plant.nominal_parameters
-        given: Mapping[str, Any] = require_mapping(f"{owner}.bounds", {} if bounds is None else bounds, found, "parameter")
+        given = require_mapping(f"{owner}.bounds", {} if bounds is None else bounds, found, "parameter")
         begin = require_mapping(f"{owner}.start", {} if start is None else start, found, "parameter")
         low, high, scale = np.empty_like(p), np.empty_like(p), np.empty_like(p)
         for j, name in enumerate(found):

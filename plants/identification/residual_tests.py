@@ -8,7 +8,11 @@ Each at a level of LEVEL, so that sound data are doubted once in ten thousand ti
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+
 import numpy as np
+
+from .experiment import Checked
 
 Array = np.ndarray
 LAGS, LEVEL = 20, 1e-4
@@ -42,3 +46,31 @@ def too_large(squares: float, freedom: float) -> bool:
     from scipy.stats import chi2
 
     return freedom > 0 and bool(chi2.sf(squares, freedom) < LEVEL)
+
+
+def doubts(
+    experiments: Sequence[Checked],
+    residuals: Sequence[Array],
+    sigma: Mapping[str, float],
+    given: Mapping[str, float],
+    floor: Mapping[str, float],
+) -> Iterator[str]:
+    """What residuals [(nt, ny) ..] say against their noise sigma, as sentences. Estimated noise at its `floor` is no
+    noise: such residuals are rounding, and are not looked at.
+    """
+    sums = dict.fromkeys(sigma, 0.0)
+    counts = dict.fromkeys(sigma, 0)
+    for one, values in zip(experiments, residuals):
+        for name, r in zip(one.signals, values.T):
+            sums[name] += float(np.nansum(r**2))
+            counts[name] += int((~np.isnan(r)).sum())
+            near = coloured(r) if name in given or sigma[name] > floor[name] else None
+            if near is not None:
+                yield (
+                    f"the residuals of {name} in {one.name} are not white noise (neighbours correlate by {near:.2g}): "
+                    "a false minimum, physics that lack, or disturbances; try bounds with tries, or a finer plant"
+                )
+    for name, level in given.items():
+        if too_large(sums[name] / level**2, counts[name]):
+            times = np.sqrt(sums[name] / counts[name]) / level
+            yield f"the residuals of {name} are {times:.3g} times the noise that was given"

@@ -132,7 +132,7 @@ def tangent_kernel(plant: PlantLike) -> BatchKernel:
 
 @lru_cache(maxsize=16)
 def measured_function(plant: PlantLike, signals: tuple[str, ...]) -> NumericFunction:
-    """(t, x, u, w, p) -> the named outputs or states y (n, 1), dy/dx (n, nx), dy/dp (n, np); native where that is had."""
+    """(t, x, u, w, p) -> the named outputs or states y (n, 1), dy/dx (n, nx), dy/dp (n, np); native where had."""
     _, x, _, _, p = plant.symbols
     known = plant.states + plant.outputs
     everything = ca.vertcat(x, plant.expressions[1])
@@ -192,7 +192,7 @@ class TangentMotion:
         run: Callable[..., None] = own.bind(work.inputs, work.outputs) if own else work.run
         for a, b in evenly_spaced(intervals):
             length = float(intervals[a:b].mean())
-            steps = max(1, int(np.ceil(length / step - 1e-9)))
+            steps = max(1, int(np.ceil(length / step - SAME)))
             n = b - a
             now[:n] = t[a:b, None]
             given[: n * held.shape[1]] = held[a:b].reshape(-1, 1)
