@@ -101,5 +101,5 @@ def within(R: Array, r: Array, low: Array, high: Array) -> Array:
     s = np.clip(np.zeros_like(low), low, high)
     if open_.any():
         low, high = np.minimum(low[open_], 0.0), np.maximum(high[open_], 0.0)
-        s[open_] = lsq_linear(R[:, open_], -r, (low, high), method="bvls", tol=1e-12).x
+        s[open_] = lsq_linear(R[:, open_], -r, (low, high), method="bvls", tol=1e-12).x.clip(low, high)
     return s
