@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import require_parts
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.integration.step_maps import step_limit
 
@@ -87,7 +88,9 @@ class OutputError:
         points = (one.start, self.plant.rest_state)
         with np.errstate(all="ignore"):
             limits = [step_limit(self.plant, x, METHOD, u=one.u[0], p=self.space.start) for x in points]
-        return float(min(shortest * (1 + SAME), OF_LIMIT * min(limits)))
+        step = float(min(shortest * (1 + SAME), OF_LIMIT * min(limits)))
+        require_parts(f"step of {one.name}", step, float(one.t[-1] - one.t[0]), MOST_STEPS, "steps")
+        return step
 
     def halve(self) -> bool:
         """Take steps half as long; False where they would be too many."""

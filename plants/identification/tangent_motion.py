@@ -36,7 +36,7 @@ from pliant.plants.rounding.extended_evaluation import mover
 METHOD = "rk8"
 AT_ONCE = 256  # samples of one native call, after which it is looked at whether the motion is still of finite numbers
 SAME = 1e-9  # relative difference of intervals that are one
-MOST_STEPS = 20_000_000  # of one motion
+MOST_STEPS = 5_000_000  # of one motion
 DOUBLE = np.dtype(float)
 
 

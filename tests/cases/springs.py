@@ -36,7 +36,16 @@ class Spring(Plant):
         return (self,)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Runaway(Spring):
+    """mass x'' = stiffness x^3 + force: gone to infinity in finite time."""
+
+    def ode(self, t, x, u, w):
+        return ca.vertcat(x[1], (u[0] + self.stiffness * x[0] ** 3) / self.mass)
+
+
 SPRING = Spring()
+GONE = Experiment(t=np.linspace(0.0, 20.0, 401), measured={"place": np.ones(401)}, start=(1.0, 0.0), name="gone")
 VARIED = SPRING.vary("mass", "damping", "stiffness")
 TRUE = {"mass": 2.0, "damping": 0.8, "stiffness": 50.0}
 NOISE = {"place": 2e-4, "felt": 1e-2}
