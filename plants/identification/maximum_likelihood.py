@@ -34,7 +34,7 @@ SMALLEST_NOISE = 1e-7  # of a signal's size: what integration and rounding leave
 STEP_ERROR, STEP_HALVINGS = 0.05, 10  # standard errors that the steps may move a value
 SMALL_CHANGE = 1e-9  # relative to a parameter: what the steps may always move it
 TRIES = 1000
-MANY, FIRST_PART = 20_000, 1 / 16  # times past which a search begins with the first part of every motion
+MANY, FIRST_PARTS = 20_000, (1 / 16, 1 / 4)  # times past which a search begins with first parts of every motion
 Told = Callable[[float, str], None]
 
 
@@ -56,7 +56,8 @@ def identify(
     noise     {signal: standard deviation of a sample}, of all motions; of the signals left out it is estimated
     bounds    {parameter: (low, high)}, kept at every step; else only what the parameter itself must be
     start     {parameter: value} where the search starts, else the plant's own
-    tries     searches, the further ones from a Latin hypercube within the bounds; the likeliest end is taken
+    tries     searches, the further ones from a Latin hypercube within the bounds; the likeliest end is taken. Where
+              there are several, each begins with the first sixteenth and the first quarter of every motion
     progress  called with the part done and what is done
 
     Raises IntegrationError where no search has a start whose motion is finite. See `Identification` for the result.
@@ -111,28 +112,31 @@ class _Search:
     def best(self, starts: Array) -> Fit | None:
         """The likeliest end of searches from parameters (tries, np)."""
         found: Fit | None = None
+        by_parts = len(starts) > 1 or sum(len(e.t) for e in self.problem.experiments) > MANY
         for k, theta in enumerate(starts):
             self.ahead = (k / len(starts), 1 / len(starts))
             z = self.problem.start
             z[: self.problem.np] = theta / self.problem.space.scale
-            fit = self.fitted(*self._from_a_part(z))
+            fit = self.fitted(*(self._from_parts(z) if by_parts else (z, None)))
             if fit is not None and (found is None or fit.cost < found.cost):
                 found = fit
         return found
 
-    def _from_a_part(self, z: Array) -> tuple[Array, Mapping[str, float] | None]:
-        """A nearer start, from the first part of long motions: the same steps on fewer samples; else z itself."""
-        problem = self.problem
-        if sum(len(e.t) for e in problem.experiments) < MANY:
-            return z, None
-        self._play_share(FIRST_PART)
-        near = self.fitted(z)
+    def _from_parts(self, z: Array) -> tuple[Array, Mapping[str, float] | None]:
+        """A nearer start, from first parts of the motions: a short one has fewer false minima, and fewer samples.
+
+        Taken where it is nearer to the whole motions than z, which else is the start.
+        """
+        near, sigma = z, None
+        for share in FIRST_PARTS:
+            self._play_share(share)
+            found = self.fitted(near, sigma)
+            near, sigma = (found.z, found.sigma) if found is not None else (near, sigma)
         self._play_share(1.0)
-        if near is None:
+        if sigma is None:
             return z, None
-        sigma = dict(near.sigma)
-        costs = [at.cost if (at := self._linearise(point, sigma)) is not None else np.inf for point in (z, near.z)]
-        return (near.z, sigma) if costs[1] <= costs[0] else (z, None)
+        costs = [at.cost if (at := self._linearise(point, sigma)) is not None else np.inf for point in (z, near)]
+        return (near, sigma) if costs[1] <= costs[0] else (z, None)
 
     def _play_share(self, share: float) -> None:
         self.problem.share = share
