@@ -58,6 +58,9 @@ class FlexibleTree(TreeElasticity):
     `frames` are further places, of which `loads` feel forces. `modes` of the bodies, `kinematics` ("rigid", "linear",
     "stiffened") and `basis` ("polynomial", "clamped-free") are the fidelity.
 
+    `base`: "fixed", "free" (of inertia `platform`, its offset from the base's origin), or "driven" in `base_freedoms`,
+    whose accelerations are inputs. `state` makes states by name, with unit quaternions.
+
     >>> arm = FlexibleTree.serial([TreeBody(name="link", joint=Joint(name="hub"), beam=strip)], gravity=(0, 0, 0))
     """
 
