@@ -116,9 +116,7 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
             eta, R = np.array(ca.DM(walk.bent(k)[0])).reshape(-1), np.array(ca.DM(pose.R))
             found.append(ends[k] + node.beam.line(eta, points) @ R.T)
         parent = nodes[node.parent] if node.parent != BASE else None
-        if parent is None or parent.beam is None:
-            if parent is None and node.joint is not None and node.joint.kind in ("planar", "free"):
-                continue  # nothing leads there
+        if k > walk.tree.root and (parent is None or parent.beam is None):
             start = ends[node.parent] if parent is not None else np.zeros(3)
             known = any(np.array_equal([start, ends[k]], line[[0, -1]]) for line in found)  # of two places in one
             if np.linalg.norm(ends[k] - start) > 0 and not known:

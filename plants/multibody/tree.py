@@ -61,6 +61,9 @@ class FlexibleTree(TreeElasticity):
     `frames` are further places, of which `loads` feel forces. `modes` of the bodies, `kinematics` ("rigid", "linear",
     "stiffened") and `basis` ("polynomial", "clamped-free") are the fidelity.
 
+    `base`: "fixed", "free" (of inertia `platform`, its offset from the base's origin), or "driven" in `base_freedoms`,
+    whose accelerations are inputs. `state` makes states by name, with unit quaternions.
+
     >>> arm = FlexibleTree.serial([TreeBody(name="link", joint=Joint(name="hub"), beam=strip)], gravity=(0, 0, 0))
     """
 
@@ -111,6 +114,10 @@ class FlexibleTree(TreeElasticity):
             zero[first] = 1
         V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
         return V + self._spring_energy(q)
+
+    @property
+    def _written_out(self) -> bool:
+        return True
 
     def _driving(self, n: int, u: ca.SX) -> ca.SX:
         force = ca.SX.zeros(n)

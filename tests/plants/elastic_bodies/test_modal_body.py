@@ -24,48 +24,35 @@ BOOM = Beam.rectangular(1.2, 0.03, 0.02, beams.Material(density=2700.0, E=4e8, G
 PANEL = ModalData.panel(BOOM, width=0.4, modes=(1, 1))
 
 
-def floating(craft):
-    """The spacecraft as a tree whose hub three sliders and three hinges let go."""
-    axes, free = np.eye(3), {"drive": "none"}
-    bodies = [
-        TreeBody(name=f"p{c}", joint=Joint(name=f"p{c}", kind="prismatic", axis=tuple(axes[i]), **free))
-        for i, c in enumerate("xyz")
-    ]
-    bodies += [
-        TreeBody(name=f"r{c}", joint=Joint(name=f"r{c}", axis=tuple(axes[i]), **free)) for i, c in ((2, "z"), (1, "y"))
-    ]
-    hub = craft.hub
-    bodies.append(
-        TreeBody(name="hub", joint=Joint(name="rx", axis=(1, 0, 0), **free), mass=hub.mass, inertia=hub.inertia)
-    )
-    for i, a in enumerate(craft.appendages):
-        placed = Joint(name=f"mount{i}", kind="fixed", position=a.position, rotation=(0, 0, np.pi * i))
-        body = TreeBody(name=f"boom{i}", parent="hub", joint=placed, modal=a.data, damping_ratio=a.damping)
-        bodies.append(dataclasses.replace(body, stiffness_factor=a.stiffness_factor))
-    options = {"kinematics": craft.kinematics, "gravity": (0, 0, 0), "tip": "hub", "devices": ("gyro",)}
-    return FlexibleTree(bodies=tuple(bodies), **options)
-
-
 @pytest.mark.parametrize("kinematics", ["linear", "stiffened"])
 def test_equals_flexible_spacecraft(kinematics):
-    """Accelerations, and their derivatives by amplitudes and rates, at a bent state that turns; hub axes aligned."""
+    """Accelerations at a bent state that turns and is pushed; A where the quaternion stays of unit length, B and E."""
     craft = FlexibleSpacecraft.textbook()
     softer = [dataclasses.replace(a, damping=0.02, stiffness_factor=0.7) for a in craft.appendages]
     craft = dataclasses.replace(craft, kinematics=kinematics, appendages=tuple(softer))
-    tree = floating(craft)
-    rng = np.random.default_rng(0)
-    eta, rate, omega = 0.05 * rng.normal(size=6), 0.3 * rng.normal(size=6), 0.3 * rng.normal(size=3)
-    x, z = craft.state(), np.zeros(tree.nx)
-    x[7:13], x[16:19], x[19:25] = eta, omega, rate
-    z[6:12], z[15:18], z[18:24] = eta, omega[::-1], rate
-    given, own = craft.dynamics(x, np.zeros(craft.nu)), tree.dynamics(z, np.zeros(0))
-    np.testing.assert_allclose(own[18:24], given[19:25], rtol=0, atol=1e-12 * np.abs(given).max())
-    np.testing.assert_allclose(own[12:15], given[13:16], rtol=0, atol=1e-12)
-    A, B = craft.jacobians(x, np.zeros(craft.nu))[0], tree.jacobians(z, np.zeros(0))[0]
-    rows = (range(19, 25), range(18, 24))
-    for columns in ((range(7, 13), range(6, 12)), (range(19, 25), range(18, 24)), (range(16, 19), (17, 16, 15))):
-        wanted, found = A[np.ix_(rows[0], columns[0])], B[np.ix_(rows[1], columns[1])]
-        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(A).max())
+    bodies = [
+        TreeBody(
+            name=f"boom{i}", parent="hub", modal=a.data, damping_ratio=a.damping, stiffness_factor=a.stiffness_factor,
+            joint=Joint(name=f"mount{i}", kind="fixed", position=a.position, rotation=(0, 0, np.pi * i)),
+        )
+        for i, a in enumerate(craft.appendages)
+    ]  # fmt: skip
+    hub = Payload(mass=craft.hub.mass, inertia=craft.hub.inertia)
+    options = {"base": "free", "root": "hub", "platform": hub, "tip": "hub", "gravity": (0, 0, 0)}
+    tree = FlexibleTree(bodies=tuple(bodies), kinematics=kinematics, **options)
+    rng, x, still = np.random.default_rng(0), craft.state(), np.zeros(craft.nu)
+    q = rng.normal(size=4)
+    x[:3], x[3:7], x[7:13] = rng.normal(size=3), q / np.linalg.norm(q), 0.05 * rng.normal(size=6)
+    x[13:19], x[19:] = rng.normal(size=6), 0.3 * rng.normal(size=6)
+    w = np.r_[10 * rng.normal(size=3), np.zeros(3)]  # a force; torques are in the hub's axes there, the base's here
+    given = craft.dynamics(x, still, w=w)
+    np.testing.assert_allclose(tree.dynamics(x, w=w), given, rtol=0, atol=1e-13 * np.abs(given).max())
+    (A, B, E), (own, _, loads) = craft.jacobians(x, still, w=w)[:3], tree.jacobians(x, w=w)[:3]
+    along = np.eye(25)
+    along[3:7, 3:7] -= np.outer(x[3:7], x[3:7])
+    np.testing.assert_allclose(own @ along, A @ along, rtol=0, atol=1e-12 * np.abs(A).max())
+    np.testing.assert_allclose(loads[:, :3], E[:, :3], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(loads[:, 3:] @ craft.turn(x), B, rtol=0, atol=1e-15)
 
 
 def test_a_boom_as_modes_is_the_beam_of_these_modes():
