@@ -211,11 +211,9 @@ class FlexibleTree(TreeElasticity):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """The tree that `to_toml` wrote, or one written by hand: see `pliant.plants.tables.tree_files`.
+        """The tree of a TOML file (plants/tables/tree_files.py). ValueError: file, key, value, what it must be.
 
         >>> arm = FlexibleTree.from_toml("arm.toml")
-
-        ValueError names the file, the key, its value and what it must be; nothing in a file is executed.
         """
         return FILES["read"](cls, path)
 
