@@ -105,9 +105,11 @@ class TreeJoints(TurningPlant):
     def joints(self) -> tuple[Driven, ...]:
         return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
 
-    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+    def rest_to_rest(
+        self, begin: np.ndarray, end: np.ndarray, time: float, *, profile: str = "minimum-jerk"
+    ) -> Callable[[float], np.ndarray]:
         """As of every plant; a free base moves as its momentum, which is none, says."""
-        return (Floating if self.floats else InverseDynamics)(self, begin, end, time)
+        return (Floating if self.floats else InverseDynamics)(self, begin, end, time, profile)
 
     @property
     def measured(self) -> list[int]:
