@@ -73,3 +73,21 @@ def quaternion(vector: Any) -> Array:
     vector = np.asarray(vector, dtype=float)
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     return np.concatenate([np.cos(angle / 2), np.sinc(angle / (2 * np.pi)) * vector / 2], axis=-1)
+
+
+def of_matrix(R: Any) -> Array:
+    """The unit quaternion (4,) of a rotation R (3, 3), its largest component positive (S. W. Shepperd, "Quaternion from
+    rotation matrix", 1978).
+    """
+    R = np.asarray(R, dtype=float)
+    squares = np.concatenate([[np.trace(R)], np.diag(R)])
+    k = int(np.argmax(squares))
+    q = np.empty(4)
+    q[k] = np.sqrt(max(1 + 2 * squares[k] - np.trace(R), 0.0)) / 2
+    spin, across = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]), R + R.T
+    if k == 0:
+        q[1:] = spin / (4 * q[0])
+    else:
+        q[0] = spin[k - 1] / (4 * q[k])
+        q[1:] = np.where(np.arange(3) == k - 1, q[k], across[k - 1] / (4 * q[k]))
+    return q

@@ -67,10 +67,15 @@ class InverseDynamics(OwnsArrays):
             return np.tile(self(self.time), (len(times), 1))
         return self._inputs(times)
 
+    def _carried(self, x: Array) -> Array:
+        """States (n, nx) with what moves along where the moved coordinates do: nothing."""
+        return x
+
     def _inputs(self, times: Array) -> Array:
         s, ds, dds = (np.multiply.outer(part, self._way) for part in minimum_jerk(times / self.time))
         x, still = np.tile(self._start, (len(times), 1)), np.zeros(self.plant.nu)
         x[:, self._q], x[:, self._v] = self._start[self._q] + s, ds / self.time
+        x = self._carried(x)
         free = self.plant.dynamics(x, still)[:, self._v]
         B = self.plant.jacobians(x, still)[1][:, self._v]
         return np.linalg.solve(B, (dds / self.time**2 - free)[:, :, None])[:, :, 0]

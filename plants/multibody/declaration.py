@@ -57,6 +57,11 @@ def loads_gate(name: str, value: Any) -> tuple[str, ...]:
     return require_names(name, as_tuple(name, value))
 
 
+def words_gate(name: str, value: Any) -> tuple[str, ...]:
+    """Sentences."""
+    return require_names(name, as_tuple(name, value))
+
+
 def devices_gate(name: str, value: Any) -> tuple[str, ...]:
     """Names of devices."""
     return require_names(name, as_tuple(name, value), tuple(DEVICES), "device")
@@ -87,6 +92,7 @@ class TreeDeclaration(TreeJoints):
     platform: Payload = part(Payload, default_factory=Payload)  # the base itself, where it is free or driven
     base_freedoms: tuple[str, ...] = field(default=FREEDOMS, metadata={"gate": freedoms_gate})  # of a driven base
     root: str = field(default="base", metadata={"gate": name_gate})  # what the base is called as a parent
+    repairs: tuple[str, ...] = field(default=(), metadata={"gate": words_gate})  # of inertias in its file, in words
 
     def __post_init__(self) -> None:
         validate(self)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_instance, require_mapping, shown
-from pliant.plants.multibody_parts.joint import DRIVES, ElasticJoint, Joint
+from pliant.plants.multibody_parts.joint import DRIVES, SINGLE, ElasticJoint, Joint
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.multibody_parts.urdf import ZERO, Link, Machine, Numbers, UrdfJoint
 
@@ -37,7 +39,7 @@ def bodies(machine: Machine, flexible: Any, joints: Any, modes: Any, drives: Any
     lines = {name: Line.of(machine, name, beam) for name, beam in beams.items()}
     found = []
     for joint in machine.joints:
-        hung = _hung(joint, lines.get(joint.parent), gears.get(joint.name), driven.get(joint.name, "torque"))
+        hung = _hung(joint, lines.get(joint.parent), gears.get(joint.name), driven.get(joint.name, ""))
         parent, name, beam = joint.parent, joint.child, beams.get(joint.child)
         if beam is None:
             found.append(TreeBody(name=name, joint=hung, parent=parent, **_inertia(machine.links[name])))
@@ -45,6 +47,20 @@ def bodies(machine: Machine, flexible: Any, joints: Any, modes: Any, drives: Any
         options: dict[str, Any] = {"modes": shapes.get(name, MODES), "beam_rotation": lines[name].rotation}
         found.append(TreeBody(name=name, joint=hung, parent=parent, beam=beam, **options))
     return tuple(found)
+
+
+def platform(machine: Machine, base: Any) -> dict[str, Any]:
+    """The root link as a base that moves."""
+    if base not in ("free", "driven"):
+        return {}
+    found = _inertia(machine.links[machine.root])
+    return {"platform": Payload(found["mass"], found["inertia"], found["centre"])}
+
+
+def tell_repairs(path: Any, repairs: tuple[str, ...]) -> None:
+    """Warn of what was changed in a file's inertias."""
+    if repairs:
+        warnings.warn(f"{path} has inertias that no body has: {'; '.join(repairs)}", UserWarning, stacklevel=3)
 
 
 def _by_name(name: str, value: Any, known: list[str], kind: str, of: type) -> dict[str, Any]:
@@ -123,7 +139,8 @@ def _hung(joint: UrdfJoint, line: Line | None, gear: ElasticJoint | None, drive:
     x, y, z = joint.axis
     losses: dict[str, Any] = {}
     if joint.kind != "fixed":
-        losses = {"damping": joint.damping, "friction": joint.friction, "drive": drive}
+        own = "torque" if joint.kind in SINGLE else "none"
+        losses = {"damping": joint.damping, "friction": joint.friction, "drive": drive or own}
     return Joint(
         name=joint.name, kind=joint.kind, axis=(x, y, z), position=position or ZERO, rotation=joint.rotation,
         station=station, elastic=gear, lower=joint.lower, upper=joint.upper, effort=joint.effort, speed=joint.speed,

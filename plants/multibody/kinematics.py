@@ -7,6 +7,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.quaternions import of_matrix
 from pliant.plants.multibody_parts.spatial import AROUND
 from pliant.plants.multibody_parts.steps import Ball, Fixed, Move, Spin
 
@@ -51,6 +52,29 @@ def _spun(R: ca.SX, step: Spin) -> ca.SX:
     return turned
 
 
+def quaternions(walk: Walk) -> list[ca.SX]:
+    """(4,) of every node, from its axes to the base's."""
+    found: list[ca.SX] = []
+    for node, edge in zip(walk.tree.nodes, walk.edges, strict=True):
+        q = ca.SX(ca.DM([1, 0, 0, 0])) if node.parent == BASE else found[node.parent]
+        for step in edge.steps:
+            if isinstance(step, Spin):
+                half = ca.SX.zeros(4)
+                half[0], half[1 + step.axis] = ca.cos(step.angle / 2), ca.sin(step.angle / 2)
+                q = _product(q, half)
+            elif isinstance(step, Ball):
+                q = _product(q, step.quaternion)
+            elif isinstance(step, Fixed):
+                q = _product(q, ca.SX(ca.DM(of_matrix(np.array(step.R)))))
+        found.append(q)
+    return found
+
+
+def _product(a: ca.SX, b: ca.SX) -> ca.SX:
+    """Of R(a) R(b)."""
+    return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:]))
+
+
 def twists(walk: Walk) -> list[Twist]:
     """Of every node."""
     found: list[Twist] = []
@@ -92,7 +116,7 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
             eta, R = np.array(ca.DM(walk.bent(k)[0])).reshape(-1), np.array(ca.DM(pose.R))
             found.append(ends[k] + node.beam.line(eta, points) @ R.T)
         parent = nodes[node.parent] if node.parent != BASE else None
-        if parent is None or parent.beam is None:
+        if k > walk.tree.root and (parent is None or parent.beam is None):
             start = ends[node.parent] if parent is not None else np.zeros(3)
             if np.linalg.norm(ends[k] - start) > 0:
                 found.append(np.linspace(start, ends[k], points))

@@ -42,7 +42,7 @@ from pliant.plants.validity.ranges import Range
 
 from .composite import mass_matrix
 from .elasticity import TreeElasticity
-from .from_urdf import bodies
+from .from_urdf import bodies, platform, tell_repairs
 from .kinematics import drawn, poses, twists, weight_energy
 from .layout import vector
 from .measurements import readings
@@ -202,22 +202,27 @@ class FlexibleTree(TreeElasticity):
         drives: Mapping[str, str] | None = None,
         tip: str = "",
         mimic: str = "refused",
+        inertias: str = "refuse",
         **options: Any,
     ) -> Self:
-        """A machine from a URDF file, fixed at its root link.
+        """A machine from a URDF file, its root link the base: fixed, or where base="free" or "driven" with that link's
+        inertia as `platform`.
 
         `flexible` links become beams from their own origin to their farthest joint, in the place of the file's inertia,
         with `modes` shapes (in x-y, in x-z, twist, stretch; 2, 2, 1, 0 by default); `joints` get motors behind elastic
         gears; `drives` says which have no input or a given motion. `tip` is the link that holds the payload and is
-        measured. A joint that mimics another is refused, or moves by itself with mimic="free". Further
-        keywords as the class has them.
+        measured. A joint that mimics another is refused, or moves by itself with mimic="free". Inertias that no body
+        has are refused; inertias="repair" takes the nearest that one can have, says what it changed in a warning and
+        keeps it in `repairs`. Further keywords as the class has them.
 
         >>> arm = FlexibleTree.from_urdf("arm.urdf", flexible={"forearm": tube}, tip="tool0")
         """
-        machine = read(path, mimic)
+        machine = read(path, mimic, inertias)
+        tell_repairs(path, machine.repairs)
+        own = platform(machine, options.get("base")) | {"repairs": machine.repairs}
         tip = require_text("from_urdf.tip", tip, empty=True)
         parts = bodies(machine, flexible, joints, modes, drives, tip)
-        return cls(bodies=parts, tip=tip, root=machine.root, **options)
+        return cls(bodies=parts, tip=tip, root=machine.root, **(own | options))
 
 
 def _without(v: ca.SX, n: int, m: int) -> ca.SX:

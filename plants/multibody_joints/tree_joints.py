@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+
+import numpy as np
 
 from pliant.plants.attitudes.turning_plant import TurningPlant
 from pliant.plants.core.signals import Joint as Driven
 from pliant.plants.core.signals import Signal
+from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.multibody_parts.joint import Joint
 
+from .floating import Floating
 from .freedoms import Freedom, Slot, coordinates, ends, freedoms, slots
 
 
@@ -99,6 +104,10 @@ class TreeJoints(TurningPlant):
     @property
     def joints(self) -> tuple[Driven, ...]:
         return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
+
+    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+        """As of every plant; a free base moves as its momentum, which is none, says."""
+        return (Floating if self.floats else InverseDynamics)(self, begin, end, time)
 
     @property
     def measured(self) -> list[int]:

@@ -1,21 +1,26 @@
 """A URDF file as links and joints: read, checked, put in order.
 
 Every refusal names the element and the value. What tells looks and contact (visual, collision, transmission, gazebo) is
-left alone; "planar", "floating" and mimicking joints are refused.
+left alone; mimicking joints are refused. Joints of type "spherical" or "ball", which the format does not have, are
+taken as other programs write them.
 """
 
 from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pliant.plants.beams.payload import check_inertia
 from pliant.plants.core.argument_gates import require_choice, require_path, shown
 
+from . import urdf_inertia
+
 Numbers = tuple[float, ...]
-KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
+KINDS = {
+    "revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed", "planar": "planar",
+    "floating": "free", "spherical": "spherical", "ball": "spherical",
+}  # fmt: skip
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 ZERO: Numbers = (0.0, 0.0, 0.0)
 LARGEST_FILE = 50_000_000  # bytes
@@ -58,6 +63,7 @@ class Machine:
     links: dict[str, Link]
     joints: tuple[UrdfJoint, ...]
     root: str
+    repairs: tuple[str, ...] = ()  # what was changed of inertias that no body has
 
 
 def numbers(what: str, text: str | None, count: int, unit: str) -> Numbers:
@@ -95,7 +101,7 @@ def _origin(element: ET.Element, what: str) -> tuple[Numbers, Numbers]:
     return numbers(f"{what} origin xyz", xyz, 3, "m"), numbers(f"{what} origin rpy", rpy, 3, "rad")
 
 
-def _link(element: ET.Element) -> Link:
+def _link(element: ET.Element, inertias: str, repairs: list[str]) -> Link:
     name = _name(element, "<link>")
     what = f"link {name!r} inertial"
     inertial = _one(element, f"link {name!r}", "inertial")
@@ -111,10 +117,9 @@ def _link(element: ET.Element) -> Link:
         numbers(f"link {name!r} inertia {word}", tensor.get(word), 1, "kg m^2")[0] for word in MOMENTS
     )
     inertia = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-    if m == 0 and any(map(any, inertia)):
-        raise ValueError(f"link {name!r} has mass value = {m!r} and an inertia, must have both or neither [kg, kg m^2]")
-    check_inertia(f"link {name!r} inertia", inertia)
-    return Link(name, m, *_origin(inertial, what), inertia)
+    taken = urdf_inertia.of_link(name, m, inertia, inertias)
+    repairs += [taken.change] if taken.change else []
+    return Link(name, m, *_origin(inertial, what), taken.inertia)
 
 
 def _limit(limit: ET.Element | None, what: str, word: str, unit: str) -> float | None:
@@ -125,8 +130,7 @@ def _joint(element: ET.Element, mimic: str) -> UrdfJoint:
     name = _name(element, "<joint>")
     what, kind = f"joint {name!r}", element.get("type")
     if kind not in KINDS:
-        also = " (of planar and floating joints there is no model)" if kind in ("planar", "floating") else ""
-        raise ValueError(f"{what} type = {shown(kind)} must be one of {', '.join(KINDS)}{also}")
+        raise ValueError(f"{what} type = {shown(kind)} must be one of {', '.join(KINDS)}")
     follows = _one(element, what, "mimic")
     if follows is not None and mimic != "free":
         raise ValueError(
@@ -142,7 +146,7 @@ def _joint(element: ET.Element, mimic: str) -> UrdfJoint:
     axis, dynamics, limit = (_one(element, what, tag) for tag in ("axis", "dynamics", "limit"))
     along = numbers(f"{what} axis xyz", axis.get("xyz"), 3, "1") if axis is not None else (1.0, 0.0, 0.0)
     length = math.hypot(*along)
-    if kind == "fixed":
+    if kind in ("fixed", "floating", "spherical", "ball"):
         along, length = (0.0, 0.0, 1.0), 1.0  # means nothing there
     elif not length > 1e-9:
         raise ValueError(f"{what} axis xyz = {along} must have a length > 0")
@@ -152,6 +156,11 @@ def _joint(element: ET.Element, mimic: str) -> UrdfJoint:
         (lost[word],) = numbers(f"{what} dynamics {word}", text, 1, "SI")
         if lost[word] < 0:
             raise ValueError(f"{what} dynamics {word} = {lost[word]!r} must be >= 0")
+        if lost[word] and kind in ("planar", "floating"):
+            raise ValueError(
+                f"{what} dynamics {word} = {lost[word]!r} must be 0 where type = {kind!r}: the format does not say of "
+                "what"
+            )
     bounded = limit if kind in ("revolute", "prismatic") else None
     lower, upper = (_limit(bounded, f"{what} limit", word, "rad or m") for word in ("lower", "upper"))
     if lower is not None and upper is not None and lower > upper:
@@ -168,11 +177,12 @@ def _joint(element: ET.Element, mimic: str) -> UrdfJoint:
     )  # fmt: skip
 
 
-def read(path: str | Path, mimic: str = "refused") -> Machine:
+def read(path: str | Path, mimic: str = "refused", inertias: str = "refuse") -> Machine:
     """The machine of a file; ValueError that names the element and the value where it is none. `mimic`: joints that
-    mimic another are "refused" or "free".
+    mimic another are "refused" or "free". `inertias` that no body has: "refuse" or "repair".
     """
     require_choice("from_urdf", "mimic", mimic, ("refused", "free"))
+    require_choice("from_urdf", "inertias", inertias, urdf_inertia.HOW)
     file = require_path("from_urdf.path", path)
     try:
         text = Path(file).read_bytes()
@@ -188,7 +198,9 @@ def read(path: str | Path, mimic: str = "refused") -> Machine:
         raise ValueError(f"from_urdf.path = {shown(str(file))} must be XML: {error}") from error
     if robot.tag != "robot":
         raise ValueError(f"from_urdf.path = {shown(str(file))}: its root is <{robot.tag}>, must be <robot>")
-    links, joints = [_link(e) for e in robot.findall("link")], [_joint(e, mimic) for e in robot.findall("joint")]
+    repairs = list[str]()
+    links = [_link(e, inertias, repairs) for e in robot.findall("link")]
+    joints = [_joint(e, mimic) for e in robot.findall("joint")]
     if not links:
         raise ValueError(f"from_urdf.path = {shown(str(file))} has no <link>, must have one at least")
     for kind, names in (("link", [k.name for k in links]), ("joint", [j.name for j in joints])):
@@ -197,13 +209,12 @@ def read(path: str | Path, mimic: str = "refused") -> Machine:
             raise ValueError(f"{kind} {twice!r} stands there twice, must have a name of its own")
     machine = _ordered({k.name: k for k in links}, joints)
     for joint in machine.joints:
-        moved = machine.links[joint.child]
-        if joint.kind != "fixed" and moved.mass > 0 and not any(map(any, moved.inertia)):
-            raise ValueError(
-                f"link {moved.name!r} has mass value = {moved.mass!r} and no inertia, must have both where joint "
-                f"{joint.name!r} moves it [kg, kg m^2]"
-            )
-    return machine
+        link = machine.links[joint.child]
+        if joint.kind != "fixed":
+            taken = urdf_inertia.moved(link.name, joint.name, link.mass, link.inertia, inertias)
+            machine.links[link.name] = replace(link, inertia=taken.inertia)
+            repairs += [taken.change] if taken.change else []
+    return replace(machine, repairs=tuple(repairs))
 
 
 def _ordered(links: dict[str, Link], joints: list[UrdfJoint]) -> Machine:

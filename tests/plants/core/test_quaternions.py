@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pliant.plants.core.quaternions import about, cross, matrix, matrix_of, product, quaternion, rates, skew
+from pliant.plants.core.quaternions import about, cross, matrix, matrix_of, of_matrix, product, quaternion, rates, skew
 
 RNG = np.random.default_rng(0)
 Q = RNG.normal(size=(5, 4))
@@ -45,3 +45,11 @@ def test_cross_products():
     a, b = RNG.normal(size=(2, 3))
     np.testing.assert_allclose(skew(a) @ b, np.cross(a, b), atol=1e-15)
     np.testing.assert_allclose(np.array(ca.DM(cross(ca.SX(ca.DM(a))))) @ b, np.cross(a, b), atol=1e-15)
+
+
+def test_of_a_matrix_and_back():
+    """Every branch: whichever component is largest."""
+    for q in np.vstack([np.eye(4), np.random.default_rng(0).normal(size=(20, 4))]):
+        q = q / np.linalg.norm(q)
+        found = of_matrix(matrix_of(q))
+        np.testing.assert_allclose(found, q * np.sign(q[np.argmax(np.abs(q))]), atol=1e-14)

@@ -92,8 +92,18 @@ TABLE = {
     ),
     "no type": (robot(joints='<joint name="j1"/>'), r"joint 'j1' type = None must be one of revolute, continuous"),
     "screw": (first("", "screw"), r"joint 'j1' type = 'screw' must be one of"),
-    "planar": (first("", "planar"), r"joint 'j1' type = 'planar' must be one of .* there is no model"),
-    "floating": (first("", "floating"), r"joint 'j1' type = 'floating' must be one of .* there is no model"),
+    "damped plane": (
+        first('<dynamics damping="1"/>', "planar"),
+        r"joint 'j1' dynamics damping = 1\.0 must be 0 where type = 'planar': the format does not say of what",
+    ),
+    "rubbed float": (
+        first('<dynamics friction="1"/>', "floating"),
+        r"joint 'j1' dynamics friction = 1\.0 must be 0 where type = 'floating'",
+    ),
+    "plane without normal": (
+        first('<axis xyz="0 0 0"/>', "planar"),
+        r"joint 'j1' axis xyz = .* must have a length > 0",
+    ),
     "mimic": (first('<mimic joint="j2"/>'), r"joint 'j1' mimics joint 'j2': a tree has no joint that follows"),
     "no parent": (
         robot(joints='<joint name="j1" type="fixed"><child link="a"/></joint>'),
@@ -191,3 +201,35 @@ def test_no_file(tmp_path):
         FlexibleTree.from_urdf(tmp_path / "none.urdf")
     with pytest.raises(ValueError, match=r"from_urdf\.path is a int, must be a path"):
         FlexibleTree.from_urdf(3)
+
+
+def test_joints_of_several_freedoms(tmp_path):
+    """A floating base link, a ball and a plane; none has an input unless `drives` says so."""
+    path = tmp_path / "good.urdf"
+    links = LINKS + f'<link name="c">{HEAVY}</link>'
+    joints = joint("j1", "base", "a", "", "floating") + joint("j2", "a", "b", "", "spherical")
+    path.write_text(robot(links, joints + joint("j3", "b", "c", '<axis xyz="0 0 1"/>', "planar")))
+    tree = FlexibleTree.from_urdf(path, drives={"j3": "torque"})
+    assert [j.kind for j in tree.moving] == ["free", "spherical", "planar"]
+    assert [s.name for s in tree.inputs] == ["j3_force_x", "j3_force_y", "j3_torque"]
+    assert (len(tree.coordinates), len(tree.speeds)) == (14, 12)
+
+
+@pytest.mark.parametrize("base", ["free", "driven"])
+def test_the_root_link_is_a_base_that_moves(tmp_path, base):
+    path = tmp_path / "good.urdf"
+    path.write_text(robot(LINKS.replace('<link name="base"/>', f'<link name="base">{HEAVY}</link>')))
+    tree = FlexibleTree.from_urdf(path, base=base)
+    assert tree.platform.mass == 2.0
+    assert tree.coordinates[0].name == "base_x"
+
+
+def test_repairs_are_told(tmp_path):
+    path = tmp_path / "real.urdf"
+    path.write_text(tensor(izz="0.07"))
+    with pytest.warns(UserWarning, match=r"has inertias that no body has: link 'a': its principal moments .* became"):
+        tree = FlexibleTree.from_urdf(path, inertias="repair")
+    assert len(tree.repairs) == 1
+    assert tree.bodies[0].inertia[0][0] == pytest.approx(0.035)
+    with pytest.raises(ValueError, match=r"from_urdf\.inertias = 'keep' must be one of 'refuse', 'repair'"):
+        FlexibleTree.from_urdf(path, inertias="keep")
