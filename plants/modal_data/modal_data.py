@@ -20,9 +20,10 @@ from pliant.plants.core.argument_gates import require_number
 from pliant.plants.core.signals import read_only
 
 from .component_modes import clamped_modes
+from .craig_bampton import craig_bampton
 from .from_beams import boom, panel
 from .integrals import nodal
-from .modal_fields import ModalFields
+from .modal_fields import ModalFields, ModalNode
 from .nastran import read_nastran
 
 Array = np.ndarray
@@ -119,3 +120,29 @@ class ModalData(ModalFields):
         """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti."""
         M, K = read_nastran(path, mass, stiffness)
         return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping)
+
+    @classmethod
+    def from_craig_bampton(
+        cls,
+        mass: Any,
+        stiffness: Any,
+        boundary: Any,
+        *,
+        axes: Any = None,
+        origin: Any = None,
+        modes: int | None = None,
+        damping: float = 0.0,
+        nodes: Sequence[ModalNode] = (),
+    ) -> ModalData:
+        """The slowest modes (None: all) of a body handed over as boundary and modal freedoms: NASTRAN's mxx and kxx,
+        or maa and kaa, of an external superelement.
+
+        M, K (6 N + n, 6 N + n): six freedoms of each boundary node at `boundary` (N, 3) [m], in `axes` (N, 3, 3)
+        (None: the body's), then n modal freedoms. A rigid interface holds the nodes; the attachment point is `origin`
+        (3,) (None: their mean). `nodes`: named points with shapes and turns by modal freedom (rows of the recovery
+        matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and frequencies are
+        exact; `craig_bampton` says what the matrices do not hold.
+
+        >>> ModalData.from_craig_bampton(mxx, kxx, boundary=[[0.0, 0.0, 0.0]], modes=6, damping=0.01)
+        """
+        return cls(**craig_bampton(mass, stiffness, boundary, axes, origin, modes, damping, nodes))
