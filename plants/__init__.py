@@ -3,6 +3,7 @@
 if __name__ != "pliant.plants":
     raise ImportError("this folder is installed as pliant.plants: write `import pliant.plants`")
 
+import pliant.plants.tables.tree_files  # noqa: F401  what FlexibleTree reads and writes
 from pliant.plants import beams
 from pliant.plants.arms.single_link import SingleLinkArm
 from pliant.plants.arms.two_link import TwoLinkArm
@@ -38,6 +39,7 @@ from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
 from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
+from pliant.plants.tables.plant_types import register
 
 __all__ = [
     "Appendage",
@@ -82,6 +84,7 @@ __all__ = [
     "Wheel",
     "beams",
     "paper_terms",
+    "register",
     "step_limit",
 ]
 

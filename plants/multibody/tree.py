@@ -19,8 +19,9 @@ Source   R. Featherstone, "Rigid Body Dynamics Algorithms" (2008), composite bod
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -43,11 +44,13 @@ from pliant.plants.validity.ranges import Range
 from .composite import mass_matrix
 from .elasticity import TreeElasticity
 from .from_urdf import bodies, platform, tell_repairs
-from .kinematics import drawn, poses, twists, weight_energy
+from .kinematics import drawn, in_plane, poses, twists, weight_energy
 from .layout import vector
 from .measurements import readings
 from .newton_euler import forces, pulls, work
 from .walk import Walk
+
+FILES: dict[str, Callable[..., Any]] = {}  # "read" and "write", filled by pliant.plants.tables, which imports this room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,6 +184,14 @@ class FlexibleTree(TreeElasticity):
             found += ranges_of(body.name, own, numbers, x[at], axial[k], turning[k].omega)
         return tuple(found)
 
+    @cached_property
+    def drawn_as(self) -> str:
+        """Lines of a plane, "links", where all joints turn or slide in the one that `outline` shows, else "tree"."""
+        still, plain = ca.SX.zeros(len(self.coordinates)), {"revolute", "prismatic"}
+        if self.base != "fixed" or not {joint.kind for joint in self.moving} <= plain:
+            return "tree"
+        return "links" if in_plane(self.nominal._walk(still, still), 1 if self.nominal.gravity[2] else 2) else "tree"
+
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
         else along z.
@@ -193,6 +204,20 @@ class FlexibleTree(TreeElasticity):
         own, n = self.nominal, len(self.coordinates)
         x, points = one_state(self, x), line_points(self, points)
         return drawn(own._walk(ca.SX(ca.DM(x[:n])), ca.SX(ca.DM(x[n:]))), points)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """The tree that `to_toml` wrote, or one written by hand: see `pliant.plants.tables.tree_files`.
+
+        >>> arm = FlexibleTree.from_toml("arm.toml")
+
+        ValueError names the file, the key, its value and what it must be; nothing in a file is executed.
+        """
+        return FILES["read"](cls, path)
+
+    def to_toml(self, path: str | Path) -> None:
+        """Write the fields that are not at their defaults, to the last bit. ValueError where one is an expression."""
+        FILES["write"](self, path)
 
     @classmethod
     def from_urdf(
