@@ -32,7 +32,7 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.multibody.tree import FlexibleTree
-from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, Joint, Sliding
+from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, FrameThruster, Joint, Sliding
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
@@ -50,6 +50,7 @@ __all__ = [
     "FlexibleSpacecraft",
     "FlexibleTree",
     "Frame",
+    "FrameThruster",
     "Hinge",
     "Hub",
     "InfeasibleError",
