@@ -25,6 +25,10 @@ from pliant.plants.core.signals import Signal
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.identification.csv_columns import read_experiment, write_experiment
+from pliant.plants.identification.experiment import Experiment
+from pliant.plants.identification.experiment_design import rank_motions
+from pliant.plants.identification.maximum_likelihood import identify
 from pliant.plants.integration.step_maps import step_limit
 from pliant.plants.large_deflection.large_beam import LargeDeflectionBeam
 from pliant.plants.large_deflection.transfer_matrices import TransferMatrices
@@ -47,6 +51,7 @@ __all__ = [
     "ElasticJoint",
     "Environment",
     "EquilibriumError",
+    "Experiment",
     "FlexibleSpacecraft",
     "FlexibleTree",
     "Frame",
@@ -84,9 +89,13 @@ __all__ = [
     "ValidityWarning",
     "Wheel",
     "beams",
+    "identify",
     "paper_terms",
+    "rank_motions",
+    "read_experiment",
     "register",
     "step_limit",
+    "write_experiment",
 ]
 
 imports.serve(

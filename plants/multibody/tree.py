@@ -118,6 +118,10 @@ class FlexibleTree(TreeElasticity):
         V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
         return V + self._spring_energy(q)
 
+    @property
+    def _written_out(self) -> bool:
+        return True
+
     def _driving(self, n: int, u: ca.SX) -> ca.SX:
         force = ca.SX.zeros(n)
         for k, (_, i) in enumerate(self._inputs):
@@ -210,11 +214,9 @@ class FlexibleTree(TreeElasticity):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """The tree that `to_toml` wrote, or one written by hand: see `pliant.plants.tables.tree_files`.
+        """The tree of a TOML file (plants/tables/tree_files.py). ValueError: file, key, value, what it must be.
 
         >>> arm = FlexibleTree.from_toml("arm.toml")
-
-        ValueError names the file, the key, its value and what it must be; nothing in a file is executed.
         """
         return FILES["read"](cls, path)
 

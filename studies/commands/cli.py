@@ -52,6 +52,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "scenes": scenes,
     "simulate": models.simulate,
     "linearize": models.linearize,
+    "identify": models.identify,
     "chart": fidelity.chart,
     "choose": fidelity.choose,
     "study": fidelity.study,

@@ -66,7 +66,7 @@ def damaged(name, rng):
         lines[k] = lines[k].replace(" = ", " ")
         return "\n".join(lines).encode(), [f"line {k + 1}: {lines[k][:20]!r}"[:-1], "must be TOML"]
     if kind == "cut":
-        return ("\n".join(lines[:k]) + "\n" + lines[k].split("=")[0] + "= ").encode(), [f"line {k + 1}", "must be TOML"]
+        return "\n".join([*lines[:k], lines[k].split("=")[0] + "= "]).encode(), [f"line {k + 1}", "must be TOML"]
     content = "\n".join(lines).encode()
     at = content.index(lines[k].encode())
     return content[:at] + bytes([rng.randrange(0x80, 0xC0)]) + content[at:], ["line", "must be UTF-8"]
