@@ -3,6 +3,7 @@
 if __name__ != "pliant.plants":
     raise ImportError("this folder is installed as pliant.plants: write `import pliant.plants`")
 
+import pliant.plants.tables.tree_files  # noqa: F401  what FlexibleTree reads and writes
 from pliant.plants import beams
 from pliant.plants.arms.single_link import SingleLinkArm
 from pliant.plants.arms.two_link import TwoLinkArm
@@ -35,13 +36,14 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.plants.multibody.tree import FlexibleTree
-from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, Joint, Sliding
+from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, FrameThruster, Joint, Sliding
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
 from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
+from pliant.plants.tables.plant_types import register
 
 __all__ = [
     "Appendage",
@@ -53,6 +55,7 @@ __all__ = [
     "FlexibleSpacecraft",
     "FlexibleTree",
     "Frame",
+    "FrameThruster",
     "Hinge",
     "Hub",
     "InfeasibleError",
@@ -90,6 +93,7 @@ __all__ = [
     "paper_terms",
     "rank_motions",
     "read_experiment",
+    "register",
     "step_limit",
     "write_experiment",
 ]

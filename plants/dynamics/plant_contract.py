@@ -273,7 +273,9 @@ class PlantContract(PhysicsContract):
 
     @property
     def drawn_as(self) -> str:
-        """Which renderer draws it: "links" (default), lines in the plane by `outline`, or "spacecraft"."""
+        """Which renderer draws it: "links" (default), lines in the plane by `outline`; "tree", lines in space; or
+        "spacecraft".
+        """
         return "links"
 
     def outline(self, x: Array, points: int = 30) -> Array | list[Array]:

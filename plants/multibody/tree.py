@@ -19,8 +19,9 @@ Source   R. Featherstone, "Rigid Body Dynamics Algorithms" (2008), composite bod
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -43,11 +44,13 @@ from pliant.plants.validity.ranges import Range
 from .composite import mass_matrix
 from .elasticity import TreeElasticity
 from .from_urdf import bodies, platform, tell_repairs
-from .kinematics import drawn, poses, twists, weight_energy
+from .kinematics import drawn, in_plane, poses, twists, weight_energy
 from .layout import vector
 from .measurements import readings
 from .newton_euler import forces, pulls, work
 from .walk import Walk
+
+FILES: dict[str, Callable[..., Any]] = {}  # "read" and "write", filled by pliant.plants.tables, which imports this room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,12 +84,15 @@ class FlexibleTree(TreeElasticity):
         joints, bent = entries(inner, slice(0, n)), entries(inner, slice(n, inner.shape[0]))
         return ca.vertcat(joints, ca.SX.zeros(len(self.motors)), bent)
 
-    def _wrenches(self, walk: Walk, w: ca.SX) -> dict[int, Wrench]:
-        """Disturbances on their places, in these's axes."""
-        found = {}
+    def _wrenches(self, walk: Walk, u: ca.SX, w: ca.SX) -> dict[int, Wrench]:
+        """Thrusts and disturbances on their places, in these's axes."""
+        found, first = dict[int, Wrench](), len(self._inputs)
+        for i, one in enumerate(self.thrusters):
+            found[self.tree.places[one.frame]] = Wrench(ca.DM(one.direction) * u[first + i], ca.SX.zeros(3))
         for i, place in enumerate(self.loads):
             k = self.tree.places[place]
-            found[k] = Wrench(walk.within(k, w[6 * i : 6 * i + 3]), walk.within(k, w[6 * i + 3 : 6 * i + 6]))
+            load = Wrench(walk.within(k, w[6 * i : 6 * i + 3]), walk.within(k, w[6 * i + 3 : 6 * i + 6]))
+            found[k] = found[k] + load if k in found else load
         return found
 
     def _mass_matrix(self, walk: Walk) -> ca.SX:
@@ -125,14 +131,14 @@ class FlexibleTree(TreeElasticity):
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         walk = self._walk(q, v)
-        return self._driving(v.shape[0], u) + self._all(work(walk, self._wrenches(walk, w)))
+        return self._driving(v.shape[0], u) + self._all(work(walk, self._wrenches(walk, u, w)))
 
     @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
         walk = self._walk(q, v)
-        inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, w)))
+        inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, u, w)))
         M, r = self._mass_matrix(walk), self._driving(v.shape[0], u) - self._resistance(q, v) - inertial
         M, r = ca.cse([M, r])
         return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
@@ -170,7 +176,7 @@ class FlexibleTree(TreeElasticity):
             M, r, _, _ = self.equations(t, x, u, w)
             k, m = ends(self.slots)[1], len(self.motors)
             a = _without(self.acceleration(M, r, u)[0], k, k + m)
-            loads = self._wrenches(walk, w)
+            loads = self._wrenches(walk, u, w)
             y += readings(walk, a, vector(self.gravity), loads, self.devices, at_places)
         return ca.vertcat(*y)
 
@@ -178,12 +184,20 @@ class FlexibleTree(TreeElasticity):
         """Small slopes and strains; without stiffening also the shortening and the axial force that it leaves out."""
         n, found = len(self.coordinates), list[Range]()
         walk = self._walk(x[:n], x[n:])
-        axial = pulls(walk, vector(self.gravity), self._wrenches(walk, w))
+        axial = pulls(walk, vector(self.gravity), self._wrenches(walk, u, w))
         turning = twists(walk)
         bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)
         for body, (k, own), (_, numbers), (_, at, _) in bent:
             found += ranges_of(body.name, own, numbers, x[at], axial[k], turning[k].omega)
         return tuple(found)
+
+    @cached_property
+    def drawn_as(self) -> str:
+        """Lines of a plane, "links", where all joints turn or slide in the one that `outline` shows, else "tree"."""
+        still, plain = ca.SX.zeros(len(self.coordinates)), {"revolute", "prismatic"}
+        if self.base != "fixed" or not {joint.kind for joint in self.moving} <= plain:
+            return "tree"
+        return "links" if in_plane(self.nominal._walk(still, still), 1 if self.nominal.gravity[2] else 2) else "tree"
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
@@ -197,6 +211,18 @@ class FlexibleTree(TreeElasticity):
         own, n = self.nominal, len(self.coordinates)
         x, points = one_state(self, x), line_points(self, points)
         return drawn(own._walk(ca.SX(ca.DM(x[:n])), ca.SX(ca.DM(x[n:]))), points)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """The tree of a TOML file (plants/tables/tree_files.py). ValueError: file, key, value, what it must be.
+
+        >>> arm = FlexibleTree.from_toml("arm.toml")
+        """
+        return FILES["read"](cls, path)
+
+    def to_toml(self, path: str | Path) -> None:
+        """Write the fields that are not at their defaults, to the last bit. ValueError where one is an expression."""
+        FILES["write"](self, path)
 
     @classmethod
     def from_urdf(

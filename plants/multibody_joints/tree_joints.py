@@ -40,6 +40,11 @@ class TreeJoints(TurningPlant):
 
     @property
     @abstractmethod
+    def thrusts(self) -> tuple[Signal, ...]:
+        """Inputs that act on no joint: thrusters, after the others."""
+
+    @property
+    @abstractmethod
     def floats(self) -> bool:
         """Whether the first joint is that of a free base."""
 
@@ -94,7 +99,7 @@ class TreeJoints(TurningPlant):
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
-        return tuple(signal for signal, _ in self._inputs)
+        return (*(signal for signal, _ in self._inputs), *self.thrusts)
 
     @property
     def driven(self) -> dict[int, int]:
