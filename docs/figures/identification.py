@@ -1,4 +1,4 @@
-"""Draw the picture of docs/identification.md from what its blocks compute: a fit that holds, and one that lacks damping."""
+"""Draw the picture of docs/identification.md from what its blocks compute: a fit that holds, one that lacks damping."""
 
 import re
 from pathlib import Path
