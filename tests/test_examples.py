@@ -110,6 +110,10 @@ assert abs(drop["tip_v"][-1] + 6.7742) < 1e-3  # m at 1.54 s, tests/reference/la
 assert np.ptp(quiet["tip_deflection"][times > 1.5]) < 0.01 * np.ptp(slew["tip_deflection"][times > 1.5])
 assert abs(bend).max() < 0.006 + 1e-6
 """
+IDENTIFIED = """
+assert found.trusted and all(low < high for low, high in found.intervals.values()) and not wrong.trusted
+assert set(pair.unidentifiable[0].names) == {"link.E", "link.I_z"} and ranking.best.name == "10 Hz"
+"""
 
 
 @pytest.mark.parametrize(
@@ -117,6 +121,7 @@ assert abs(bend).max() < 0.006 + 1e-6
     [
         pytest.param("README.md", 4, README_CHECKS, id="README"),
         pytest.param("docs/methods.md", 12, METHODS_CHECKS, id="methods", marks=pytest.mark.docs),
+        pytest.param("docs/identification.md", 4, IDENTIFIED, id="identification", marks=pytest.mark.docs),
     ],
 )
 def test_blocks_run_in_order(page, least, checks, alone, tmp_path_factory) -> None:

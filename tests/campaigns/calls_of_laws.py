@@ -158,6 +158,8 @@ REASONS = {  # patterns of module and name
     "studies.effectivity.*": RESULT,
     "studies.fidelity.choice.*": RESULT,
     "studies.fidelity.climb.*": INNER,
+    "studies.identification.scene_data.*": INNER,
+    "studies.identification.residual_plot.residual_plot": "takes what identify gives, by its gate",
     "studies.physics.block_collocation.*": INNER,
     "studies.physics.effects.*": INNER,
     "studies.fidelity.integrators.*": INNER,
