@@ -81,7 +81,7 @@ def spacecraft_orbit() -> Scene:
     wheels = tuple(Wheel(axis=tuple(float(i == k) for i in range(3)), inertia=0.01) for k in range(3))  # type: ignore[arg-type]
     craft = FlexibleSpacecraft(
         hub=Hub(mass=1000.0, inertia=(1000.0, 1600.0, 700.0), wheels=wheels),
-        appendages=panels(ALONG_Y, hinge, plate, known=1),
+        appendages=panels(ALONG_Y, hinge, plate, known=2),
         kinematics="linear",
         translation=False,
         environment=Environment(orbit=Orbit(rate=rate), sun=Sun(direction=(0.0, 0.0, -1.0))),

@@ -24,6 +24,7 @@ from pliant.plants.core.errors import StabilityLimitError
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
+from pliant.plants.motions.observations import slopes_at_rows
 from pliant.plants.native.single_point import OftenCalled
 
 FAR_WITHIN = 0.5  # of what is damped for sure: steps so small are far within
@@ -234,8 +235,7 @@ def doubtful(plant: PlantLike, x: np.ndarray, method: str, steps: np.ndarray, u:
     within = damped_within(method)
 
     def slopes_at(rows: Any) -> np.ndarray:
-        found: np.ndarray = plant._jacobians(0.0, x[rows], u[rows], np.zeros(plant.nw), p, batch=len(rows))[0]
-        return found
+        return slopes_at_rows(plant)((0.0, x[rows], u[rows], np.zeros(plant.nw), p), len(rows))
 
     few = np.unique([0, len(x) // 2, len(x) - 1])
     if (steps[few] * at_most(slopes_at(few)) <= FAR_WITHIN * within).all():

@@ -1,4 +1,5 @@
-"""What is seen on a motion: dx/dt and outputs at all its rows, in one native call over vectors of lanes where it pays.
+"""What is seen on a motion: dx/dt, outputs and df/dx at all its rows, in one native call over vectors of lanes where it
+pays.
 
 After compiled steps this is most of what a motion costs: a row takes the virtual machine as long as four such steps.
 """
@@ -6,7 +7,7 @@ After compiled steps this is most of what a motion costs: a row takes the virtua
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from typing import Any
 
@@ -26,23 +27,61 @@ DOUBLE = np.dtype(float)
 LANES = kernel_templates.LANES[DOUBLE]
 
 
+class Rows:
+    """What a CasADi function of (t, x, u, w, p) gives at many rows, in one native call where it pays.
+
+    `function()` is written as C when it is compiled; `equations()` is what tells it apart, `count()` its operations.
+    """
+
+    def __init__(
+        self,
+        plant: PlantLike,
+        kind: str,
+        function: Callable[[], ca.Function],
+        equations: Callable[[], ca.Function],
+        count: Callable[[], int],
+    ) -> None:
+        self._sizes_in = [s.shape[0] for s in plant.symbols]
+        self.kernel = OnDemand(
+            equations,
+            count,
+            kind,
+            lambda path: Kernel(path, DOUBLE, LANES),
+            lambda: kernel_templates.map_source(function(), DOUBLE),
+            lambda: [Trial(of_function(function()), partial(random_points, plant))],
+            f"{kind} of {type(plant).__name__} ({plant.label})",
+            LANES,
+        )
+
+    def __call__(
+        self, values: Sequence[Any], batch: int, sizes: Sequence[int], interpreted: Callable[[], list[Array]]
+    ) -> list[Array]:
+        """Its outputs [(batch, n) ..] of the `sizes` n, or what `interpreted` gives, whose time counts."""
+        native = self.kernel.library(expected := self.kernel.seconds_of_rows(batch))
+        if native is None:
+            began = clock.perf_counter()
+            found = interpreted()
+            self.kernel.spent += min(clock.perf_counter() - began, 2 * expected)  # not what building it took
+            return found
+        lanes = -(-batch // LANES) * LANES
+        inputs = [np.zeros((n, lanes)) for n in self._sizes_in]
+        for array, value in zip(inputs, values):
+            array[:, :batch] = np.atleast_2d(value).T
+            array[:, batch:] = array[:, :1]
+        outputs = [np.zeros((n, lanes)) for n in sizes]
+        native(inputs, outputs)
+        return [np.ascontiguousarray(a[:, :batch].T) for a in outputs]
+
+
 class Observer:
     """All that `_dynamics` and `_output` of a plant give, at rows (t, x, u, w, p)."""
 
     def __init__(self, plant: PlantLike) -> None:
         self.plant, self._parts = plant, (plant._dynamics._function, plant._output._function)
-        self._sizes_in = [self._parts[0].size1_in(k) for k in range(self._parts[0].n_in())]
-        self._rows = [f.size1_out(k) for f in self._parts for k in range(f.n_out())]
-        self.kernel = OnDemand(
-            self._told_apart,
-            lambda: sum(f.n_instructions() for f in self._parts),
-            "observed",
-            lambda path: Kernel(path, DOUBLE, LANES),
-            lambda: kernel_templates.map_source(self._joined(), DOUBLE),
-            lambda: [Trial(of_function(self._joined()), partial(random_points, plant))],
-            f"rates and outputs of {type(plant).__name__} ({plant.label})",
-            LANES,
-        )
+        self._sizes = [f.size1_out(k) for f in self._parts for k in range(f.n_out())]
+        count = sum(f.n_instructions() for f in self._parts)
+        self._rows = Rows(plant, "rates and outputs", self._joined, self._told_apart, lambda: count)
+        self.kernel = self._rows.kernel
 
     def _told_apart(self) -> ca.Function:
         """What says which equations these are, without looking for what both parts have in common."""
@@ -57,21 +96,42 @@ class Observer:
 
     def __call__(self, values: Sequence[Any], batch: int) -> tuple[list[Array], list[Array]]:
         """What `_dynamics` and what `_output` gives, for a batch of rows."""
-        native = self.kernel.library(expected := self.kernel.seconds_of_rows(batch))
-        if native is None:
-            began = clock.perf_counter()
-            found = self.plant._dynamics(*values, batch=batch), self.plant._output(*values, batch=batch)
-            self.kernel.spent += min(clock.perf_counter() - began, 2 * expected)  # not what building them took
-            return found
-        lanes = -(-batch // LANES) * LANES
-        inputs = [np.zeros((n, lanes)) for n in self._sizes_in]
-        for array, value in zip(inputs, values):
-            array[:, :batch] = np.atleast_2d(value).T
-            array[:, batch:] = array[:, :1]
-        outputs = [np.zeros((n, lanes)) for n in self._rows]
-        native(inputs, outputs)
-        results = [np.ascontiguousarray(a[:, :batch].T) for a in outputs]
-        return results[: self._parts[0].n_out()], results[self._parts[0].n_out() :]
+        plant, first = self.plant, self._parts[0].n_out()
+
+        def interpreted() -> list[Array]:
+            return [*plant._dynamics(*values, batch=batch), *plant._output(*values, batch=batch)]
+
+        found = self._rows(values, batch, self._sizes, interpreted)
+        return found[:first], found[first:]
 
 
-observer = lru_cache(maxsize=64)(Observer)
+class Slopes:
+    """df/dx of a plant at rows (t, x, u, w, p): what a motion's steps are held against."""
+
+    def __init__(self, plant: PlantLike) -> None:
+        self.plant = plant
+        self._rows = Rows(
+            plant,
+            "slopes",
+            self._function,
+            lambda: plant._dynamics._function,
+            lambda: plant._jacobians._function.n_instructions(),
+        )
+        self.kernel = self._rows.kernel
+
+    def _function(self) -> ca.Function:
+        nx, symbols = self.plant.nx, list(self.plant.symbols)
+        slopes = ca.densify(ca.cse(self.plant.slopes()[:, :nx]))
+        return ca.Function("slopes", symbols, [ca.vec(slopes.T)])  # row by row
+
+    def __call__(self, values: Sequence[Any], batch: int) -> Array:
+        """(batch, nx, nx)."""
+        nx = self.plant.nx
+
+        def interpreted() -> list[Array]:
+            return self.plant._jacobians(*values, batch=batch)[:1]
+
+        return self._rows(values, batch, (nx * nx,), interpreted)[0].reshape(batch, nx, nx)
+
+
+observer, slopes_at_rows = lru_cache(maxsize=64)(Observer), lru_cache(maxsize=64)(Slopes)

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import time as clock
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pliant.plants import LinearModel, Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.signals import GAUSS
+from pliant.plants.linear import modal_analysis
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics.physics_motion import compared
@@ -34,11 +35,16 @@ class NoLinearModel(PliantError):
 
 @dataclass(frozen=True, eq=False)
 class LinearRun:
-    """play() gives the compared outputs (nt, n); `made` [s] is what the model took; its states."""
+    """play() gives the compared outputs (nt, n); `made` [s] is what the model took; its states.
+
+    rms_bound [unit of the outputs]: of a reduced model, what their root mean square over the motion can differ by at
+    most from the linear model with all states, known before either is played.
+    """
 
     play: Callable[[], Array]
     made: float
     states: int
+    rms_bound: float | None = None
 
 
 def simplifies(motions: Motions, plant: Plant, kind: str) -> bool:
@@ -101,16 +107,28 @@ def _about_start(motions: Motions, plant: Plant, half: bool) -> LinearRun:
     left = operating_point.residual(model)
     if left:
         raise NoLinearModel(f"no linear model: the start is no equilibrium, {left}")
+    du, bound = motions.held - u0, None
     if half:
-        model = _halved(model)
-    du, zero, at_start = motions.held - u0, np.zeros(len(model.states)), model.y0[columns]
+        gain, model = _halved(model, columns)
+        bound = gain * float(np.linalg.norm(du[:-1])) / np.sqrt(scene.steps) if np.isfinite(gain) else None
+    zero, at_start = np.zeros(len(model.states)), model.y0[columns]
     made = clock.perf_counter() - began
-    return LinearRun(lambda: at_start + model.simulate(zero, du, scene.times)[1][:, columns], made, len(model.states))
+
+    def play() -> Array:
+        return at_start + model.simulate(zero, du, scene.times)[1][:, columns]
+
+    return LinearRun(play, made, len(model.states), bound)
 
 
-def _halved(model: LinearModel) -> LinearModel:
-    n = len(model.states)
+def _halved(model: LinearModel, columns: Sequence[int]) -> tuple[float, LinearModel]:
+    """The model, and by how much the gain from its inputs to the compared outputs is off at any frequency.
+
+    No motion's outputs are further off in their L2 norm than as many times its inputs': Antoulas, Approximation of
+    Large-Scale Dynamical Systems, section 5.1.
+    """
+    order = 2 * -(-len(model.states) // 4)
     try:
-        return model.reduce(2 * -(-n // 4), "modal")
+        *_, gain = modal_analysis.truncation(model.A, model.B, model.C[columns], order, "modal", None)
+        return gain, model.reduce(order, "modal")
     except ValueError as reason:
         raise NoLinearModel(f"no linear model: {reason}") from None

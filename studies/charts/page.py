@@ -73,6 +73,8 @@ def _lines(chart: Chart, row: Row) -> list[str]:
         lines.append(f"{measured(row.step_error, chart.unit)} of it by the step")
     if row.made is not None:
         lines.append(f"the model took {number(row.made * 1e3)} ms per simulated second to make")
+    if row.rms_bound is not None:
+        lines.append(f"at most {measured(row.rms_bound, chart.unit)} rms from the linear model with all states")
     if row.native is False and row.path != "linear":
         lines.append("on the virtual machine")
     return [*lines, "on the Pareto front"] if row.pareto else lines

@@ -165,7 +165,7 @@ class Runner:
             began = clock.perf_counter()
             run.play()
             times.append(clock.perf_counter() - began)
-        row = dataclasses.replace(row, states=run.states, made=run.made / self.duration)
+        row = dataclasses.replace(row, states=run.states, made=run.made / self.duration, rms_bound=run.rms_bound)
         return self._told(plant, row, outputs, times, native=False)
 
     def _told(self, plant: Plant, row: Row, outputs: np.ndarray, times: Sequence[float], native: bool) -> Row:

@@ -81,6 +81,7 @@ class Row:
     precision: str = "double"
     native: bool | None = None  # whether compiled code ran
     made: float | None = None  # what making a linear model took, per simulated second, its nominal motion included
+    rms_bound: float | None = None  # of a reduced linear model, a priori, from the linear model with all states
 
     @property
     def setting(self) -> str:

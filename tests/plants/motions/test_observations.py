@@ -7,7 +7,7 @@ from oscillators import Oscillator, Scalar
 from pliant.plants import MassMatrixError, SingleLinkArm
 from pliant.plants.core.errors import NotFiniteWarning
 from pliant.plants.motions import compile_rule
-from pliant.plants.motions.observations import Observer, observer
+from pliant.plants.motions.observations import Observer, Slopes, observer
 from pliant.plants.native import kernel_loader
 
 pytestmark = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
@@ -51,3 +51,20 @@ def test_few_rows_stay_on_the_virtual_machine_and_are_counted():
     own(values, 3)
     assert own.kernel.spent > 0.0 and not own.kernel.compiled
     assert observer(Oscillator(omega=np.e)) is observer(Oscillator(omega=np.e))
+
+
+@pytest.mark.parametrize("plant", [Oscillator(), SingleLinkArm.textbook()], ids=str)
+def test_slopes_are_the_virtual_machines_row_by_row(at_once, plant):
+    rng = np.random.default_rng(5)
+    values = (
+        0.0,
+        0.1 * rng.normal(size=(9, plant.nx)),
+        rng.normal(size=(9, plant.nu)),
+        np.zeros(plant.nw),
+        np.zeros(0),
+    )
+    own = Slopes(plant)
+    found = own(values, 9)
+    assert own.kernel.compiled or own.kernel._library is not None
+    wanted = plant._jacobians(*values, batch=9)[0]
+    np.testing.assert_allclose(found, wanted, rtol=1e-10, atol=1e-10 * np.abs(wanted).max())

@@ -40,6 +40,15 @@ def test_about_the_start_is_exact_for_small_motions():
     assert half.states == 6 and np.abs(half.play() - small.converged(LADDER[-1])).max() < 3e-2 * size
 
 
+@pytest.mark.parametrize("rung", [1, 2, -1])
+def test_half_the_states_err_by_no_more_than_told_beforehand(rung):
+    """Of the linear model with all states, in the root mean square; the worst input for the bound is another one."""
+    whole, half = (linear_run(MOTIONS, LADDER[rung], kind) for kind in ("linear", "reduced"))
+    off = np.sqrt(np.square(half.play() - whole.play()).sum(axis=1).mean())
+    assert whole.rms_bound is None
+    assert 1e-4 * half.rms_bound < off <= half.rms_bound
+
+
 def test_a_start_that_is_no_equilibrium_says_so():
     falling = Motions(scenes.get("cantilever-drop", duration=0.2))
     with pytest.raises(NoLinearModel, match=r"no linear model: the start is no equilibrium, d\("):
