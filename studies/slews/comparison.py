@@ -15,7 +15,8 @@ import numpy as np
 from pliant.controllers import Shaper
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Trajectory
-from pliant.plants.core.argument_gates import require_instance, require_names
+from pliant.plants.core.argument_gates import require_count, require_instance, require_names
+from pliant.plants.dynamics.mechanical import MechanicalPlant
 from pliant.plants.integration.minimum_jerk import PROFILES, profile_of
 
 ROUNDED = 1e-12  # [of the largest] energy below which rounding is all there is
@@ -53,18 +54,20 @@ def compare_slews(
         profile_of("compare_slews", name)
     if shaper is not None:
         require_instance("compare_slews.shaper", shaper, Shaper)
+    points = require_count("compare_slews", "points", points, 2, 10_000_000)
     ends = scene.move_time + (0.0 if shaper is None else shaper.duration)
     if not ends < scene.duration:
         raise ValueError(f"compare_slews.scene: duration = {scene.duration:g} s must be above {ends:g} s, the motion's")
     rigid = scene.with_plant(scene.plant.ladder()[0])
     begin, end = rigid.initial[0], rigid.target[0]
-    rest = float(scene.plant.energy(scene.target[0]))
+    plant = require_instance("compare_slews.scene: plant", scene.plant, MechanicalPlant)
+    rest = float(plant.energy(scene.target[0]))
     t = np.linspace(0.0, scene.duration, points)
     found = []
     for name in names:
         u = rigid.plant.rest_to_rest(begin, end, scene.move_time, profile=name)
-        motion = scene.plant.simulate(scene.initial[0], _shaped(u, shaper), t, rtol=1e-8, atol=1e-10)
-        energy = np.asarray(scene.plant.energy(motion.x)) - rest
+        motion = plant.simulate(scene.initial[0], _shaped(u, shaper), t, rtol=1e-8, atol=1e-10)
+        energy = np.asarray(plant.energy(motion.x)) - rest
         left = float(energy[t >= ends].mean())
         least = ROUNDED * float(np.abs(energy).max(initial=0.0))
         found.append(Slew(name, motion, float(np.abs(motion.u).max()), energy, max(left, least), ends))
