@@ -52,7 +52,7 @@ class ModalData(ModalFields):
         """From a data sheet: modes of unit mass, their factors about the attachment point (`data_sheet`).
 
         centre (3,) [m], inertia (3, 3) [kg m^2] there, frequencies (n,) [rad/s], damping a ratio or (n,),
-        L_translation (n, 3) [kg^0.5] (None: zero) and L_rotation (n, 3) [kg^0.5 m].
+        L_translation (n, 3) [kg^0.5] (None: zero), L_rotation (n, 3) [kg^0.5 m]. Its tip moves rigidly: no shapes.
         """
         return cls(**from_participation(mass, centre, inertia, frequencies, damping, L_translation, L_rotation))
 

@@ -144,6 +144,8 @@ REASONS = {  # patterns of module and name
     "studies.closed_loop.*": "a part of scoreboard and report",
     "studies.monte_carlo.monte_carlo.MonteCarlo*": RESULT,
     "studies.monte_carlo.trial*": INNER,
+    "studies.slews.comparison.Slew": RESULT,
+    "studies.slews.picture*": DRAWN,
     "studies.charts.gallery.index": DRAWN,
     "studies.charts.gallery.counted": DRAWN,
     "studies.charts.kept_rows*": INNER,
