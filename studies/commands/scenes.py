@@ -18,8 +18,8 @@ def scenes(as_json: AsJson = False) -> None:
     for name in known.names():
         try:
             found.append(known.get(name))
-        except ValueError as reason:  # another package's
-            refused.append(str(reason))
+        except ValueError as error:  # another package's
+            refused.append(str(error))
     if as_json:
         print_json([scene_table(s) for s in found])
     else:
