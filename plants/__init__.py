@@ -9,6 +9,7 @@ from pliant.plants.arms.two_link import TwoLinkArm
 from pliant.plants.arms.two_link_paper_terms import Terms, paper_terms
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam, Material
+from pliant.plants.contract.check import check
 from pliant.plants.core import imports
 from pliant.plants.core.errors import (
     EquilibriumError,
@@ -81,6 +82,7 @@ __all__ = [
     "ValidityWarning",
     "Wheel",
     "beams",
+    "check",
     "paper_terms",
     "register",
     "step_limit",
