@@ -88,7 +88,9 @@ def check(plant: Plant, *, points: int = 4, seed: int = 0) -> Checked:
             told["energy"], wrong = equations.energy_balance(plant, at)
             return wrong
 
-        clause("mass matrix", lambda: equations.wrong_masses(plant, at), lambda: "symmetric, positive definite, or none")
+        clause(
+            "mass matrix", lambda: equations.wrong_masses(plant, at), lambda: "symmetric, positive definite, or none"
+        )
         clause("derivatives", slopes, lambda: told["slopes"])
         clause("energy", energy, lambda: told["energy"])
         clause("names", lambda: declared_names.wrong_names(plant), lambda: _answers(plant))
