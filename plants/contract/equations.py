@@ -45,7 +45,7 @@ def wrong_sizes(plant: Plant, at: list[dict[str, Any]]) -> Iterator[str]:
         if expression.shape != (size, 1):
             yield f"{what} has {expression.numel()} entries, must have {size}: one for each signal"
             return
-    for point in [dict(t=0.0, x=plant.rest_state, u=np.zeros(plant.nu), w=None, p=None), *at]:
+    for point in [{"t": 0.0, "x": plant.rest_state, "u": np.zeros(plant.nu), "w": None, "p": None}, *at]:
         for what, values, signals in (
             ("ode", plant.dynamics(**point), plant.states),
             ("output", plant.measure(**point), plant.outputs),
@@ -123,8 +123,8 @@ def energy_balance(plant: Plant, at: list[dict[str, Any]]) -> tuple[str, list[st
             if not apart <= APART:
                 best = change[int(np.argmin(np.abs(change - expected)))]
                 return "", [
-                    f"energy changes by {best:.6g} W at x = {point['x']}, but {expected:.6g} W are put in less lost: they "
-                    "must agree, as where T is quadratic in the rates and forces are in generalized_force"
+                    f"energy changes by {best:.6g} W at x = {point['x']}, but {expected:.6g} W are put in less "
+                    "lost: they must agree, as where T is quadratic in the rates and forces are in generalized_force"
                 ]
         elif change.min() > APART * float(np.abs(change).max()) and change.min() > 1e-9:
             return "", [f"energy grows by {change.min():.4g} W at x = {point['x']} without an input, must not grow"]
@@ -150,7 +150,7 @@ def wrong_masses(plant: Plant, at: list[dict[str, Any]]) -> Iterator[str]:
             yield f"mass_matrix at x = {point['x']} must be symmetric"
         least = float(np.linalg.eigvalsh((M + M.T) / 2)[0])
         if not least > 0:
-            yield f"mass_matrix has the eigenvalue {least:.3g} at x = {point['x']}, must be > 0: a coordinate has no mass"
+            yield f"mass_matrix has the eigenvalue {least:.3g} at x = {point['x']}, must be > 0: something has no mass"
         if hasattr(plant, "kinetic"):
             v = point["x"][len(own.coordinates) :]
             told, form = float(own.kinetic(point["x"], p=point["p"])), 0.5 * float(v @ M @ v)
@@ -167,7 +167,7 @@ def wrong_outline(plant: Plant, at: list[dict[str, Any]]) -> Iterator[str]:
         found = plant.outline(x, 7)
         lines = [np.asarray(line) for line in found]
         if plant.drawn_as == "links" and any(line.shape != (7, 2) for line in lines):
-            yield f"outline(x, 7) has lines of shape {lines[0].shape}, must be (links, 7, 2): as many points as asked for"
+            yield f"outline(x, 7) has lines of shape {lines[0].shape}, must be (links, 7, 2): the points asked for"
             return
         if not all(np.isfinite(line).all() for line in lines):
             yield f"outline at x = {x} must be finite"

@@ -74,8 +74,8 @@ def named(owner: str, name: str) -> type[Plant]:
         return _registered[name]
     if name not in _offered():
         raise ValueError(
-            f"{owner} = {shown(name)} must be one of {', '.join(names())}, or registered: `pliant --with FILE.py` runs a "
-            "file of your own first"
+            f"{owner} = {shown(name)} must be one of {', '.join(names())}, or registered: `pliant --with FILE.py` runs "
+            "a file of your own first"
         )
     entry = _offered()[name]
     try:

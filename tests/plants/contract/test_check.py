@@ -130,5 +130,5 @@ def test_plain_dynamics_in_any_order_of_states():
     cart = Spring()
     assert cart.rates == {"x": "v"} and [(j.input, j.position) for j in cart.joints] == [("force", "x")]
     assert cart.ladder() == (cart,) and dict(check(cart).found)["energy"] == "energy does not grow without an input"
-    with pytest.raises(ContractError, match="energy grows by .* without an input"):
+    with pytest.raises(ContractError, match=r"energy grows by .* without an input"):
         check(Spring(gain=0.5))
