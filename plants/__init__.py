@@ -10,6 +10,7 @@ from pliant.plants.arms.two_link import TwoLinkArm
 from pliant.plants.arms.two_link_paper_terms import Terms, paper_terms
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam, Material
+from pliant.plants.contract.check import check
 from pliant.plants.core import imports
 from pliant.plants.core.errors import (
     EquilibriumError,
@@ -91,6 +92,7 @@ __all__ = [
     "ValidityWarning",
     "Wheel",
     "beams",
+    "check",
     "identify",
     "paper_terms",
     "rank_motions",
