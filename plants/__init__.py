@@ -10,6 +10,7 @@ from pliant.plants.arms.two_link import TwoLinkArm
 from pliant.plants.arms.two_link_paper_terms import Terms, paper_terms
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.section import Beam, Material
+from pliant.plants.contract.check import check
 from pliant.plants.core import imports
 from pliant.plants.core.errors import (
     EquilibriumError,
@@ -35,8 +36,9 @@ from pliant.plants.large_deflection.transfer_matrices import TransferMatrices
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.modal_data.modal_fields import ModalNode
 from pliant.plants.multibody.tree import FlexibleTree
-from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, Joint, Sliding
+from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, FrameThruster, Joint, Sliding
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
@@ -55,6 +57,7 @@ __all__ = [
     "FlexibleSpacecraft",
     "FlexibleTree",
     "Frame",
+    "FrameThruster",
     "Hinge",
     "Hub",
     "InfeasibleError",
@@ -67,6 +70,7 @@ __all__ = [
     "MassMatrixError",
     "Material",
     "ModalData",
+    "ModalNode",
     "Orbit",
     "Payload",
     "Plant",
@@ -88,6 +92,7 @@ __all__ = [
     "ValidityWarning",
     "Wheel",
     "beams",
+    "check",
     "identify",
     "paper_terms",
     "rank_motions",

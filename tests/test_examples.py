@@ -110,6 +110,21 @@ assert abs(drop["tip_v"][-1] + 6.7742) < 1e-3  # m at 1.54 s, tests/reference/la
 assert np.ptp(quiet["tip_deflection"][times > 1.5]) < 0.01 * np.ptp(slew["tip_deflection"][times > 1.5])
 assert abs(bend).max() < 0.006 + 1e-6
 """
+IDENTIFIED = """
+assert found.trusted and all(low < high for low, high in found.intervals.values()) and not wrong.trusted
+assert set(pair.unidentifiable[0].names) == {"link.E", "link.I_z"} and ranking.best.name == "10 Hz"
+"""
+GNC_CHECKS = """
+from pathlib import Path
+closed = [0.8305173808, 1.1186408217, 1.9036343593, 2.5981417890]  # tests/plants/modal_data/test_data_sheet.py
+assert np.allclose(craft.natural_frequencies(), closed, rtol=1e-9)
+assert 0 < len(study.unstable) < 10 and not study.failures and len(study.rows) == 200
+left = {slew.profile: slew.left for slew in slews}
+assert left["jerk-limited"] < left["minimum-jerk"] < left["bang-bang"]
+written = ("acs.c", "acs.h", "acs.mat", "craft.npz", "craft_step.c", "craft_step.h", "slews.png")
+assert all(Path(name).stat().st_size > 500 for name in written)
+[Path(name).unlink() for name in written]
+"""
 
 
 @pytest.mark.parametrize(
@@ -117,6 +132,8 @@ assert abs(bend).max() < 0.006 + 1e-6
     [
         pytest.param("README.md", 4, README_CHECKS, id="README"),
         pytest.param("docs/methods.md", 12, METHODS_CHECKS, id="methods", marks=pytest.mark.docs),
+        pytest.param("docs/identification.md", 4, IDENTIFIED, id="identification", marks=pytest.mark.docs),
+        pytest.param("docs/gnc.md", 4, GNC_CHECKS, id="gnc", marks=pytest.mark.docs),
     ],
 )
 def test_blocks_run_in_order(page, least, checks, alone, tmp_path_factory) -> None:
@@ -125,6 +142,13 @@ def test_blocks_run_in_order(page, least, checks, alone, tmp_path_factory) -> No
     script = tmp_path_factory.mktemp("blocks") / "script.py"
     script.write_text("\n".join([*found, checks]), encoding="utf-8")
     alone(script)
+
+
+def test_a_data_sheet_takes_twelve_lines() -> None:
+    """To margins with a notch, 200 runs over the frequencies, .mat and C, imports apart, none longer than our own."""
+    lines = [line for line in blocks(ROOT / "docs" / "gnc.md")[0].splitlines() if line]
+    counted = [line for line in lines if not line.startswith(("import ", "from "))]
+    assert len(counted) <= 12 and max(map(len, lines)) <= 120
 
 
 def test_methods_pictures_are_those_that_the_script_draws() -> None:

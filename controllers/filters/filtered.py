@@ -47,7 +47,7 @@ class Filtered(OwnsArrays):
     @property
     def dt(self) -> float | None:
         """The law's period [s]."""
-        return self.law.dt  # type: ignore[no-any-return]
+        return self.law.dt
 
     @property
     def reads(self) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
+from pliant.plants import Plant
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.signals import OwnsArrays
 
@@ -53,15 +54,19 @@ class Renderer(OwnsArrays):
         goal = scene.plant.outline(scene.target[0])
         if not len(goal):
             raise ValueError(f"scene {scene.name!r}: its plant {type(scene.plant).__name__} has no outline to draw")
-        reach = sum(np.linalg.norm(np.diff(link, axis=0), axis=1).sum() for link in goal)
+        reach = float(sum(np.linalg.norm(np.diff(link, axis=0), axis=1).sum() for link in goal))
         axes = self.axes = self.figure.add_axes((0, 0, 1, 1))
-        axes.set(xlim=(-1.25 * reach, 1.25 * reach), ylim=(-1.33 * reach, 1.17 * reach), aspect="equal")
+        start = np.concatenate([*scene.plant.outline(scene.initial[0]), *goal])
+        self._stands = _root_stands(scene.plant, goal[0][0], reach)
+        self._frame = np.array([goal[0][0] - reach, goal[0][0] + reach])  # (2, 2): least and most
+        if not self._stands:
+            self._frame = np.array([start.min(axis=0), start.max(axis=0)])
+        self._least = reach
+        self._look()
+        axes.set(aspect="equal")
         axes.axis("off")
-        angle = np.linspace(0, 2 * np.pi, 181)
-        circle = reach * np.column_stack([np.cos(angle), np.sin(angle)])
-        axes.plot(*circle.T, color=PALE, lw=1, zorder=0)
-        for direction in np.eye(2):
-            axes.plot(*np.outer(direction, (-reach, reach)), color=PALE, lw=1, zorder=0)
+        if self._stands:
+            self._draw_reach(goal[0][0], reach)
         if scene.goal_at_rest:  # a goal that moves has no shape of its own
             for link in goal:
                 axes.plot(*link.T, color=GOAL, lw=2, ls=(0, (3, 2)), alpha=0.7, zorder=1)
@@ -72,7 +77,8 @@ class Renderer(OwnsArrays):
         self._links = [
             axes.plot([], [], color=LINKS[i % len(LINKS)], lw=max(9 - 2 * i, 4), **style)[0] for i in range(len(goal))
         ]
-        axes.plot(0, 0, "s", ms=24, color=INK, zorder=3)
+        size = 24 if self._stands else 15
+        (self._root,) = axes.plot(*goal[0][0], "s", ms=size, color=INK, zorder=3)
         thin: dict[str, Any] = {"color": INK, "lw": 0.8, "ls": (0, (4, 3)), "zorder": 3}
         self._tangents = [axes.plot([], [], **thin)[0] for _ in goal]  # where an unbent link would lie
         (self._joints,) = axes.plot([], [], "o", ms=11, mfc="white", mec=INK, mew=2.2, zorder=5)
@@ -82,6 +88,27 @@ class Renderer(OwnsArrays):
         axes.text(0.03, 0.975, about, linespacing=1.4, **text)
         self._status = axes.text(0.97, 0.975, "", ha="right", linespacing=1.4, **text)
         self._bars = [self._bar(0.035 + 0.04 * i, s.name) for i, s in enumerate(reversed(scene.plant.inputs))]
+
+    def _draw_reach(self, root: np.ndarray, reach: float) -> None:
+        """How far an arm on a base can reach."""
+        angle = np.linspace(0, 2 * np.pi, 181)
+        self.axes.plot(*(root + reach * np.column_stack([np.cos(angle), np.sin(angle)])).T, color=PALE, lw=1, zorder=0)
+        for direction in np.eye(2):
+            self.axes.plot(*(root[:, None] + np.outer(direction, (-reach, reach))), color=PALE, lw=1, zorder=0)
+
+    def _look(self) -> None:
+        """Show the frame, with room around it for the words."""
+        half = max(float(np.ptp(self._frame, axis=0).max()) / 2, 0.5 * self._least)
+        x, y = self._frame.mean(axis=0)
+        self.axes.set(xlim=(x - 1.25 * half, x + 1.25 * half), ylim=(y - 1.33 * half, y + 1.17 * half))
+
+    def _follow(self, links: np.ndarray) -> None:
+        """Widen the frame where a machine that moves about has left it."""
+        ends = np.concatenate(list(links))
+        wide = np.array([np.minimum(self._frame[0], ends.min(axis=0)), np.maximum(self._frame[1], ends.max(axis=0))])
+        if np.abs(wide - self._frame).max() > 0:
+            self._frame = wide
+            self._look()
 
     def _bar(self, height: float, name: str) -> Any:
         """A horizontal bar from the middle: one input over its limit."""
@@ -106,11 +133,14 @@ class Renderer(OwnsArrays):
 
     def __getstate__(self) -> dict[str, Any]:
         """A figure does not travel: what it shows is drawn anew."""
-        return {"scene": self.scene, "window": self.window, "path": [np.array(point) for point in self._path]}
+        path = [np.array(point) for point in self._path]
+        return {"scene": self.scene, "window": self.window, "path": path, "frame": np.array(self._frame)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         Renderer.__init__(self, state["scene"], window=state["window"])
         self._path += [np.array(point) for point in state["path"]]
+        self._frame = np.array(state["frame"])
+        self._look()
 
     def clear(self) -> None:
         """Forget the tip's path."""
@@ -121,6 +151,9 @@ class Renderer(OwnsArrays):
         from matplotlib.colors import to_rgb
 
         links = np.asarray(self.scene.plant.outline(x))
+        self._root.set_data(*links[0][:1].T)
+        if not self._stands:
+            self._follow(links)
         for artist, tangent, link in zip(self._links, self._tangents, links):
             artist.set_data(*link.T)
             length = np.linalg.norm(np.diff(link, axis=0), axis=1)
@@ -154,6 +187,16 @@ class Renderer(OwnsArrays):
             import matplotlib.pyplot as plt
 
             plt.close(self.figure)
+
+
+def _root_stands(plant: Plant, root: np.ndarray, reach: float) -> bool:
+    """Whether the first link begins at one place whatever the state: an arm on a base, not a trolley."""
+    x = plant.rest_state
+    for k in range(plant.nx):
+        moved = plant.consistent(x + 0.1 * (np.arange(plant.nx) == k))
+        if np.abs(plant.outline(moved, 2)[0][0] - root).max() > 1e-9 * reach:
+            return False
+    return True
 
 
 RENDERERS: dict[str, Callable[..., Renderer]] = {"links": Renderer}  # by `Plant.drawn_as`; other modules add theirs

@@ -54,8 +54,8 @@ def motion_table(drive: Drive | None) -> dict[str, Any]:
         if drive is made:
             return {"type": name}
         if isinstance(made, type) and type(drive) is made:
-            fields: Any = dataclasses.fields(made)
-            return {"type": name, **{f.name: _listed(getattr(drive, f.name)) for f in fields}}
+            kind: Any = made
+            return {"type": name, **{f.name: _listed(getattr(drive, f.name)) for f in dataclasses.fields(kind)}}
     raise ValueError(f"Scene.drive = {shown(drive)} cannot be written, must be one of {', '.join(TYPES)}")
 
 

@@ -43,24 +43,29 @@ def with_settings(name: str, settings: Sequence[str]) -> Scene:
 def _changed(scene: Scene, path: str, text: str) -> Scene:
     group, _, rest = path.partition(".")
     if path in FIELDS:
-        return dataclasses.replace(scene, **{path: _value(path, text, getattr(scene, path))})
+        return _with(scene, path, _value(path, text, getattr(scene, path)))
     if rest and group in ALLOWED:
         pairs = dict(getattr(scene, group) or ())
         pairs[rest] = require_number(f"--set {path}", _value(path, text, 0.0), ALLOWED[group])
-        return dataclasses.replace(scene, **{group: tuple(pairs.items())})
+        return _with(scene, group, tuple(pairs.items()))
     if rest and group == "limits":
         limits = list(scene.limits)
         limits[index(scene.plant.inputs, rest, f"--set {path}={shown(text)}: input")] = _value(path, text, 0.0)
         return dataclasses.replace(scene, limits=tuple(limits))
     if rest and group == "randomise":
-        rows = {name: factors for name, *factors in scene.randomise}
+        rows: dict[str, Any] = {name: factors for name, *factors in scene.randomise}
         factors = _value(path, text, (1.0, 1.0))
         if not isinstance(factors, tuple) or len(factors) != 2:
             raise ValueError(f"--set {path}={text} must be two factors, [0.8,1.2]")
-        rows[rest] = list(factors)
-        return dataclasses.replace(scene, randomise=tuple((name, *row) for name, row in rows.items()))
+        rows[rest] = factors
+        return _with(scene, "randomise", tuple((name, *row) for name, row in rows.items()))
     before = parameters.get(scene.plant, path)
     return scene.with_plant(parameters.put(scene.plant, path, _value(path, text, before)))
+
+
+def _with(scene: Scene, field: str, value: Any) -> Scene:
+    changed: dict[str, Any] = {field: value}
+    return dataclasses.replace(scene, **changed)
 
 
 def _value(path: str, text: str, before: Any) -> Any:

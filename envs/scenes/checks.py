@@ -37,6 +37,8 @@ ALLOWED = {  # of the numbers in pairs (name, number)
     "gusts": "nonnegative",
 }
 NUMBERS = ("duration", "dt", "move_time", "start_spread", "tolerance")
+OF_INPUTS = ("effort", "gusts")  # which all variants share
+RUNGS = "_signals_of_rungs"  # where they are kept with a plant
 LARGEST = 10_000_000  # control periods of an episode
 
 
@@ -69,7 +71,24 @@ def checked(scene: Scene) -> dict[str, Any]:
     if not found["compare"]:
         raise ValueError(f"{owner}: compare = () must name one output at least")
     found["randomise"] = _randomised(owner, scene)
+    _on_every_rung(owner, plant, found)
     return found
+
+
+def _on_every_rung(owner: str, plant: Plant, found: dict[str, Any]) -> None:
+    """ValueError for a name that a variant of the plant's ladder lacks: it could not play the scene."""
+    if RUNGS not in plant.__dict__:  # asked once of a plant: making a ladder takes longer than a scene's other checks
+        plant.__dict__[RUNGS] = [(r.label, [s.name for s in (*r.states, *r.outputs)]) for r in plant.ladder()]
+    signals = {group: [name for name, _ in found.get(group, ())] for group in ALLOWED if group not in OF_INPUTS}
+    signals |= {group: list(found[group]) for group in ("observe", "compare")}
+    for label, known in plant.__dict__[RUNGS]:
+        for group, wanted in signals.items():
+            for name in wanted:
+                if name not in known:
+                    raise ValueError(
+                        f"{owner}: {group} {name!r} is no signal of {label!r} on the ladder of {type(plant).__name__}, "
+                        f"must be one of {', '.join(known)}"
+                    )
 
 
 def rows(owner: str, **given: tuple[Any, int]) -> list[np.ndarray]:

@@ -156,3 +156,8 @@ def get(name: str, **overrides: Any) -> Scene:
     scene = load(name) if is_file(name) else _own(name, **built)
     changed = {key: value for key, value in overrides.items() if key not in own}
     return dataclasses.replace(scene, **changed) if changed else scene
+
+
+def is_by_name(scene: Scene) -> bool:
+    """Whether commands in another process find this very scene by its name."""
+    return (scene.name in SCENES or scene.name in _offered()) and _own(scene.name) == scene

@@ -62,9 +62,9 @@ class Declaration(ABC):
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         """y (ny,) as an expression."""
 
-    @abstractmethod
     def ladder(self) -> tuple[Self, ...]:
-        """The fidelity variants of this plant, cheapest first."""
+        """The fidelity variants of this plant, cheapest first, all of the same inputs and outputs. Default: itself."""
+        return (self,)
 
     @property
     def coordinates_slice(self) -> slice:

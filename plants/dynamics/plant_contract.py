@@ -177,19 +177,33 @@ class PlantContract(PhysicsContract):
         """For each input that drives one coordinate: the input, the coordinate and its rate, in the inputs' order.
 
         Default: where the cheapest fidelity has one coordinate for each input, that which it accelerates most (for
-        B = inverse of a mass matrix the matching with the largest product is the true one, as b_ij^2 <= b_ii b_jj).
+        B = inverse of a mass matrix the matching with the largest product is the true one, as b_ij^2 <= b_ii b_jj);
+        else the inputs that accelerate one coordinate alone.
         """
         rigid: Any = self.ladder()[0]
         known, nu = {*names(self.states), *names(self.outputs)}, len(self.inputs)
         pairs = tuple(rigid.rates.items())
         if len(pairs) != nu or len(rigid.states) != 2 * nu or not {n for pair in pairs for n in pair} <= known:
-            return ()
+            return self._alone()
         order: tuple[int, ...] = tuple(range(nu))
         if 1 < nu <= MOST_MATCHED:
             rows = [names(rigid.states).index(rate) for _, rate in pairs]
             B = np.abs(rigid.jacobians(rigid.consistent(np.zeros(2 * nu)))[1][rows])
             order = max(itertools.permutations(order), key=lambda p: math.prod(B[i, k] for k, i in enumerate(p)))
         return tuple(Joint(s.name, *pairs[i]) for s, i in zip(self.inputs, order, strict=True))
+
+    def _alone(self) -> tuple[Joint, ...]:
+        """The inputs that stand in the equation of one rate alone, each with a coordinate of its own."""
+        rate, u = self.expressions[0], self.symbols[2]
+        at = {name: k for k, name in enumerate(names(self.states))}
+        felt = np.array(ca.DM(ca.jacobian(rate, u).sparsity(), 1).full(), dtype=bool)
+        found = []
+        for k, s in enumerate(self.inputs):
+            on = np.flatnonzero(felt[:, k])
+            pairs = [pair for pair in self.rates.items() if len(on) == 1 and at[pair[1]] == on[0]]
+            found += [Joint(s.name, *pair) for pair in pairs]
+        positions = [joint.position for joint in found]
+        return tuple(joint for joint in found if positions.count(joint.position) == 1)
 
     def rest_to_rest(
         self, begin: Array, end: Array, time: float, *, profile: str = "minimum-jerk"

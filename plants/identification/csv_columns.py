@@ -63,7 +63,7 @@ def read_experiment(
     read = {n: column for n, column in by_name.items() if n != "t" and n not in inputs}
     options = {"start": start, "unknown": unknown, "hold": hold, "name": name or place.stem}
     found = Experiment(t=by_name["t"], u=inputs, measured=read, **options)
-    checked(plant, found, "read_experiment", 0)
+    checked(plant, found, f"{str(place)!r}")
     return found
 
 
@@ -72,7 +72,7 @@ def write_experiment(plant: Plant, motion: Experiment | Trajectory, path: str | 
 
     >>> write_experiment(arm, Experiment.of(motion, noise={"theta1": 2.4e-5}), "run1.csv")
     """
-    one = checked(is_plant("write_experiment", plant), motion, "write_experiment", 0)
+    one = checked(is_plant("write_experiment", plant), motion, "write_experiment.motion")
     known = {s.name: s for s in plant.states + plant.outputs}
     signals = [Signal("t", "s"), *plant.inputs, *(known[name] for name in one.signals)]
     table = np.column_stack([one.t, one.u, one.y])

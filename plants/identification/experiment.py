@@ -104,7 +104,7 @@ class Experiment(OwnsArrays):
         motion = require_instance("Experiment.of.motion", motion, Trajectory)
         known = names(motion.outputs) + names(motion.states)
         chosen = names(motion.outputs) if signals is None else require_names("Experiment.of.signals", signals, known)
-        levels = require_by_name("Experiment.of.noise", noise or {}, chosen, "signal", "nonnegative")
+        levels = require_by_name("Experiment.of.noise", {} if noise is None else noise, chosen, "signal", "nonnegative")
         rng = np.random.default_rng(require_count("Experiment.of", "seed", seed, 0, 2**63))
         read = {key: motion[key] + levels.get(key, 0.0) * rng.standard_normal(len(motion)) for key in chosen}
         w = None
@@ -133,9 +133,10 @@ class Checked:
     scale: Array  # (len(unknown),) sizes of the unknown states
 
 
-def checked(plant: Plant, given: Any, owner: str, k: int) -> Checked:
-    """A motion or experiment in the order of a plant's signals. ValueError where it is not one of the plant."""
-    name = f"{owner}.motions[{k}]"
+def checked(plant: Plant, given: Any, name: str, k: int = 0) -> Checked:
+    """A motion or experiment, the k-th, in the order of a plant's signals. ValueError where it is not one of the plant;
+    `name` is the argument's.
+    """
     if isinstance(given, Trajectory):
         given = Experiment.of(given)
     one = require_instance(name, given, Experiment, what="Experiment or Trajectory")

@@ -71,7 +71,7 @@ def identify(
     given = (motions,) if one else in_order(f"{owner}.motions", motions, "motions")
     if not given:
         raise ValueError(f"{owner}.motions = () must hold at least one motion")
-    experiments = [checked(plant, motion, owner, k) for k, motion in enumerate(given)]
+    experiments = [checked(plant, motion, f"{owner}.motions[{k}]", k) for k, motion in enumerate(given)]
     signals = tuple(dict.fromkeys(s for e in experiments for s in e.signals))
     levels = require_by_name(f"{owner}.noise", {} if noise is None else noise, signals, "signal", "positive")
     space = ParameterSpace.of(owner, plant, bounds, start)

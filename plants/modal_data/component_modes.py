@@ -19,8 +19,9 @@ LOST = 0.05  # of the rigid body's first moment and inertia that lumping may cha
 
 def clamped_modes(
     mass: Any, stiffness: Any, positions: Array, root: Sequence[int], modes: int
-) -> tuple[Array, Array, Array]:
-    """(masses (N,), shapes (n, N, 3), frequencies (n,) [rad/s]); shapes of unit modal mass. Nodes at positions (N, 3).
+) -> tuple[Array, Array, Array, Array | None]:
+    """(masses (N,), shapes (n, N, 3), frequencies (n,) [rad/s], turns (n, N, 3) where nodes have them); shapes of unit
+    modal mass. Nodes at positions (N, 3).
 
     Guyan's condensation, exact for turns without mass. ValueError where a lumped mass differs between axes, where the
     lumped body is another one (offset masses, rotary inertia, a coarse mesh) or modes lack.
@@ -59,7 +60,7 @@ def clamped_modes(
         raise ValueError(f"from_matrices.mass: nodes {where} must carry mass, at least {LEAST:g} kg")
     modes = require_count("from_matrices", "modes", modes, 0, len(free))
     if not modes:
-        return masses, np.zeros((0, nodes, 3)), np.zeros(0)
+        return masses, np.zeros((0, nodes, 3)), np.zeros(0), None
     squares, vectors = linalg.eigh(
         (Kff + Kff.T) / 2, np.diag(np.repeat(masses[free_nodes], 3)), subset_by_index=[0, modes - 1]
     )
@@ -71,7 +72,12 @@ def clamped_modes(
         )
     shapes = np.zeros((modes, nodes, 3))
     shapes[:, free_nodes] = vectors.T.reshape(modes, len(free_nodes), 3)
-    return masses, shapes, np.sqrt(squares)
+    if not turned.size:
+        return masses, shapes, np.sqrt(squares), None
+    turns = np.zeros((len(K), modes))
+    if inner.size:
+        turns[inner] = -np.linalg.solve(K[np.ix_(inner, inner)], Kfi.T @ vectors)
+    return masses, shapes, np.sqrt(squares), turns[places[:, 3:]].transpose(2, 0, 1)
 
 
 def _check_held(K: Array, positions: Array, clamped: Array) -> None:

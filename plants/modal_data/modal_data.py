@@ -8,7 +8,7 @@ Source   "Equations of Motion of Flexible Spacecraft", Eqs (9)-(13) and (24); ev
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from .craig_bampton import craig_bampton
 from .data_sheet import from_participation, rigid
 from .from_beams import boom, panel
 from .integrals import nodal
-from .modal_fields import ModalFields, ModalNode
+from .modal_fields import ModalFields, ModalNode, named_nodes
 from .nastran import read_nastran
 
 Array = np.ndarray
@@ -52,7 +52,7 @@ class ModalData(ModalFields):
         """From a data sheet: modes of unit mass, their factors about the attachment point (`data_sheet`).
 
         centre (3,) [m], inertia (3, 3) [kg m^2] there, frequencies (n,) [rad/s], damping a ratio or (n,),
-        L_translation (n, 3) [kg^0.5] (None: zero) and L_rotation (n, 3) [kg^0.5 m].
+        L_translation (n, 3) [kg^0.5] (None: zero), L_rotation (n, 3) [kg^0.5 m]. Its tip moves rigidly: no shapes.
         """
         return cls(**from_participation(mass, centre, inertia, frequencies, damping, L_translation, L_rotation))
 
@@ -68,13 +68,17 @@ class ModalData(ModalFields):
         damping: Any = 0.0,
         shortening: Any = None,
         tip: int = -1,
+        nodes: Mapping[str, int] | None = None,
+        turns: Any = None,
     ) -> ModalData:
         """Sums over N nodes: positions (N, 3) [m], masses (N,) [kg], shapes (n, N, 3).
 
         `frequencies` (n,) [rad/s] of orthogonal modes, or `stiffness` (n, n) [N/m]. `damping`: a ratio for every
         mode, or (n, n) [N s/m]. `shortening` g_kl (n, n, N, 3) [1/m]. `tip`: the node that the outputs watch.
+        `nodes`: those that other bodies may hang on, by name; `turns` (n, N, 3) [rad/m] of all nodes, where known.
         """
-        return cls(**nodal(positions, masses, shapes, frequencies, stiffness, damping, shortening, tip))
+        fields = nodal(positions, masses, shapes, frequencies, stiffness, damping, shortening, tip)
+        return cls(**fields, nodes=named_nodes(nodes, positions, shapes, turns, shortening))
 
     @classmethod
     def boom(cls, beam: Beam, modes: tuple[int, int] = (1, 1)) -> ModalData:
@@ -94,7 +98,15 @@ class ModalData(ModalFields):
 
     @classmethod
     def from_matrices(
-        cls, mass: Any, stiffness: Any, positions: Any, *, root: Sequence[int], modes: int, damping: float = 0.0
+        cls,
+        mass: Any,
+        stiffness: Any,
+        positions: Any,
+        *,
+        root: Sequence[int],
+        modes: int,
+        damping: float = 0.0,
+        nodes: Mapping[str, int] | None = None,
     ) -> ModalData:
         """The slowest clamped modes of a structural model: M, K (6 N, 6 N) or (3 N, 3 N), nodes at positions (N, 3)
         [m].
@@ -102,10 +114,11 @@ class ModalData(ModalFields):
         Freedoms of a node stand together: three translations, then three turns. `root`: the clamped nodes, one of
         them at the attachment point. Masses are lumped at the nodes (rows summed over translations along each
         axis), turns without mass condensed. ValueError where the lumped body has another first moment or inertia.
+        `nodes`: those that other bodies may hang on, by name; they turn where nodes have six freedoms.
         """
         r = read_only("ModalData.positions", positions, (-1, 3))
-        masses, shapes, omega = clamped_modes(mass, stiffness, r, root, modes)
-        return cls.from_nodes(r, masses, shapes, frequencies=omega, damping=damping)
+        masses, shapes, omega, turns = clamped_modes(mass, stiffness, r, root, modes)
+        return cls.from_nodes(r, masses, shapes, frequencies=omega, damping=damping, nodes=nodes, turns=turns)
 
     @classmethod
     def from_nastran(
@@ -118,10 +131,11 @@ class ModalData(ModalFields):
         mass: str = "mgg",
         stiffness: str = "kgg",
         damping: float = 0.0,
+        nodes: Mapping[str, int] | None = None,
     ) -> ModalData:
         """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti."""
         M, K = read_nastran(path, mass, stiffness)
-        return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping)
+        return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping, nodes=nodes)
 
     @classmethod
     def from_craig_bampton(

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_all, require_counts, require_finite, require_number, require_text
+from pliant.plants.core.argument_gates import (
+    require_all,
+    require_counts,
+    require_finite,
+    require_mapping,
+    require_number,
+    require_text,
+)
 from pliant.plants.core.parameters import require_count
 from pliant.plants.core.signals import OwnsArrays, read_only
 from pliant.plants.linear.second_order import natural_squares
@@ -58,6 +65,22 @@ class ModalNode(OwnsArrays):
         turns = None if self.turns is None else self.turns[chosen]
         g = None if self.shortening is None else self.shortening[np.ix_(chosen, chosen)]
         return ModalNode(self.name, self.position, self.shapes[chosen], turns, g)
+
+
+def named_nodes(
+    nodes: Mapping[str, int] | None, positions: Any, shapes: Any, turns: Any, shortening: Any
+) -> tuple[ModalNode, ...]:
+    """Nodes by name from what is known of all nodes, as `ModalData.from_nodes` has it."""
+    found = require_mapping("ModalData.nodes", nodes, None, "node") if nodes is not None else {}
+    r, phi = np.asarray(positions, dtype=float), np.asarray(shapes, dtype=float)
+    psi = None if turns is None else read_only("ModalData.turns", turns, phi.shape)
+    g = None if shortening is None else np.asarray(shortening, dtype=float)
+    named = []
+    for name, k in found.items():
+        k = require_count("ModalData.nodes", repr(name), k, -len(r), len(r) - 1)
+        own, pulled = None if psi is None else psi[:, k], None if g is None else g[:, :, k]
+        named.append(ModalNode(name, r[k], phi[:, k], own, pulled))
+    return tuple(named)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from pliant.plants.multibody_joints.bases import FREEDOMS, base_bodies, check_pl
 from pliant.plants.multibody_joints.bases import KINDS as BASES_OF_TREES
 from pliant.plants.multibody_joints.carried import check_carried
 from pliant.plants.multibody_joints.tree_joints import TreeJoints
-from pliant.plants.multibody_parts.joint import Frame, Joint, name_gate, place_gate
+from pliant.plants.multibody_parts.joint import Frame, FrameThruster, Joint, name_gate, place_gate
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
 from .layout import Layout, layout
@@ -59,6 +59,11 @@ def loads_gate(name: str, value: Any) -> tuple[str, ...]:
     return require_names(name, as_tuple(name, value))
 
 
+def thrusters_gate(name: str, value: Any) -> tuple[FrameThruster, ...]:
+    """A tuple of thrusters."""
+    return require_all(name, value, FrameThruster)
+
+
 def words_gate(name: str, value: Any) -> tuple[str, ...]:
     """Sentences."""
     return require_names(name, as_tuple(name, value))
@@ -77,6 +82,16 @@ def freedoms_gate(name: str, value: Any) -> tuple[str, ...]:
     return tuple(f for f in FREEDOMS if f in found)
 
 
+def check_thrusters(name: str, thrusters: tuple[FrameThruster, ...], known: set[str]) -> None:
+    """ValueError where one stands at no frame, or two at the same."""
+    frames = [one.frame for one in thrusters]
+    for k, frame in enumerate(frames):
+        if frame not in known or frame in frames[:k]:
+            raise ValueError(
+                f"{name}[{k}].frame = {frame!r} must be one of {', '.join(sorted(known))}, one thruster each"
+            )
+
+
 @dataclass(frozen=True, kw_only=True)
 class TreeDeclaration(TreeJoints):
     """Bodies, places and fidelity; `FlexibleTree` adds their equations."""
@@ -87,6 +102,7 @@ class TreeDeclaration(TreeJoints):
     payload: Payload = part(Payload, default_factory=Payload)
     gravity: Any = quantity("m/s^2", "finite", (0.0, 0.0, -9.81), shape=(3,))
     loads: tuple[str, ...] = field(default=("tip",), metadata={"gate": loads_gate})
+    thrusters: tuple[FrameThruster, ...] = field(default=(), metadata={"gate": thrusters_gate})
     devices: tuple[str, ...] = field(default=(), metadata={"gate": devices_gate})
     kinematics: str = "stiffened"
     basis: str = "polynomial"
@@ -124,6 +140,7 @@ class TreeDeclaration(TreeJoints):
         for k, place in enumerate(self.loads):
             if place not in taken:
                 raise ValueError(f"{owner}.loads[{k}] = {place!r} must be one of {', '.join(sorted(taken))}")
+        check_thrusters(f"{owner}.thrusters", self.thrusters, taken)
         if self.base == "fixed" and not any(b.joint.moves or sum(self.counts(b)) for b in self.bodies):
             raise ValueError(
                 f"{owner}.bodies = {shown(tuple(b.name for b in self.bodies))} must have a joint that moves"
@@ -163,6 +180,10 @@ class TreeDeclaration(TreeJoints):
         frames = [self.tip_frame, *self.frames]
         parts = [(b, b.parent) for b in (*self.ground, *self.bodies)]
         return layout(parts, self.payload, self.tip_frame, frames, self._beam, self.root)
+
+    @property
+    def thrusts(self) -> tuple[Signal, ...]:
+        return tuple(Signal(f"{one.frame}_thrust", "N") for one in self.thrusters)
 
     @property
     def floats(self) -> bool:

@@ -84,12 +84,15 @@ class FlexibleTree(TreeElasticity):
         joints, bent = entries(inner, slice(0, n)), entries(inner, slice(n, inner.shape[0]))
         return ca.vertcat(joints, ca.SX.zeros(len(self.motors)), bent)
 
-    def _wrenches(self, walk: Walk, w: ca.SX) -> dict[int, Wrench]:
-        """Disturbances on their places, in these's axes."""
-        found = {}
+    def _wrenches(self, walk: Walk, u: ca.SX, w: ca.SX) -> dict[int, Wrench]:
+        """Thrusts and disturbances on their places, in these's axes."""
+        found, first = dict[int, Wrench](), len(self._inputs)
+        for i, one in enumerate(self.thrusters):
+            found[self.tree.places[one.frame]] = Wrench(ca.DM(one.direction) * u[first + i], ca.SX.zeros(3))
         for i, place in enumerate(self.loads):
             k = self.tree.places[place]
-            found[k] = Wrench(walk.within(k, w[6 * i : 6 * i + 3]), walk.within(k, w[6 * i + 3 : 6 * i + 6]))
+            load = Wrench(walk.within(k, w[6 * i : 6 * i + 3]), walk.within(k, w[6 * i + 3 : 6 * i + 6]))
+            found[k] = found[k] + load if k in found else load
         return found
 
     def _mass_matrix(self, walk: Walk) -> ca.SX:
@@ -128,14 +131,14 @@ class FlexibleTree(TreeElasticity):
 
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         walk = self._walk(q, v)
-        return self._driving(v.shape[0], u) + self._all(work(walk, self._wrenches(walk, w)))
+        return self._driving(v.shape[0], u) + self._all(work(walk, self._wrenches(walk, u, w)))
 
     @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
         walk = self._walk(q, v)
-        inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, w)))
+        inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, u, w)))
         M, r = self._mass_matrix(walk), self._driving(v.shape[0], u) - self._resistance(q, v) - inertial
         M, r = ca.cse([M, r])
         return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
@@ -173,7 +176,7 @@ class FlexibleTree(TreeElasticity):
             M, r, _, _ = self.equations(t, x, u, w)
             k, m = ends(self.slots)[1], len(self.motors)
             a = _without(self.acceleration(M, r, u)[0], k, k + m)
-            loads = self._wrenches(walk, w)
+            loads = self._wrenches(walk, u, w)
             y += readings(walk, a, vector(self.gravity), loads, self.devices, at_places)
         return ca.vertcat(*y)
 
@@ -181,7 +184,7 @@ class FlexibleTree(TreeElasticity):
         """Small slopes and strains; without stiffening also the shortening and the axial force that it leaves out."""
         n, found = len(self.coordinates), list[Range]()
         walk = self._walk(x[:n], x[n:])
-        axial = pulls(walk, vector(self.gravity), self._wrenches(walk, w))
+        axial = pulls(walk, vector(self.gravity), self._wrenches(walk, u, w))
         turning = twists(walk)
         bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)
         for body, (k, own), (_, numbers), (_, at, _) in bent:

@@ -40,6 +40,11 @@ class TreeJoints(TurningPlant):
 
     @property
     @abstractmethod
+    def thrusts(self) -> tuple[Signal, ...]:
+        """Inputs that act on no joint: thrusters, after the others."""
+
+    @property
+    @abstractmethod
     def floats(self) -> bool:
         """Whether the first joint is that of a free base."""
 
@@ -94,7 +99,7 @@ class TreeJoints(TurningPlant):
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
-        return tuple(signal for signal, _ in self._inputs)
+        return (*(signal for signal, _ in self._inputs), *self.thrusts)
 
     @property
     def driven(self) -> dict[int, int]:
@@ -105,9 +110,11 @@ class TreeJoints(TurningPlant):
     def joints(self) -> tuple[Driven, ...]:
         return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
 
-    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+    def rest_to_rest(
+        self, begin: np.ndarray, end: np.ndarray, time: float, *, profile: str = "minimum-jerk"
+    ) -> Callable[[float], np.ndarray]:
         """As of every plant; a free base moves as its momentum, which is none, says."""
-        return (Floating if self.floats else InverseDynamics)(self, begin, end, time)
+        return (Floating if self.floats else InverseDynamics)(self, begin, end, time, profile)
 
     @property
     def measured(self) -> list[int]:

@@ -205,3 +205,17 @@ class Frame:
         validate(self)
         if self.station > 1:
             raise ValueError(f"Frame.station = {self.station!r} of frame {self.name!r} must be within [0, 1]")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameThruster:
+    """A thruster at a named frame of any body: it pushes along `direction`, in the frame's axes; its input is [N].
+
+    >>> FrameThruster(frame="nozzle", direction=(0.0, 0.0, 1.0))
+    """
+
+    frame: str = field(metadata={"gate": name_gate})
+    direction: tuple[float, float, float] = field(metadata={"gate": unit_vector})
+
+    def __post_init__(self) -> None:
+        validate(self)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from pliant.plants.beams.payload import check_inertia
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.argument_gates import require_counts, shown
+from pliant.plants.core.argument_gates import require_counts, require_number, shown
 from pliant.plants.core.parameters import is_symbolic, part, quantity, require_count, validate
 from pliant.plants.modal_data.modal_data import ModalData
 
@@ -72,6 +72,31 @@ class TreeBody:
             most = self.modal.n
             count = most if self.modal_modes is None else self.modal_modes
             object.__setattr__(self, "modal_modes", require_count("TreeBody", "modal_modes", count, 0, most))
+
+    @classmethod
+    def wheel(
+        cls,
+        name: str,
+        parent: str,
+        *,
+        inertia: Any,
+        axis: Any = (0.0, 0.0, 1.0),
+        position: Any = (0.0, 0.0, 0.0),
+        mass: Any = 0.0,
+        friction: Any = 0.0,
+    ) -> Self:
+        """A reaction wheel: a thin disc of `inertia` J about `axis`, J/2 across it, [kg m^2], on any body.
+
+        Its input `name`_torque is the motor's on the wheel [N m], the negative on the body; `friction` is the bearing's
+        [N m s/rad]. What carries it does not count the wheel, unlike `Wheel` of a spacecraft's hub.
+
+        >>> TreeBody.wheel("spinner", "hub", inertia=0.02, axis=(1.0, 0.0, 0.0))
+        """
+        joint = Joint(name=name, axis=axis, position=position, damping=friction)
+        J, a = require_number("TreeBody.wheel.inertia", inertia, "positive", "kg m^2"), np.array(joint.axis)
+        tensor = J / 2 * (np.eye(3) + np.outer(a, a))
+        rows = tuple(tuple(float(e) for e in row) for row in tensor)
+        return cls(name=name, parent=parent, joint=joint, mass=mass, inertia=rows)
 
     @property
     def bends(self) -> bool:

@@ -73,7 +73,10 @@ def named(owner: str, name: str) -> type[Plant]:
     if name in _registered:
         return _registered[name]
     if name not in _offered():
-        raise ValueError(f"{owner} = {shown(name)} must be one of {', '.join(names())}")
+        raise ValueError(
+            f"{owner} = {shown(name)} must be one of {', '.join(names())}, or registered: `pliant --with FILE.py` runs "
+            "a file of your own first"
+        )
     entry = _offered()[name]
     try:
         kind = _require_kind(f"entry point {GROUP} {name}", entry.load())

@@ -14,7 +14,7 @@ from pliant.studies.common.machine import version as version_of
 from . import doctor, fidelity, models, train
 from .console import Commands
 from .report import figures, report
-from .scenes import scenes
+from .scenes import check, new, scenes
 from .scoreboard import scoreboard
 from .stability import stability
 
@@ -50,6 +50,8 @@ def common(
 
 COMMANDS: dict[str, Callable[..., Any]] = {
     "scenes": scenes,
+    "new": new,
+    "check": check,
     "simulate": models.simulate,
     "linearize": models.linearize,
     "identify": models.identify,

@@ -1,15 +1,25 @@
-"""`pliant scenes`: what there is to play."""
+"""`pliant scenes`, `new` and `check`: what there is to play, starts of one's own, whether a plant keeps its word."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
 from pliant.envs import environment_id
 from pliant.envs import scenes as known
+from pliant.envs.scene_files.starts import plant_start, scene_start
+from pliant.envs.scenes.registry import is_file
 from pliant.envs.scenes.scene import Scene
+from pliant.plants import check as checked
+from pliant.plants.files.atomic_files import write_text
+from pliant.plants.tables.plant_types import named
 from pliant.studies.common.formatting import measured
 from pliant.studies.report.json_tables import scene_table
 
-from .console import complain, listed, print_json
-from .options import AsJson
+from .console import complain, listed, print_json, scene_with
+from .options import AsJson, Settings
 
 
 def scenes(as_json: AsJson = False) -> None:
@@ -18,8 +28,8 @@ def scenes(as_json: AsJson = False) -> None:
     for name in known.names():
         try:
             found.append(known.get(name))
-        except ValueError as reason:  # another package's
-            refused.append(str(reason))
+        except ValueError as error:  # another package's
+            refused.append(str(error))
     if as_json:
         print_json([scene_table(s) for s in found])
     else:
@@ -36,3 +46,30 @@ def _list(found: list[Scene]) -> None:
             ((s.name, environment_id(s.name)), s.about, (*facts, f"tolerance {measured(s.tolerance, s.unit)}"))
         )
     listed("Scenes", entries)
+
+
+def new(
+    kind: Annotated[Literal["plant", "scene"], typer.Argument(help="What to start.")],
+    name: Annotated[str, typer.Argument(help="Its name: words of a-z and 0-9 joined by '-', as crane.")],
+    base: Annotated[str, typer.Option(help="The scene that a new scene changes.")] = "two-link-reach",
+) -> None:
+    """Write a commented start into this folder: a plant with its scene, or a scene that changes another."""
+    files = plant_start(name) if kind == "plant" else scene_start(name, base)
+    taken = [file for file in files if Path(file).exists()]
+    if taken:
+        raise ValueError(f"new {kind} {name}: {', '.join(taken)} must not be there yet")
+    for file, text in files.items():
+        write_text(file, text)
+        print(file)
+
+
+def check(
+    plant: Annotated[str, typer.Argument(help="A plant's type (Crane), a scene's name or its file.")],
+    settings: Settings = None,
+) -> None:
+    """Hold a plant's word against its equations: names, ladder, derivatives, energy, outline."""
+    known_scene = is_file(plant) or plant in known.names()
+    if not known_scene and settings:
+        raise ValueError("check: --set must follow a scene's name or file")
+    made = scene_with(plant, settings or []).plant if known_scene else named("check: plant", plant)()
+    print(checked(made))

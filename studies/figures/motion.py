@@ -191,13 +191,15 @@ def stroboscopic(
         ax.add_collection(faint)
         everywhere = arm_outline.lines(plant, motion.x[:last], from_hub=from_hub)
         ax.plot(*everywhere[:, -1].T, color=COLOURS[1], lw=1.0, label="tip")
-        ax.plot(0, 0, "o", color=INK, ms=5)
+        roots = curves[:, 0]
+        stands = bool(np.ptp(roots, axis=0).max() <= 1e-9 * max(wide, high))
+        ax.plot(*(roots[:1] if stands else roots).T, "o", color=INK, ms=5 if stands else 2.5)
         ax.plot(*curves[:, -1].T, ".", color=COLOURS[1], ms=5)
         ax.set_aspect("auto" if from_hub else "equal", adjustable="box")
         ax.autoscale_view()
         ax.set_title(f"{name}, seen from the hub, y stretched" if from_hub else name)
         ax.set_xlabel("x [m]")
-        ax.axhline(0, color=QUIET, lw=0.5, zorder=0)
+        ax.axhline(roots[0, 1], color=QUIET, lw=0.5, zorder=0)
     axes[0].set_ylabel("y [m]")
     return figure
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from pliant.envs.scenes.registry import is_by_name
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
 from pliant.studies.closed_loop.comparison import HORIZON, POLICY, Contest
 from pliant.studies.closed_loop.scores import deflections
@@ -43,8 +44,8 @@ def stability(found: Findings) -> str:
     about = "along the goal's own steady motion" if found.scene.goal_rates else "along the open-loop motion"
     text = paragraph(
         f"Whether deviations from the motion grow: judged on the linear time-varying model {about}, without control. "
-        "Frozen-time eigenvalues alone decide nothing; where no method can tell, the verdict is undecided. "
-        f"The same as `pliant stability {found.scene.name}`."
+        "Frozen-time eigenvalues alone decide nothing; where no method can tell, the verdict is undecided."
+        + (f" The same as `pliant stability {found.scene.name}`." if is_by_name(found.scene) else "")
     )
     rows: list[tuple[str, Any]] = []
     if told is None:

@@ -6,7 +6,7 @@
   const shown = box.querySelector("output"), button = box.querySelector("button"), key = box.querySelector(".key");
   const colours = ["var(--accent)", "var(--second)"];
   const space = picture.namespaceURI;
-  const all = data.arms.flatMap((arm) => arm.lines.flat()).concat([[0, 0]]);
+  const all = data.arms.flatMap((arm) => arm.lines.flat());
   const xs = all.map((p) => p[0]), ys = all.map((p) => -p[1]);
   const low = [Math.min(...xs), Math.min(...ys)], high = [Math.max(...xs), Math.max(...ys)];
   const size = Math.max(high[0] - low[0], high[1] - low[1]), edge = 0.06 * size;
@@ -31,9 +31,9 @@
       path: draw("polyline", { ...paint, "stroke-width": 0.004 * size, opacity: 0.5 }),
       line: draw("polyline", { ...paint, "stroke-width": 0.012 * size }),
       tip: draw("circle", { r: 0.018 * size, fill: colours[i] }),
+      root: draw("circle", { r: 0.015 * size, fill: "currentColor" }),
     };
   });
-  draw("circle", { r: 0.015 * size, fill: "currentColor" });
 
   function show() {
     const k = Number(slider.value);
@@ -44,6 +44,8 @@
       part.path.setAttribute("points", points(part.arm.lines.slice(0, k + 1).map((l) => l[l.length - 1])));
       part.tip.setAttribute("cx", tip[0]);
       part.tip.setAttribute("cy", -tip[1]);
+      part.root.setAttribute("cx", line[0][0]);
+      part.root.setAttribute("cy", -line[0][1]);
     }
   }
   let timer = null;

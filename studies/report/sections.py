@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 
+from pliant.envs.scenes.scene import Scene
 from pliant.plants.validity.ranges import in_words
 from pliant.studies.charts import page as chart_page
 from pliant.studies.common import operating_point
@@ -16,6 +17,7 @@ from pliant.studies.figures.motion import still
 from . import control_sections, fidelity_sections
 from .findings import Findings
 
+KINDS = {"N m": "torques", "N": "forces", "rad/s^2": "accelerations", "m/s^2": "accelerations"}  # inputs by unit
 FRAMES = 76  # of the arm that the slider moves
 ROUNDED = 1e-12  # of the largest eigenvalue, below which a real part is rounding
 LINEAR = 1e-5  # error of a prediction against its size, below which it is the integrator's
@@ -76,7 +78,9 @@ def _answer(found: Findings) -> str:
 def _motion(found: Findings) -> str:
     """The arm that a slider moves, open loop and under LQR."""
     scene = found.scene
-    inputs = f"the torques that take the rigid plant along a minimum-jerk motion of {scene.move_time:g} s"
+    cheapest = scene.plant.ladder()[0].label
+    whom = "it" if cheapest == scene.plant.label else f"the cheapest variant, {cheapest},"
+    inputs = f"the {_kind(scene)} that take {whom} along a minimum-jerk motion of {scene.move_time:g} s"
     if scene.drive is not None:
         inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
     text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
@@ -115,6 +119,12 @@ def _motion(found: Findings) -> str:
         '<output></output><span class="key"></span></div>'
         f'<script type="application/json">{packed}</script></div>\n'
     )
+
+
+def _kind(scene: Scene) -> str:
+    """What a plant's inputs are, by their units."""
+    units = {s.unit for s in scene.plant.inputs}
+    return KINDS.get(units.pop(), "inputs") if len(units) == 1 else "inputs"
 
 
 def _modes(found: Findings) -> str:

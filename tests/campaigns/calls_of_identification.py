@@ -23,27 +23,33 @@ FOLDER = Path(tempfile.mkdtemp())
 def identification_calls() -> list[Call]:
     """Of experiments, identification and design."""
     write_experiment(ARM, MEASURED, FOLDER / "run.csv")
-    noise = {"noise": ByName({"hub_angle": 2.0**-10}, low=0.0, open=True)}
-    begin = {"start": ByName({"hub_inertia": 1.5}, low=0.0, open=True)}
+    noise = ByName({"hub_angle": 2.0**-10}, low=0.0, open=True)
+    known = {"noise": ByName({"hub_angle": 2.0**-10}, low=0.0, open=True, none=True)}
+    begin = {"start": ByName({"hub_inertia": 1.5}, low=0.0, open=True, none=True)}
     searched = {"plant": Object(VARIED), "tries": Count(1), "seed": Count(0, low=0)}
     taken = {
-        "u": Array(np.ones((5, 1)), none=True),
-        "start": Array(np.zeros(2), none=True),
+        "u": Array(np.ones((5, 1)), none=True, wrong=False),
+        "start": Array(np.zeros(2), none=True, wrong=False),
         "hold": Choice("linear"),
         "name": Text("run", empty=True),
     }
-    read = {"signals": Names(("hub_angle",)), "noise": ByName({"hub_angle": 0.5}, low=0.0), "seed": Count(0, low=0)}
+    read = {
+        "signals": Names(("hub_angle",), none=True),
+        "noise": ByName({"hub_angle": 0.5}, low=0.0, none=True),
+        "seed": Count(0, low=0),
+    }
     return [
         Call(
             "identify",
             lambda **k: identify(**k).values,
-            searched | noise | begin,
+            searched | known | begin,
             {"motions": [MEASURED], "bounds": {"hub_inertia": (0.5, 2.0)}},
         ),
         Call(
             "rank_motions",
             lambda **k: rank_motions(**k).best.standard_errors,
-            {"plant": Object(VARIED), "motions": Objects((MEASURED,)), "criterion": Choice("D")} | noise | begin,
+            {"plant": Object(VARIED), "motions": Objects((MEASURED,)), "criterion": Choice("D"), "noise": noise}
+            | begin,
         ),
         Call("Experiment", lambda **k: Experiment(t=T, measured={"hub_angle": T}, **k).t, taken),
         Call("Experiment.t", lambda t: Experiment(t=t, measured={"hub_angle": T}).t, {"t": Array(T, wrong=False)}),

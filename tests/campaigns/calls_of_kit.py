@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from argument_kinds import Call, Choice, Flag, Object, Objects
+from argument_kinds import Call, Choice, Flag, Names, Object, Objects
 from further_kinds import ByName, Function, Place
 from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import DT, GAIN, SCENE, SCENES, folder
@@ -20,7 +20,9 @@ from pliant.controllers import (
     notch,
     roll_off,
 )
+from pliant.controllers.joint_control.input_shaping import shaper
 from pliant.studies import monte_carlo
+from pliant.studies.slews import compare_slews
 
 
 class Factors(ByName):
@@ -93,4 +95,8 @@ def run_calls() -> list[Call]:
     more = {"backend": Choice("threading"), "kept": Place(folder() / "runs.jsonl", none=True)}
     more |= {"progress": Function(lambda share, words: None, none=True)}
     law = LQR.for_scene(SCENE)
-    return [Call("monte_carlo", monte_carlo, SCENES | {"law": Object(law)} | ranges | counts | more, long=True)]
+    shown = {"profiles": Names(("bang-bang",)), "shaper": Object(shaper(4.0), none=True), "points": Count(50)}
+    return [
+        Call("monte_carlo", monte_carlo, SCENES | {"law": Object(law)} | ranges | counts | more, long=True),
+        Call("compare_slews", compare_slews, SCENES | shown, long=True),
+    ]

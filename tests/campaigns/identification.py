@@ -1,6 +1,6 @@
 """Are true parameters inside the 95 % intervals in 95 % of runs? Random arms, measured by a data sheet's sensors.
 
-    python tests/campaigns/identification.py --arms 20 --runs 10
+    python tests/campaigns/identification.py --arms 20 --runs 25
 
 Each arm is drawn by seed and moves under a random square wave for DURATION; dop853 plays it, an integrator that the
 identification does not use. An encoder (noise, then whole counts) and a strain gauge are read anew for each run. Four
@@ -72,7 +72,7 @@ def runs(arms: int, count: int, seed: int = 0) -> Iterator[tuple[dict[str, bool]
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--arms", type=int, default=20)
-    parser.add_argument("--runs", type=int, default=10)
+    parser.add_argument("--runs", type=int, default=25)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     began, found = time.monotonic(), list(runs(given.arms, given.runs, given.seed))
@@ -81,7 +81,8 @@ def main() -> int:
     every, joint = float(np.mean(list(shares.values()))), np.mean([d <= chi2.ppf(LEVEL, 4) for _, d, _ in sure])
     print(f"{len(found)} runs in {time.monotonic() - began:.0f} s, {len(found) - len(sure)} in doubt")
     print("inside: " + ", ".join(f"{n} {100 * share:.1f} %" for n, share in shares.items()))
-    print(f"all {100 * every:.1f} %, jointly {100 * joint:.1f} %")
+    squares = float(np.mean([d for _, d, _ in sure]))
+    print(f"all {100 * every:.1f} %, jointly {100 * joint:.1f} %, mean squared distance {squares:.2f} (4 expected)")
     good = SHARE[0] <= every <= SHARE[1] and len(found) - len(sure) <= 1 + len(found) // 100
     return 0 if good and abs(joint - LEVEL) <= 3 * np.sqrt(LEVEL * (1 - LEVEL) / len(sure)) else 1
 

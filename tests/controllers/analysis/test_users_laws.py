@@ -36,7 +36,7 @@ def test_a_system_closes_the_loop_that_python_control_closes(dt) -> None:
 
 
 def test_what_does_not_fit_is_told() -> None:
-    with pytest.raises(ValueError, match=r"loop\.reads = None must name what it"):
+    with pytest.raises(ValueError, match=r"loop\.reads = None must name what a"):
         loop(MODEL, lambda y: y)
     with pytest.raises(ValueError, match=r"loop\.reads = None must name 2 of"):
         loop(MODEL, GAIN)

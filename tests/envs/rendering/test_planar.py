@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+from trolleys import trolley
 
 from pliant.envs import scenes
 from pliant.envs.rendering import renderer
@@ -61,3 +62,23 @@ def test_two_windows_of_a_scene_are_two() -> None:
     two.close()
     assert pyplot.fignum_exists(one.figure.number)
     one.close()
+
+
+@pytest.mark.parametrize("far", [2.0, 50.0])
+def test_a_machine_that_moves_about_is_in_the_picture(far: float) -> None:
+    """A crane's root is where its trolley is; where it has left the frame of start and goal, the frame widens."""
+    drawn = renderer(trolley())
+    x = np.array([far, 0.1, 0.0, 0.0])
+    drawn.draw(x, np.zeros(1), 0.0, 0.0)
+    for links in (trolley().plant.outline(x)[0], trolley().plant.outline(trolley().target[0])[0]):
+        assert all(drawn.axes.get_xlim()[0] < a < drawn.axes.get_xlim()[1] for a, _ in links)
+        assert all(drawn.axes.get_ylim()[0] < b < drawn.axes.get_ylim()[1] for _, b in links)
+    assert drawn._root.get_xydata()[0].tolist() == [far, 0.0]
+    np.testing.assert_array_equal(copy.copy(drawn).axes.get_xlim(), drawn.axes.get_xlim())
+
+
+def test_an_arm_on_a_base_keeps_its_frame() -> None:
+    arm = renderer(scenes.get("two-link-reach"))
+    before = arm.axes.get_xlim()
+    arm.draw(scenes.get("two-link-reach").initial[0], np.zeros(2), 0.0, 0.0)
+    assert arm.axes.get_xlim() == before and before[0] == -before[1]

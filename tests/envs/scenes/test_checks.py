@@ -1,5 +1,6 @@
 """What a scene's fields must be."""
 
+import dataclasses
 import re
 
 import numpy as np
@@ -34,3 +35,12 @@ from pliant.envs import scenes
 def test_bad_fields_are_named(changes: dict, says: str) -> None:
     with pytest.raises(ValueError, match=re.escape(says)):
         scenes.get("two-link-reach", **changes)
+
+
+def test_every_rung_of_the_ladder_must_have_the_names():
+    """The elastic states are on no rigid rung: the nominal motion of a goal that names one would be wrong unseen."""
+    scene = scenes.get("single-link-slew")
+    assert "eta1" in {s.name for s in scene.plant.states}
+    for field in ({"goal": (("eta1", 0.1),)}, {"observe": ("eta1",)}, {"weights": (("eta1", 1.0),)}):
+        with pytest.raises(ValueError, match=r"'eta1' is no signal of 'rigid' on the ladder of SingleLinkArm, must be"):
+            dataclasses.replace(scene, **field)

@@ -23,7 +23,7 @@ def test_of_a_motion_with_noise_by_seed():
 
 def test_in_a_plants_own_order():
     one = Experiment(t=T, measured={"felt": T, **Y}, u={"force": T}, unknown=("v",), start=(0.5, 0.0))
-    found = checked(VARIED, one, "identify", 0)
+    found = checked(VARIED, one, "identify.motions[0]")
     assert found.signals == ("felt", "place") and found.unknown == (1,) and found.name == "motion 1"
     assert np.isnan(found.y[:, 1]).tolist() == [False, True, False, False, True]
     assert (found.u[:, 0] == T).all() and (found.start == [0.5, 0.0]).all() and found.scale.tolist() == [1.0]
@@ -32,7 +32,7 @@ def test_in_a_plants_own_order():
 def test_a_trajectory_is_an_experiment():
     motion = SPRING.simulate(np.array([1.0, 0.0]), None, T)
     assert isinstance(motion, Trajectory)
-    found = checked(VARIED, motion, "identify", 2)
+    found = checked(VARIED, motion, "identify.motions[2]", 2)
     assert found.signals == ("place", "felt") and found.name == "motion 3" and not found.unknown
 
 
@@ -41,7 +41,7 @@ def test_a_quaternion_is_no_unknown_start():
     state = next(s.name for s in craft.states if not s.unit or s.unit == "1")
     motion = Experiment(t=T, measured={state: np.ones(5)}, start=craft.rest_state, unknown=(state,))
     with pytest.raises(ValueError, match=f"{state} must be known, it cannot move without other states"):
-        checked(craft, motion, "identify", 0)
+        checked(craft, motion, "identify.motions[0]")
 
 
 @pytest.mark.parametrize(
@@ -78,9 +78,9 @@ def test_refused(changed, words):
 )
 def test_refused_of_this_plant(changed, words):
     with pytest.raises(ValueError, match=words):
-        checked(VARIED, Experiment(**{"t": T, "measured": Y} | changed), "identify", 0)
+        checked(VARIED, Experiment(**{"t": T, "measured": Y} | changed), "identify.motions[0]")
     with pytest.raises(ValueError, match=r"motions\[0\] = 3 must be an Experiment or Trajectory"):
-        checked(VARIED, 3, "identify", 0)
+        checked(VARIED, 3, "identify.motions[0]")
 
 
 def test_disturbances_of_a_motion_must_be_constant():

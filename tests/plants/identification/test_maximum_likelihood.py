@@ -1,5 +1,6 @@
 """Identification end to end: published bounds, Monte Carlo, pairs that cannot be told, bounds, gaps, starts, tries."""
 
+import identification as campaign
 import numpy as np
 import pytest
 from scipy.stats import chi2
@@ -172,3 +173,13 @@ def test_a_start_that_runs_away_is_an_error_that_says_so():
 def test_refused(options, words):
     with pytest.raises(ValueError, match=words):
         identify(VARIED, **{"motions": pushed(0.2)} | options)
+
+
+def test_a_sample_of_the_campaign_of_coverage():
+    """tests/campaigns/identification.py: one random flexible arm by a data sheet's sensors, 8 runs. Squared distances
+    of the estimates add up to chi-squared of 32.
+    """
+    found = list(campaign.runs(1, 8, seed=11))
+    assert all(not doubts for _, _, doubts in found)
+    assert chi2.ppf(1e-4, 32) < sum(d for _, d, _ in found) < chi2.ppf(1 - 1e-4, 32)
+    assert sum(sum(inside.values()) for inside, _, _ in found) >= 24

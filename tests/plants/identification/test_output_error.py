@@ -11,7 +11,7 @@ from pliant.plants.identification.parameter_space import ParameterSpace
 
 
 def problem(*motions):
-    found = [checked(VARIED, motion, "identify", k) for k, motion in enumerate(motions)]
+    found = [checked(VARIED, motion, f"identify.motions[{k}]", k) for k, motion in enumerate(motions)]
     return OutputError(VARIED, found, ParameterSpace.of("identify", VARIED, None, None))
 
 

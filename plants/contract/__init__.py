@@ -1,0 +1,1 @@
+"""What a plant says of itself, held against its own equations: `pliant.plants.check(plant)`."""
