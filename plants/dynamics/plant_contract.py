@@ -210,9 +210,8 @@ class PlantContract(PhysicsContract):
     ) -> Callable[[float], Array]:
         """u(t) (nu,) that takes this plant from the rest state `begin` (nx,) to `end` (nx,) in `time` [s].
 
-        Default: every coordinate (or, where there are fewer inputs, every joint, the rest standing still) makes a
-        motion of the same profile, "minimum-jerk", "jerk-limited" or "bang-bang", by inverse dynamics. ValueError
-        where the inputs do not reach them.
+        Default: every coordinate (where there are fewer inputs, every joint, the rest standing still) moves by the same
+        profile, "minimum-jerk", "jerk-limited" or "bang-bang". ValueError where the inputs do not reach them.
         """
         return InverseDynamics(self, begin, end, time, profile)
 
@@ -287,9 +286,7 @@ class PlantContract(PhysicsContract):
 
     @property
     def drawn_as(self) -> str:
-        """Which renderer draws it: "links" (default), lines in the plane by `outline`; "tree", lines in space; or
-        "spacecraft".
-        """
+        """Which renderer draws it: "links" (default), by `outline` in the plane; "tree", in space; "spacecraft"."""
         return "links"
 
     def outline(self, x: Array, points: int = 30) -> Array | list[Array]:

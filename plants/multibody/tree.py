@@ -194,10 +194,9 @@ class FlexibleTree(TreeElasticity):
     @cached_property
     def drawn_as(self) -> str:
         """Lines of a plane, "links", where all joints turn or slide in the one that `outline` shows, else "tree"."""
-        still, plain = ca.SX.zeros(len(self.coordinates)), {"revolute", "prismatic"}
-        if self.base != "fixed" or not {joint.kind for joint in self.moving} <= plain:
-            return "tree"
-        return "links" if in_plane(self.nominal._walk(still, still), 1 if self.nominal.gravity[2] else 2) else "tree"
+        still, across = ca.SX.zeros(len(self.coordinates)), 1 if self.nominal.gravity[2] else 2
+        plain = self.base == "fixed" and {joint.kind for joint in self.moving} <= {"revolute", "prismatic"}
+        return "links" if plain and in_plane(self.nominal._walk(still, still), across) else "tree"
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
@@ -214,9 +213,8 @@ class FlexibleTree(TreeElasticity):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """The tree of a TOML file (plants/tables/tree_files.py). ValueError: file, key, value, what it must be.
-
-        >>> arm = FlexibleTree.from_toml("arm.toml")
+        """The tree of a file as `to_toml` writes it, or by hand: `FlexibleTree.from_toml("arm.toml")`. ValueError:
+        file, key, value and what it must be.
         """
         return FILES["read"](cls, path)
 
