@@ -63,9 +63,7 @@ class PhysicsContract(Declaration):
 
     @property
     def stiff(self) -> bool:
-        """Whether it has modes so much faster than those that its motions show that explicit steps are bounded by
-        stability. Default: no.
-        """
+        """Whether its fastest modes, which its motions do not show, bound explicit steps by stability. Default: no."""
         return False
 
     def estimates(self, motion: Trajectory) -> dict[str, Self]:
@@ -97,9 +95,7 @@ class PhysicsContract(Declaration):
         return None
 
     def embedding(self, simpler: PhysicsContract) -> Array:
-        """E (nx, nx of `simpler`): the states E x of this model that move as x of a simpler one does. Default: states
-        of one name are the same, the others are zero.
-        """
+        """E (nx, nx of `simpler`): states E x of this model move as x of a simpler one. Default: those of one name."""
         have = {s.name: k for k, s in enumerate(simpler.states)}
         E = np.zeros((len(self.states), len(have)))
         for k, s in enumerate(self.states):
