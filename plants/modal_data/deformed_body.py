@@ -97,8 +97,8 @@ class Deformed:
         m = constant(np.einsum("abii->ab", fields.overlaps)) if amplitudes else ca.SX(0, 0)
         if fields.pairs:
             bent = ca.SX(len(fields.pairs), n)
-            for a, (k, l) in enumerate(fields.pairs):
-                bent[a, k], bent[a, l] = -eta[l], -eta[k]
+            for row, (k, l) in enumerate(fields.pairs):
+                bent[row, k], bent[row, l] = -eta[l], -eta[k]
             slopes = ca.vertcat(ca.SX.eye(n), bent)
             R, Y, m = R @ slopes, Y @ slopes, slopes.T @ m @ slopes
         return cls(float(data.mass), S, P, R, Y, m)

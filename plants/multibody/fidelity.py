@@ -97,13 +97,15 @@ class TreeFidelity(TreeDeclaration):
                 bodies[k] = dataclasses.replace(body, joint=joint)
         return dataclasses.replace(self, bodies=tuple(bodies))
 
-    def rest_to_rest(self, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
-        """Every driven joint on a minimum-jerk motion, the gears taken as stiff: what twists them is left out."""
+    def rest_to_rest(
+        self, begin: Array, end: Array, time: float, *, profile: str = "minimum-jerk"
+    ) -> Callable[[float], Array]:
+        """Every driven joint on a motion of the profile, the gears taken as stiff: what twists them is left out."""
         if not self.motors:
-            return super().rest_to_rest(begin, end, time)
+            return super().rest_to_rest(begin, end, time, profile=profile)
         geared = ((f"{joint.name}_motor_torque", joint.elastic) for joint in self.moving)
         ratios = {name: float(gear.ratio) for name, gear in geared if gear is not None}
-        return GearedInputs(self, self.stiff_geared, ratios, begin, end, time)
+        return GearedInputs(self, self.stiff_geared, ratios, begin, end, time, profile)
 
     def ladder(self) -> tuple[Self, ...]:
         """From rigid bodies through one to four shapes a family and modes, with and without shortening, to exact

@@ -123,9 +123,11 @@ class TreeJoints(TurningPlant):
         first = ends(self.slots)[0]
         return found + [q[first + k] for k in range(len(self.motors))]
 
-    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+    def rest_to_rest(
+        self, begin: np.ndarray, end: np.ndarray, time: float, *, profile: str = "minimum-jerk"
+    ) -> Callable[[float], np.ndarray]:
         """As of every plant; a free base moves as its momentum, which is none, says."""
-        return (Floating if self.floats else InverseDynamics)(self, begin, end, time)
+        return (Floating if self.floats else InverseDynamics)(self, begin, end, time, profile)
 
     @property
     def measured(self) -> list[int]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.signals import OwnsArrays, names
-from pliant.plants.integration.inverse_dynamics import InverseDynamics, rest_to_rest_ends
+from pliant.plants.integration.inverse_dynamics import rest_to_rest_ends
 
 Array = np.ndarray
 
@@ -21,11 +21,20 @@ class GearedInputs(OwnsArrays):
     >>> u = GearedInputs(plant, plant.stiff_geared, {"joint_motor_torque": 100.0}, begin, end, 1.0)
     """
 
-    def __init__(self, plant: Any, stiff: Any, ratios: dict[str, float], begin: Array, end: Array, time: float) -> None:
+    def __init__(
+        self,
+        plant: Any,
+        stiff: Any,
+        ratios: dict[str, float],
+        begin: Array,
+        end: Array,
+        time: float,
+        profile: str = "minimum-jerk",
+    ) -> None:
         """`ratios` by input, of those behind a gear; begin, end: states (nx,) of `plant`."""
         first, last, time = rest_to_rest_ends(plant, begin, end, time)
         at = [names(plant.states).index(name) for name in names(stiff.states)]
-        self._inputs = InverseDynamics(stiff, first[at], last[at], time)
+        self._inputs = stiff.rest_to_rest(first[at], last[at], time, profile=profile)
         self._ratios = np.array([ratios.get(name, 1.0) for name in names(plant.inputs)])
 
     def __call__(self, t: float) -> Array:
