@@ -35,6 +35,7 @@ from pliant.plants.large_deflection.transfer_matrices import TransferMatrices
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.modal_data.modal_data import ModalData
+from pliant.plants.modal_data.modal_fields import ModalNode
 from pliant.plants.multibody.tree import FlexibleTree
 from pliant.plants.multibody_parts.joint import ElasticJoint, Frame, FrameThruster, Joint, Sliding
 from pliant.plants.multibody_parts.tree_body import TreeBody
@@ -68,6 +69,7 @@ __all__ = [
     "MassMatrixError",
     "Material",
     "ModalData",
+    "ModalNode",
     "Orbit",
     "Payload",
     "Plant",

@@ -15,6 +15,7 @@ from pliant.plants import (
     FlexibleSpacecraft,
     FlexibleTree,
     Frame,
+    FrameThruster,
     Hinge,
     Hub,
     Joint,
@@ -150,7 +151,16 @@ def tree_calls() -> list[Call]:
         "beam": Object(BEAM, none=True),
         "beam_rotation": Array((0.5, 0.0, 0.25)),
         "modes": Counts((2, 2, 1, 0)),
+        "stiffness_factor": Number(0.5, **POSITIVE),
+        "damping_ratio": Number(0.5, low=0.0),
     }
+    spun = {
+        "name": Text("w"),
+        "parent": Text("hub"),
+        "axis": Array((0.0, 0.0, 1.0)),
+        "position": Array((0.5, 0.0, 0.0)),
+    }
+    spun |= {"inertia": Number(0.5, **POSITIVE), "mass": Number(0.5, low=0.0), "friction": Number(0.5, low=0.0)}
     made = tree()
     whole = {
         "bodies": Objects(made.bodies),
@@ -174,6 +184,8 @@ def tree_calls() -> list[Call]:
         Call("Sliding", Sliding, held, compare=False),
         Call("Frame", Frame, {"name": Text("f"), "body": Text("b")} | place, compare=False),
         Call("TreeBody", TreeBody, body, compare=False),
+        Call("TreeBody.wheel", TreeBody.wheel, spun, compare=False),
+        Call("FrameThruster", FrameThruster, {"frame": Text("f"), "direction": Array((0.0, 0.0, 1.0))}, compare=False),
         Call("FlexibleTree", FlexibleTree, whole, compare=False),
         Call("FlexibleTree.serial", FlexibleTree.serial, {"bodies": Objects(made.bodies)}, compare=False),
     ]

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from argument_kinds import Call, Choice, Flag, Names, Object
 from calls_of_declarations import BEAM
+from further_kinds import Text
 from kinds_of_numbers import POSITIVE, Array, Count, Counts, Number
 
-from pliant.plants import LinearModel, LTVModel, ModalData, Payload, beams, stability
+from pliant.plants import LinearModel, LTVModel, ModalData, ModalNode, Payload, beams, stability
 from pliant.plants.beams import OffsetPayload
 
 T = np.linspace(0.0, 2.0, 9)
@@ -184,9 +185,21 @@ def modal_calls() -> list[Call]:
         "damping": Number(0.125, low=0.0),
     }
     data = ModalData.boom(BEAM, (1, 1))
+    body, swung = np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0]), np.array([[0.5, 0.0, 0.0, 0.0, 0.25, 0.0]])
+    handed = {
+        "mass": Array(np.block([[body, swung.T], [swung, np.eye(1)]])),
+        "stiffness": Array(np.diag([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0])),
+        "boundary": Array(np.zeros((1, 3))),
+        "origin": Array((0.0, 0.0, 0.0)),
+        "modes": Count(1, low=0),
+        "damping": Number(0.125, low=0.0),
+    }
+    node = {"name": Text("n"), "position": Array((0.5, 0.0, 0.0)), "shapes": Array(np.ones((1, 3)))}
     return [
         Call("ModalData.from_nodes", ModalData.from_nodes, nodes, compare=False),
         Call("ModalData.from_matrices", ModalData.from_matrices, built, compare=False),
+        Call("ModalData.from_craig_bampton", ModalData.from_craig_bampton, handed, compare=False),
+        Call("ModalNode", ModalNode, node, compare=False),
         Call("ModalData.boom", ModalData.boom, {"beam": Object(BEAM), "modes": Counts((1, 1))}, compare=False),
         Call(
             "ModalData.panel",
