@@ -18,6 +18,13 @@ BEND = "#3182bd"  # of a body that bends
 class TreeRenderer(Renderer):
     """Draws one scene of a tree again and again; keeps the tip's path since the last `clear`."""
 
+    _links: list[Any]
+    _base: Any
+    _joints: Any
+    _payload: Any
+    _behind: Any
+    _drop: Any
+
     def _prepare(self) -> None:
         scene, tree = self.scene, cast(FlexibleTree, self.scene.plant)  # as it is drawn as one
         goal = tree.lines(scene.target[0])
@@ -25,7 +32,8 @@ class TreeRenderer(Renderer):
         seen = np.concatenate([np.zeros((1, 3)), *goal, *start])
         middle, reach = (seen.max(axis=0) + seen.min(axis=0)) / 2, 0.62 * float(np.ptp(seen, axis=0).max())
         low = 0.04 + 0.03 * len(tree.inputs)
-        space = self._space = self.figure.add_axes((0.0, low, 1.0, 0.98 - low), projection="3d")
+        space: Any = self.figure.add_axes((0.0, low, 1.0, 0.98 - low), projection="3d")
+        self._space = space
         space.patch.set_alpha(0.0)
         limits = [(float(m - reach), float(m + reach)) for m in middle]
         space.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])

@@ -11,6 +11,7 @@ def played(name: str):
     return scene, scene.open_loop(method="rk4", step=scene.dt / scene.substeps)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("name", "apart"), [("six-axis-pick", 0.03), ("three-link-flexible", 0.15)])
 def test_the_nominal_inputs_take_the_joints_about_to_the_goal(name: str, apart: float) -> None:
     """The inputs are those of the rigid arm: what bends is a few hundredths of a radian, and the strips a tenth."""
@@ -20,6 +21,7 @@ def test_the_nominal_inputs_take_the_joints_about_to_the_goal(name: str, apart: 
     assert all(np.abs(motion[signal]).max() < bound for signal, bound in scene.bounds)
 
 
+@pytest.mark.campaign
 def test_nothing_moves_the_satellite_but_what_its_arm_takes() -> None:
     """No force from outside: the mass centre of base (400 kg), wheels (3 x 3), rods and payload (10) stays, so that the
     base moves against the payload by at most their masses' ratio.
@@ -32,3 +34,12 @@ def test_nothing_moves_the_satellite_but_what_its_arm_takes() -> None:
     assert 0 < np.linalg.norm(moved) < (10.0 + rods) / 409.0 * np.linalg.norm(of_tip) + 1e-3
     assert moved @ of_tip < 0 and np.abs(base[:, 2]).max() < 1e-9  # against it, and in the plane
     assert abs(motion["base_attitude_z"][-1]) > 0.1  # no wheel has turned it back
+
+
+def test_trees_are_drawn_in_space_and_reach_their_goals() -> None:
+    """What each scene asks for is a rest of its machine, its joints where they were asked for."""
+    for name in ("six-axis-pick", "three-link-flexible", "satellite-arm"):
+        scene = scenes.get(name)
+        values = scene.goal_values(tuple(joint for joint, _ in scene.goal))
+        np.testing.assert_allclose(values, [value for _, value in scene.goal])
+        assert scene.plant.drawn_as == "tree" and np.abs(scene.plant.dynamics(*scene.target)).max() < 1e-6

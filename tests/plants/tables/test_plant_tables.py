@@ -12,7 +12,9 @@ STRIP = Beam.rectangular(1.0, width=0.04, depth=0.008, material=Material(density
 TREE = FlexibleTree.serial(
     [
         TreeBody(name="post", joint=Joint(name="shoulder", damping=0.1), beam=STRIP, modes=(2, 1, 0, 0)),
-        TreeBody(name="hand", joint=Joint(name="wrist", axis=(0.0, 1.0, 0.0), lower=-1.0, upper=1.0), mass=0.5),
+        TreeBody(
+            name="hand", joint=Joint(name="wrist", axis=(0.0, 1.0, 0.0), lower=-1.0, upper=1.0), mass=0.5, inertia=0.01
+        ),
     ]
 )
 
