@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pliant.plants.core.signals import Signal
-from pliant.plants.multibody_parts.joint import Frame
+from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.tree_beam import TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
@@ -46,6 +46,7 @@ def readings_of(body: TreeBody) -> list[Signal]:
 def check_nodes(bodies: tuple[TreeBody, ...], frames: tuple[Frame, ...]) -> None:
     """ValueError where something hangs on a node that its body's modal data do not have."""
     modal = {body.name: body.modal for body in bodies if body.modal is not None}
-    for name, part in [*((body.parent, body.joint) for body in bodies), *((frame.body, frame) for frame in frames)]:
+    hung: list[tuple[str, Joint | Frame]] = [(body.parent, body.joint) for body in bodies]
+    for name, part in [*hung, *((frame.body, frame) for frame in frames)]:
         if name in modal:
             place_on(modal[name], name, part)

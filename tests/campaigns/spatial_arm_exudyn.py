@@ -93,7 +93,7 @@ def played(parts: int, steps: int) -> dict[str, np.ndarray]:
     settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, arm.SECONDS
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
     settings.timeIntegration.newton.useModifiedNewton = False
-    settings.timeIntegration.newton.relativeTolerance, settings.timeIntegration.newton.absoluteTolerance = 1e-5, 1e-6
+    settings.timeIntegration.newton.relativeTolerance, settings.timeIntegration.newton.absoluteTolerance = 1e-12, 1e-6
     settings.timeIntegration.verboseMode = 0
     settings.linearSolverType = exu.LinearSolverType.EigenSparse
     settings.solutionSettings.writeSolutionToFile = False
