@@ -30,6 +30,7 @@ from cases import (
     physics,
     spacecraft,
     stability,
+    trees,
 )
 from cases import soak as soaking
 from harness import sampling, table, targets
@@ -51,6 +52,7 @@ PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
     "stability": lambda: list(stability.cases()),
     "spacecraft": lambda: list(spacecraft.cases()),
     "controllers": lambda: list(controller_acts.cases()),
+    "trees": lambda: list(trees.cases()),
 }
 PACKAGES = (
     "pliant",
@@ -142,7 +144,7 @@ def notes(part: str | None, rows: Sequence[sampling.Row], soak: soaking.Soak | N
             f"Soak: {soak.steps:,} environment steps with random actions in {soak.seconds:.0f} s, {soak.episodes:,} "
             f"episodes, {soak.diverged:,} diverged; {soak.memory[-1]:.0f} MB resident at the end."
         )
-    return said + cantilever.notes(rows) + controller_acts.notes(rows)
+    return said + cantilever.notes(rows) + controller_acts.notes(rows) + trees.notes(rows)
 
 
 def main() -> int:

@@ -13,6 +13,8 @@ from pliant.controllers.base.objective import Objective
 from pliant.controllers.estimation import sensors
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import Sensor, sensors_of
+from pliant.controllers.export import arrays_of, export_arrays, export_c
+from pliant.controllers.filters import Filter, Filtered, lag, notch, roll_off
 from pliant.controllers.joint_control.computed_torque import ComputedTorque
 from pliant.controllers.joint_control.input_shaping import Shaper, shape, shaper_for
 from pliant.controllers.joint_control.pd import PD
@@ -37,6 +39,8 @@ __all__ = [
     "ComputedTorque",
     "Controller",
     "Feedback",
+    "Filter",
+    "Filtered",
     "Kalman",
     "Margins",
     "Motion",
@@ -46,13 +50,19 @@ __all__ = [
     "Sensor",
     "Shaper",
     "Spillover",
+    "arrays_of",
     "delayed",
+    "export_arrays",
+    "export_c",
+    "lag",
     "loop",
     "margins",
+    "notch",
     "optimal",
     "plan",
     "riccati",
     "rl",
+    "roll_off",
     "sensors",
     "sensors_of",
     "shape",

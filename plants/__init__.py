@@ -3,6 +3,7 @@
 if __name__ != "pliant.plants":
     raise ImportError("this folder is installed as pliant.plants: write `import pliant.plants`")
 
+import pliant.plants.tables.tree_files  # noqa: F401  what FlexibleTree reads and writes
 from pliant.plants import beams
 from pliant.plants.arms.single_link import SingleLinkArm
 from pliant.plants.arms.two_link import TwoLinkArm
@@ -24,6 +25,10 @@ from pliant.plants.core.signals import Signal
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.identification.csv_columns import read_experiment, write_experiment
+from pliant.plants.identification.experiment import Experiment
+from pliant.plants.identification.experiment_design import rank_motions
+from pliant.plants.identification.maximum_likelihood import identify
 from pliant.plants.integration.step_maps import step_limit
 from pliant.plants.large_deflection.large_beam import LargeDeflectionBeam
 from pliant.plants.large_deflection.transfer_matrices import TransferMatrices
@@ -39,6 +44,7 @@ from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Appendage, Hinge
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
 from pliant.plants.spacecraft_parts.hub import Hub, Thruster, Wheel
+from pliant.plants.tables.plant_types import register
 
 __all__ = [
     "Appendage",
@@ -46,6 +52,7 @@ __all__ = [
     "ElasticJoint",
     "Environment",
     "EquilibriumError",
+    "Experiment",
     "FlexibleSpacecraft",
     "FlexibleTree",
     "Frame",
@@ -84,8 +91,13 @@ __all__ = [
     "ValidityWarning",
     "Wheel",
     "beams",
+    "identify",
     "paper_terms",
+    "rank_motions",
+    "read_experiment",
+    "register",
     "step_limit",
+    "write_experiment",
 ]
 
 imports.serve(

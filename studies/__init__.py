@@ -10,10 +10,11 @@ from pliant.plants.core import imports
 from pliant.studies.charts.gallery import gallery
 from pliant.studies.charts.measure import chart
 from pliant.studies.fidelity.choice import choose
+from pliant.studies.monte_carlo.monte_carlo import monte_carlo
 from pliant.studies.report.report import report
 from pliant.studies.scoreboard.scoreboard import scoreboard
 
-__all__ = ["chart", "choose", "gallery", "report", "scoreboard"]
+__all__ = ["chart", "choose", "gallery", "monte_carlo", "report", "scoreboard"]
 
 imports.serve(
     __name__,

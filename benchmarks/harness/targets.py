@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from cases import cold_start, controller_acts, fma_peak, learning, motions, physics, spacecraft, stability
+from cases import cold_start, controller_acts, fma_peak, learning, motions, physics, spacecraft, stability, trees
 from cases import environments as env
 from cases.soak import GROWTH, STEPS, Soak
 from peers import cantilever, peers
@@ -49,7 +49,7 @@ def _median(row: Row | None) -> float | None:
 def checks(rows: Sequence[Row], soak: Soak | None, steps: int = STEPS) -> list[Check]:
     """Everything asked, in order; `steps` of the soak."""
     found = [_physics(rows), _environments(rows), _times(rows), _soak(soak, steps), _learning(rows), _cantilever(rows)]
-    found += [_stability(rows), _spacecraft(rows), _controllers(rows), _motions(rows)]
+    found += [_stability(rows), _spacecraft(rows), _controllers(rows), _motions(rows), _trees(rows)]
     return [check for part in found for check in part]
 
 
@@ -181,3 +181,19 @@ def _motions(rows: Sequence[Row]) -> Iterator[Check]:
     yield Check(13, "simulate, held inputs, fixed steps, over the stepper's time", found, 1.3, "times", least=False)
     found = motions.over(rows, "dop853", "rk8 at its error", [f"{rtol:g}" for rtol in motions.TOLERANCES])
     yield Check(13, "simulate, adaptive, over rk8's time at equal error", found, 2.0, "times", least=False)
+
+
+def _trees(rows: Sequence[Row]) -> Iterator[Check]:
+    """As measured, not scaled: asked was of the machine as it is."""
+    yield Check(14, trees.BENT, _median(find(rows, trees.GROUP, trees.BENT, trees.LANES)), 1e6, "steps/s")
+    steps = _median(find(rows, trees.GROUP, trees.ENVIRONMENT, trees.LANES, 2))
+    yield Check(14, f"{trees.ENVIRONMENT}, 2 threads", steps, 1e5, "steps/s")
+    for name, most, unit, scale in (
+        (trees.JACOBIANS, 200.0, "us", 1e-6),
+        (trees.COLD, 20.0, "s", 1.0),
+        (trees.MPC_SIX, 60.0, "us", 1e-6),
+        (trees.NMPC_SIX, 5.0, "ms", 1e-3),
+        (trees.NMPC_THREE, 8.0, "ms", 1e-3),
+    ):
+        found = _median(find(rows, trees.GROUP, name))
+        yield Check(14, name, None if found is None else found / scale, most, unit, least=False)

@@ -63,6 +63,8 @@ def law_of(controller: Any) -> LinearLaw:
     """The linear form of a LinearLaw, LQG, LQR (integrals included), Feedback, or anything with K (nu, len(reads))."""
     if isinstance(controller, LinearLaw):
         return controller
+    if isinstance(found := getattr(controller, "linear_form", None), LinearLaw):
+        return found
     if isinstance(controller, LQG):
         return _lqg(controller)
     K = getattr(controller, "K", None)

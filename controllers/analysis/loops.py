@@ -9,7 +9,7 @@ is a state of the loop.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from pliant.plants.linear.ltv import LTVModel
 from .late_loops import LateLoop
 from .linear_laws import Array, LinearLaw, closed_matrix, law_of, readings_under_way
 from .linear_laws import linearised as linearised  # under its old name too
+from .users_laws import users_law
 
 
 class Loop(NamedTuple):
@@ -82,8 +83,19 @@ def plant_of(model: LinearModel, law: LinearLaw) -> tuple[Array, Array, Array, A
     return A, B, C, np.zeros((len(C), nu)) if law.delay else D
 
 
-def loop(model: LinearModel | LTVModel, controller: Any, *, at: str = "input") -> Loop:
+def loop(
+    model: LinearModel | LTVModel,
+    controller: Any,
+    *,
+    at: str = "input",
+    reads: Sequence[str] | None = None,
+    dt: float | None = None,
+) -> Loop:
     """The loop of a controller around a model of the plant, broken at the plant's inputs or at what is read.
+
+    controller: one of Pliant's, a gain K (nu, len(reads)) of u = -K y, a function u = law(y), or a python-control
+    StateSpace or TransferFunction, u = -K(s) y. `reads` and `dt` are those of gains and functions; a system's inputs
+    may be named by its labels.
 
     ValueError where the model varies in time or lacks what the controller reads, PliantError for controllers without a
     linear form.
@@ -91,7 +103,7 @@ def loop(model: LinearModel | LTVModel, controller: Any, *, at: str = "input") -
     if not isinstance(model, LinearModel):
         raise ValueError(f"loop.model = {shown(model)} must be a LinearModel: a loop has margins at rest")
     require_choice("loop", "at", at, ("input", "output"))
-    law = law_of(controller)
+    law = law_of(users_law(controller, model, reads, dt))
     A, B, C, D = plant_of(model, law)
     first, second = ((A, B, C, D), (law.A, law.B, law.C, law.D))
     channels = model.input_names

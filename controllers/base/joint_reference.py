@@ -1,4 +1,4 @@
-"""The motion that a joint is to make: minimum jerk from rest to rest, shaped where asked, or a constant rate."""
+"""The motion that a joint is to make: from rest to rest, shaped where asked, or a constant rate."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pliant.plants.core.argument_gates import require_finite, require_instance, 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.signals import OwnsArrays, index, read_only
 from pliant.plants.dynamics.plant import Plant
-from pliant.plants.integration.minimum_jerk import minimum_jerk
+from pliant.plants.integration.minimum_jerk import profile_of
 
 from .controller import moment
 
@@ -33,12 +33,16 @@ class Impulses(Protocol):
 @final
 @dataclass(frozen=True, eq=False)
 class RestToRest(OwnsArrays):
-    """From `begin` to `end` (n,) in `time` [s] plus the shaper's duration: call it for position, rate, acceleration."""
+    """From `begin` to `end` (n,) in `time` [s] plus the shaper's duration: call it for position, rate, acceleration.
+
+    profile: "minimum-jerk", "jerk-limited" or "bang-bang".
+    """
 
     begin: np.ndarray
     end: np.ndarray
     time: float
     shaper: Impulses | None = None
+    profile: str = "minimum-jerk"
 
     def __post_init__(self) -> None:
         for name in ("begin", "end"):
@@ -46,6 +50,7 @@ class RestToRest(OwnsArrays):
         if self.begin.shape != self.end.shape:
             raise ValueError(f"RestToRest.end has shape {self.end.shape}, must be {self.begin.shape} as begin")
         object.__setattr__(self, "time", require_seconds("RestToRest.time", self.time))
+        object.__setattr__(self, "_motion", profile_of("RestToRest", self.profile))
         impulses = [(0.0, 1.0)]
         if self.shaper is not None:
             if isinstance(self.shaper, type) or not all(
@@ -64,7 +69,7 @@ class RestToRest(OwnsArrays):
         t = moment("RestToRest", t)
         way = rate = acceleration = 0.0
         for start, share in self._impulses:  # type: ignore[attr-defined]
-            s, ds, dds = minimum_jerk((t - start) / self.time)
+            s, ds, dds = self._motion((t - start) / self.time)  # type: ignore[attr-defined]
             way, rate, acceleration = way + share * s, rate + share * ds, acceleration + share * dds
         span = self.end - self.begin
         return self.begin + way * span, rate / self.time * span, acceleration / self.time**2 * span

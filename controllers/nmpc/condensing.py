@@ -17,6 +17,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 Array = np.ndarray
+LONG = 150  # inputs of a horizon beyond which the work that grows as their square is less than that as their cube
 
 
 @final
@@ -32,7 +33,8 @@ class Condensed:
     def __init__(self, N: int, nx: int, nu: int, nr: int, nb: int, L: Array) -> None:
         """L (nl, nx): |L (x_N - goal)|^2 is the terminal cost; no rows for none."""
         self.N, self.nx, self.nu, self.L = N, nx, nu, L
-        self.head = head = nx + 1
+        self.head, self.long = nx + 1, N * nu > LONG
+        head = self.head
         width, rows = head + N * nu, (N - 1) * nb
         self.dynamics, self.residual, self.bounded = (np.zeros((N, n, head + nu)) for n in (nx, nr, nb))
         self.G = np.zeros((N + 1, head, width))
@@ -62,19 +64,63 @@ class Condensed:
         self._B[:] = self.dynamics[:, :, head:]
         for now, G, ahead in self._steps:
             np.matmul(now, G, out=ahead)
-        np.matmul(self.residual[:, :, :head], self.G[:-1], out=self._stages)
-        self._U[:] = self.residual[:, :, head:]
         np.matmul(self.L, end, out=self._L[:, -1])
-        np.matmul(self._L, self.G[-1], out=self._last)
-        np.matmul(self._W.T, self._W, out=self.S)
+        if self.long:
+            self._backward()
+        else:
+            np.matmul(self.residual[:, :, :head], self.G[:-1], out=self._stages)
+            self._U[:] = self.residual[:, :, head:]
+            np.matmul(self._L, self.G[-1], out=self._last)
+            np.matmul(self._W.T, self._W, out=self.S)
         self.H[:] = self.S[head:, head:]
+        if not self.long:
+            self.rows()
+
+    def rows(self) -> None:
+        """Zd, Ze and z0; of a long horizon `form` leaves them out, for most of the time no row binds."""
+        head = self.head
         if self.Zd.size:
             np.matmul(self.bounded[1:, :, :head], self.G[1:-1], out=self._Z)
             self._Y += self.bounded[1:, :, head:]
             self.Zd[:] = self._Z.reshape(len(self.Zd), -1)[:, head:]
 
+    def _backward(self) -> None:
+        """S by half the cost's slopes by [dx_k; 1], Lambda_k v, from the end backwards: the work grows as N^2, not N^3.
+
+        Lambda_k = Q_k G_k + A_k' Lambda_{k+1} left of du_k; row k of S is N_k G_k + B_k' Lambda_{k+1}, with
+        [Q N'; N R] = [X r U]'[X r U]. S is symmetric, so that only what is left of its diagonal is computed.
+        """
+        head, nx, nu = self.head, self.nx, self.nu
+        whole = np.matmul(self.residual.transpose(0, 2, 1), self.residual)
+        slope = self._L.T @ (self._L @ self.G[-1])
+        self.S[:] = 0.0
+        for k in range(self.N - 1, -1, -1):
+            width = head + k * nu
+            row = self.dynamics[k].T @ slope[:nx, : width + nu]
+            row[nx] += slope[nx, : width + nu]  # the 1 stays
+            row[:, :width] += whole[k][:, :head] @ self.G[k, :, :width]
+            row[head:, width:] += whole[k][head:, head:]
+            self.S[width : width + nu, : width + nu] = row[head:]
+            slope = row[:head]
+        self.S[:head, :head] = slope[:, :head]
+        left = np.tril(self.S)
+        np.add(left, np.tril(left, -1).T, out=self.S)
+
+    def signals(self, e: Array, d: Array) -> Array:
+        """The bounded signals ((N-1) nb,) as Zd d + Ze e + z0, stage by stage."""
+        v = np.ones((self.N - 1, self.head + self.nu))
+        v[:, : self.nx], v[:, self.head :] = self.states(e, d)[1:-1], d.reshape(self.N, -1)[1:]
+        return (self.bounded[1:] @ v[:, :, None]).ravel()
+
     def states(self, e: Array, d: Array) -> Array:
         """dx (N+1, nx) of an initial deviation e (nx,) and changes d (N nu,) of the inputs."""
+        if self.long:
+            dx, nx, head = np.empty((self.N + 1, self.nx)), self.nx, self.head
+            dx[0] = e
+            known = (self.dynamics[:, :, head:] @ d.reshape(self.N, -1, 1))[:, :, 0] + self.dynamics[:, :, nx]
+            for k in range(self.N):
+                np.add(self.dynamics[k, :, :nx] @ dx[k], known[k], out=dx[k + 1])
+            return dx
         self._v[: self.nx], self._v[self.nx], self._v[self.head :] = e, 1.0, d
         return (self.G @ self._v)[:, : self.nx]
 

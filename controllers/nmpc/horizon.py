@@ -88,7 +88,7 @@ class Horizon:
         _fill(ready.bounded, nx, z, bounded)
         with np.errstate(over="ignore", invalid="ignore"):
             ready.form(self.x[-1] - self.goal)
-            return bool(np.isfinite(ready.S.sum() + ready.Zd.sum()))
+            return bool(np.isfinite(ready.S.sum() + (0.0 if ready.long else ready.Zd.sum())))
 
     def hold(self, rough: bool) -> None:
         """Damp what is linearised from now on where a plan is rough, less and less where it is not.

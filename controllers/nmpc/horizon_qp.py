@@ -39,8 +39,7 @@ class HorizonProgram:
         plan, ready = self.plan, self.plan.condensed
         self.sound = plan.linearize(close=close)
         if self.sound:
-            np.multiply(ready.Zd, self._scale[:, None], out=self._rows)
-            self.sound = self.solver.prepare(ready.H, self._rows)
+            self.sound = self.solver.factor(ready.H) if ready.long else self._prepare()
         self._room = (self.lowest - plan.u).ravel(), (self.highest - plan.u).ravel()
         return self.sound
 
@@ -51,11 +50,31 @@ class HorizonProgram:
             self.why = "the plan is no motion that can be linearised"
             return None
         ready = self.plan.condensed
+        if ready.long:
+            if (free := self._free(e)) is not None:
+                return free
+            ready.rows()
+            if not np.isfinite(ready.Zd.sum()) or not self._prepare():
+                self.why = WORDS[-5]
+                return None
         z = self._scale * (ready.z0 + ready.Ze @ e)
         d = self.solver.solve(ready.F @ e + ready.f0, *self._room, self.low - z, self.high - z)
         if d is None:
             self.why = WORDS.get(self.solver.status, f"flag {self.solver.status}")
         return d
+
+    def _prepare(self) -> bool:
+        np.multiply(self.plan.condensed.Zd, self._scale[:, None], out=self._rows)
+        return self.solver.prepare(self.plan.condensed.H, self._rows)
+
+    def _free(self, e: Array) -> Array | None:
+        """The solution where neither a limit nor a bound binds: the whole program then has the same. Else None."""
+        ready = self.plan.condensed
+        d = self.solver.free(ready.F @ e + ready.f0, *self._room)
+        if d is None:
+            return None
+        z = self._scale * ready.signals(e, d) if len(self._scale) else self._scale
+        return d if ((self.low <= z) & (z <= self.high)).all() else None
 
     @property
     def excess(self) -> Array:

@@ -10,6 +10,7 @@ from gymnasium import spaces
 
 from pliant.envs import scenes
 from pliant.envs.rendering import Renderer, renderer
+from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep, reach_function
@@ -192,10 +193,24 @@ def environment_id(scene_name: str) -> str:
 
 
 def register() -> None:
-    """Register every named scene with Gymnasium; the environment keeps the time limit, so no wrapper does."""
+    """Register every named scene with Gymnasium, and each that is registered later; the environment keeps the time
+    limit, so no wrapper does.
+    """
     for name in scenes.names():
+        _register(name)
+    if _register not in registry.HEARERS:
+        registry.HEARERS.append(_register)
+
+
+def _register(name: str) -> None:
+    """ValueError where the id is another scene's: "a-1b" and "a1b" would both be "A1b"."""
+    made = environment_id(name)
+    known = gymnasium.registry.get(made)
+    if known is not None and known.kwargs.get("scene") != name:
+        raise ValueError(f"scene {name!r}: its environment {made!r} is that of {known.kwargs.get('scene')!r}")
+    if known is None:
         gymnasium.register(
-            id=environment_id(name),
+            id=made,
             entry_point="pliant.envs.environments.env:PlantEnv",
             vector_entry_point="pliant.envs.environments.vector_env:PlantVectorEnv",
             kwargs={"scene": name},

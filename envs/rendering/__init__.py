@@ -2,5 +2,6 @@
 
 from .planar import Renderer, renderer
 from .spatial import SpaceRenderer
+from .tree_space import TreeRenderer
 
-__all__ = ["Renderer", "SpaceRenderer", "renderer"]
+__all__ = ["Renderer", "SpaceRenderer", "TreeRenderer", "renderer"]

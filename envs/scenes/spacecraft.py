@@ -10,13 +10,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pliant.envs.machines.spacecraft_parts import (
+    AXES,
+    FLAT,
+    PYRAMID,
+    UPRIGHT,
+    WHEEL_MOMENTUM,
+    WHEEL_TORQUE,
+    panels,
+    turned,
+)
 from pliant.plants import FlexibleSpacecraft, Plant
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.spacecraft_parts.appendage import Hinge
 
 from .scene import Scene
-from .spacecraft_parts import AXES, FLAT, PYRAMID, UPRIGHT, WHEEL_MOMENTUM, WHEEL_TORQUE, panels, turned
 
 
 def spacecraft_slew() -> Scene:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pliant.envs.machines.spacecraft_parts import ALONG_Y, AXES, panels
 from pliant.plants import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.appendage import Hinge
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit, Sun, Surface
@@ -11,7 +12,6 @@ from pliant.plants.spacecraft_parts.hub import Hub, Wheel
 
 from .nominal_inputs import let_go
 from .scene import Scene
-from .spacecraft_parts import ALONG_Y, AXES, panels
 
 
 def spacecraft_orbit() -> Scene:

@@ -160,19 +160,26 @@ class SingleLinkArm(SingleLinkDeclaration):
             force += ca.gradient(self._clamped(q)[0], q) * u[0]
         return force
 
+    @property
+    def _written_out(self) -> bool:
+        return self.frame == "clamped" and small_slope_equations.of_small_slopes(self.elastic)
+
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        M, r, _, _ = self.equations(t, x, u, w)
+        return self.output_at(t, x, u, w, self.acceleration(M, r, u)[0])
+
+    def output_at(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
         n = self.coordinates_slice.stop
         tip, link = self._tip(x[:n]), self.elastic
         q, v = self._clamped(x[:n]), self._clamped(x[n:])
         bent = [q[0], link.deflection(q[1:]), link.deflection_rate(q[1:], v[1:])]
-        felt = self._felt(t, x, u, w, q[0] + link.slope(q[1:]))
+        felt = self._felt(x, a, q[0] + link.slope(q[1:]))
         return ca.vertcat(*bent, tip, link.root_curvature(q[1:]), felt)
 
-    def _felt(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, angle: ca.SX) -> ca.SX:
+    def _felt(self, x: ca.SX, a: ca.SX, angle: ca.SX) -> ca.SX:
         """The tip's acceleration less gravity, across a section that stands at `angle` to the x axis."""
         n = self.coordinates_slice.stop
-        M, r, _, _ = self.equations(t, x, u, w)
-        a = second_derivative(self._tip(x[:n]), x[:n], x[n:], self.acceleration(M, r, u)[0])
+        a = second_derivative(self._tip(x[:n]), x[:n], x[n:], a)
         return ca.cos(angle) * (a[1] + self.gravity) - ca.sin(angle) * a[0]
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:

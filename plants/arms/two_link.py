@@ -83,10 +83,6 @@ class TwoLinkArm(TwoLinkDeclaration):
             )
         return tuple(steps)
 
-    def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        n1 = self.mode_counts[0]
-        return q[0], q[1], q[2 : 2 + n1], q[2 + n1 :]
-
     @property
     def _offset_load(self) -> bool:
         return any(is_symbolic(o) or o != 0.0 for o in self.payload.offset[:2])
@@ -153,11 +149,6 @@ class TwoLinkArm(TwoLinkDeclaration):
         )
         return self.gravity * lifted + link1.strain_energy(q1) + link2.strain_energy(q2)
 
-    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        w1, w2, v1, v2 = self._split(v)
-        friction = self.joint_friction[0] * w1**2 / 2 + self.joint_friction[1] * w2**2 / 2
-        return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)
-
     @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         small, whole = of_small_slopes(self.links[0]), self.reduction in ("full", "rigid")
@@ -184,6 +175,9 @@ class TwoLinkArm(TwoLinkDeclaration):
         return torque + ca.jtimes(self._tip(q), q, w, True)
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        return self.output_at(t, x, u, w, self.solved(t, x, u, w)[0])
+
+    def output_at(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
         n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
         (theta1, theta2, q1, q2), (_, _, v1, v2) = self._split(q), self._split(v)
@@ -195,7 +189,7 @@ class TwoLinkArm(TwoLinkDeclaration):
             link2.deflection_rate(q2, v2),
         ]
         bent += [self._tip(q), link1.root_curvature(q1), link2.root_curvature(q2)]
-        a = second_derivative(self._tip(q), q, v, self.solved(t, x, u, w)[0])
+        a = second_derivative(self._tip(q), q, v, a)
         _, _, c12, s12 = self._heights(q)
         c, s = ca.cos(link2.slope(q2)), ca.sin(link2.slope(q2))
         felt = (c * c12 - s * s12) * (a[1] + self.gravity) - (s * c12 + c * s12) * a[0]

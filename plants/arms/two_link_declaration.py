@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
+import casadi as ca
 import numpy as np
 
 from pliant.plants import beams
@@ -18,7 +19,7 @@ from pliant.plants.core.parameters import flag, part, quantity, require_choice, 
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.planar_chain import PlanarChain
-from pliant.plants.exact_rotations.strain_link import elastic_link
+from pliant.plants.exact_rotations.strain_link import StrainLink, elastic_link
 
 from . import physics
 
@@ -161,3 +162,16 @@ class TwoLinkDeclaration(physics.PlanarArm):
         second = load.ratios(b.mass, b.length) | (b.section_ratios if thick else {})
         shapes1, shapes2 = beams.basis(self.basis, n1, **first), beams.basis(self.basis, n2, **second)
         return elastic_link(self.kinematics, self.link1, shapes1), elastic_link(self.kinematics, self.link2, shapes2)
+
+    @property
+    def _written_out(self) -> bool:
+        return self.reduction in ("full", "rigid") and not isinstance(self.links[0], StrainLink)
+
+    def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        n1 = self.mode_counts[0]
+        return q[0], q[1], q[2 : 2 + n1], q[2 + n1 :]
+
+    def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        w1, w2, v1, v2 = self._split(v)
+        friction = self.joint_friction[0] * w1**2 / 2 + self.joint_friction[1] * w2**2 / 2
+        return friction + self.links[0].dissipation(v1) + self.links[1].dissipation(v2)

@@ -172,6 +172,16 @@ class StrainDeclaration(LagrangianPlant):
                 return load_path.rest(self, loads, start, p)
         return super().equilibrium(fixed, guess=guess, p=p, **named)
 
+    @property
+    def _written_out(self) -> bool:
+        return True
+
+    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+        if not (self.strained and self.planar):
+            return super().balance(t, x, u, w, a)
+        n = len(self.coordinates)
+        return self.strained_beam.balance(x[:n], x[n:], a, w if self.driven else u)
+
     @built_once
     def _statics(self) -> NumericFunction:
         """(elastic forces, weight and loads) on the coordinates at x and u."""

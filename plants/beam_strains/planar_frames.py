@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from pliant.plants.exact_rotations.quadrature import sparse
 from pliant.plants.exact_rotations.tangent_sums import DifferentiatedTangents
 
 from .section_frames import TIP, Motion, SectionFrames
@@ -31,6 +32,19 @@ class PlanarFrames(SectionFrames):
         c, s, onward = ca.cos(theta), ca.sin(theta), self.onward(q)
         e, g = onward[0, :], onward[1, :]
         return self.rooted(q, ca.vertcat(c * e - s * g, s * e + c * g))
+
+    def inertial_places(self, q: ca.SX) -> ca.SX:
+        """z (k,) with T = |dz/dt|^2/2: places weighed by roots of masses, angles by roots of moments of inertia."""
+        beam, load, at = self.beam, self.payload, self.along
+        t, root = self.tangents(q), sparse(self.points.root)
+        z = [ca.sqrt(beam.mass) * beam.length * (root @ t[c, :].T) for c in range(2)]
+        carried = self.tip_frame(q) @ ca.vertcat(*load.offset[:2])
+        z.append(ca.sqrt(load.mass) * (beam.length * (t @ ca.DM(self.points.weight)) + carried))
+        z.append(ca.sqrt(load.inertia_z) * self.tip_rotation(q))
+        if self.turns_with_inertia:
+            spun = ca.sqrt(self.rotary * beam.density * beam.I_z * beam.length)
+            z.append(spun * ca.DM(np.sqrt(at.weight)) * self.strains.turned(q, at.xi))
+        return ca.vertcat(*z)
 
     def tip_frame(self, q: ca.SX) -> ca.SX:
         angle = self.rest.angle(TIP) + self.tip_rotation(q)

@@ -61,6 +61,8 @@ class RestShape:
 
     def enough(self, first: int, panels: int = 1) -> int:
         """The fewest points of a panel, from `first` on, that place the beam at rest to RESOLVED of its length."""
+        if not is_curved(self.curvature):
+            return min(first, POINTS)
         xi = np.linspace(0.0, 1.0, 17)
         exact = self._places(POINTS, 1, xi)
         for m in range(min(first, POINTS), POINTS):

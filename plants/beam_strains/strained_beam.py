@@ -106,6 +106,15 @@ class StrainedBeam:
             r -= own.payload.mass * (J.T @ (beam.length * at.sum_bias(own.points.weight) + bias))
         return M, r
 
+    def balance(self, q: ca.SX, v: ca.SX, a: ca.SX, loads: ca.SX) -> ca.SX:
+        """r - M a (n,) at accelerations a (n,) in the plane, where T = |dz/dt|^2/2 with z(q) = `inertial_places`."""
+        assert isinstance(self.frames, PlanarFrames)
+        z, turned = self.frames.inertial_places(q), self.frames.tip_rotation(q)
+        second = ca.jtimes(ca.jtimes(z, q, v), ca.vertcat(q, v), ca.vertcat(v, a))
+        acting = self.loads.acting(loads, self._places(q)[1], turned, self.frames.tip_frame(q), q)
+        lost = ca.gradient(self.dissipation(q, v), v)
+        return acting - ca.gradient(self.potential_energy(q), q) - lost - ca.jtimes(z, q, second, True)
+
     def output(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """What `LargeDeflectionBeam` lists as its outputs."""
         own, strains = self.frames, self.frames.strains

@@ -55,6 +55,15 @@ class TipLoads:
         Q = place.T @ force
         return Q + turning.T @ parts["moment"] if "moment" in parts else Q
 
+    def acting(self, loads: ca.SX, tip: ca.SX, turned: ca.SX, frame: ca.SX, q: ca.SX) -> ca.SX:
+        """The same in the plane without Jacobians: `tip` (2,) its place, `turned` its angle."""
+        parts = self._parts(loads)
+        force = parts.get("force", ca.SX.zeros(2))
+        if "follower" in parts:
+            force = force + frame @ parts["follower"]
+        Q = ca.jtimes(tip, q, force, True)
+        return Q + ca.jtimes(turned, q, parts["moment"], True) if "moment" in parts else Q
+
     def pull(self, loads: ca.SX) -> ca.SX:
         """Magnitudes of the forces, added [N]."""
         parts = self._parts(loads)

@@ -55,6 +55,9 @@ class PlantLike(Protocol):
     def rest_state(self) -> np.ndarray: ...
 
     @property
+    def quiet(self) -> tuple[np.ndarray, np.ndarray]: ...
+
+    @property
     def varied(self) -> tuple[str, ...]: ...
 
     @property

@@ -47,6 +47,11 @@ class RestConditions:
         A: Array = self.plant._state_jacobians(x, u, self.p)[0]
         return A
 
+    def rate(self, x: Array, u: Array) -> Array:
+        """dx/dt (nx,); raises where the equations have lost their meaning."""
+        rate: Array = self.plant.dynamics(x, u, p=self.p)
+        return rate
+
 
 class ForcesAtRest(RestConditions):
     """Of M(q) dv/dt = r: dq/dt and the forces r, so that a stiff mode's are in its own row only.
@@ -61,9 +66,12 @@ class ForcesAtRest(RestConditions):
     def _known(self, x: Array, u: Array) -> list[Array] | None:
         if self.plant.driven or x[len(x) // 2 :].any():
             return None
-        values, _ = self.plant._arguments(x, u, p=self.p)
-        found: list[Array] = self.plant._forces_at_rest(*values)
-        return found
+        t, x, u, w, p = self.plant._arguments(x, u, p=self.p)[0]
+        if self.plant._written_out:
+            found: list[Array] = self.plant._forces_at_rest(t, x, u, w, p)
+            return found
+        forces: list[Array] = self.plant.force_balance.at_rest(np.atleast_1d(t), x[None], u[None], w=w, p=p)
+        return forces
 
     def forces(self, x: Array, u: Array, at: Array) -> Array:
         n = len(x) // 2
@@ -84,6 +92,12 @@ class ForcesAtRest(RestConditions):
         if (known := self._known(x, u)) is None:
             return super().states(x, u)
         return np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(known[4], np.hstack(known[1:3]))]])
+
+    def rate(self, x: Array, u: Array) -> Array:
+        if (known := self._known(x, u)) is None or not all(np.isfinite(e).all() for e in known):
+            return super().rate(x, u)
+        self.plant.check_definite(x, np.linalg.eigvalsh(known[4])[:1])
+        return np.concatenate([x[len(x) // 2 :], np.linalg.solve(known[4], known[0][:, 0])])
 
 
 def forces_at_rest(plant: Any) -> NumericFunction:
@@ -141,7 +155,7 @@ def find(
             break
         z, residual = trial, moved
     worst = float(np.max(np.abs(residual) / scale))
-    rate = plant.dynamics(z[:nx], z[nx:], p=p)  # raises where the equations have lost their meaning
+    rate = rest.rate(z[:nx], z[nx:])
     if not (worst < TOLERANCE and step < STEP):
         k = int(np.argmax(np.abs(rate)))
         raise EquilibriumError(

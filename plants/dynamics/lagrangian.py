@@ -23,13 +23,13 @@ from pliant.plants.linear.second_order import natural_squares
 from . import arguments
 from .declaration import Array
 from .equilibrium import ForcesAtRest, RestConditions, forces_at_rest
-from .mechanical import MechanicalPlant
+from .mechanical import BalancedPlant
 from .residual_jacobians import Differentiated
 from .symbolic_ldl import ldl, ldl_solve
 
 
 @dataclass(frozen=True, kw_only=True)
-class LagrangianPlant(MechanicalPlant):
+class LagrangianPlant(BalancedPlant):
     """M(q) dv/dt = Q + dT/dq - (d^2T/dv dq) v - dV/dq - dD/dv."""
 
     @abstractmethod
@@ -47,11 +47,6 @@ class LagrangianPlant(MechanicalPlant):
     @abstractmethod
     def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         """Q (n,): generalised forces of the inputs and disturbances."""
-
-    @property
-    def driven(self) -> dict[int, int]:
-        """Coordinates whose acceleration is an input: {coordinate index: input index}."""
-        return {}
 
     @property
     def states(self) -> tuple[Signal, ...]:

@@ -19,7 +19,7 @@ from . import arguments
 from .declaration import Array
 from .linear_models import check_signals
 from .plant import Plant
-from .residual_jacobians import Differentiated, ResidualJacobians
+from .residual_jacobians import Differentiated, ForceBalance, ResidualJacobians, from_energies
 
 NEARLY_SINGULAR = 1e-3  # of the smallest eigenvalue of the scaled mass matrix at the start of a motion
 HUGE = 1e6  # root of an inertia that only a diverged state has
@@ -169,3 +169,71 @@ class MechanicalPlant(Plant):
         put_in, lost = self._power(*values, batch=batch)
         arguments.told(self, "power", [put_in, lost], values[1])
         return put_in[..., 0], lost[..., 0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BalancedPlant(MechanicalPlant):
+    """A mechanical plant x = [q; v] whose forces are also known at accelerations that are given: see `ForceBalance`."""
+
+    @abstractmethod
+    def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """(M, r, T, V): mass matrix (n, n) and right-hand side (n,) of M a = r, the energies [J]."""
+
+    @property
+    def driven(self) -> dict[int, int]:
+        """Coordinates whose acceleration is an input: {coordinate index: input index}."""
+        return {}
+
+    @property
+    def _written_out(self) -> bool:
+        """Whether `equations` are written out in fewer operations than the energies give."""
+        return False
+
+    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+        """r - M a (n,) at accelerations a (n,); from the energies M is never written out."""
+        if not self._written_out:
+            return from_energies(self, t, x, u, w, a)
+        M, r, _, _ = self.equations(t, x, u, w)
+        return r - M @ a
+
+    def output_at(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+        """y (ny,) at accelerations a (n,), where outputs tell these. Default: `output`, whose accelerations are its
+        own.
+        """
+        return self.output(t, x, u, w)
+
+    @built_once
+    def force_balance(self) -> ForceBalance:
+        """Of the coordinates that are not driven; the others' accelerations are inputs."""
+        t, x, u, w, _ = self.symbols
+        n, driven = len(self.coordinates), self.driven
+        free = [i for i in range(n) if i not in driven]
+        a, moving = ca.SX.sym("a", len(free)), ca.SX(n, 1)
+        moving[free] = a
+        for i, k in driven.items():
+            moving[i] = u[k]
+        return ForceBalance(self, self.symbolic.balance(t, x, u, w, moving)[free], a, driven)
+
+    def measure_at(self, t: Array, x: Array, u: Array, a: Array) -> Array:
+        """y (B, ny) at rows of t, states, inputs and accelerations; see `output_at`."""
+        w, p = self.quiet
+        return self._output_at[0](t[:, None], x, u, w, p, a, batch=len(x))[0]
+
+    @property
+    def feels_accelerations(self) -> list[bool]:
+        """Which outputs depend on accelerations."""
+        return self._output_at[1]
+
+    @built_once
+    def _output_at(self) -> tuple[NumericFunction, list[bool]]:
+        """(t, x, u, w, p, a) -> y, and which of y depend on a."""
+        t, x, u, w, p = self.symbols
+        a = ca.SX.sym("a", len(self.coordinates))
+        y = ca.SX(self.symbolic.output_at(t, x, u, w, a))
+        return function("output_at", [t, x, u, w, p, a], [y]), ca.which_depends(y, a, 1, True)
+
+    def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
+        check_signals(self, nominal)
+        t, x, u, w, p = self._arguments(nominal.x, nominal.u, nominal.w, p, nominal.t)[0]
+        a = self._accelerations(nominal, p)
+        return self.force_balance.state_jacobians(t[:, 0], x, u, a, w=w, p=p)

@@ -24,6 +24,7 @@ from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.validity.ranges import Range
 
 from .declaration import Array, Declaration
+from .residual_jacobians import ForceBalance
 
 MOST_MATCHED = 6  # inputs whose coordinates are told apart by what they accelerate most
 PINION = 0.05  # [m], radius of the wheel by which an encoder reads a length
@@ -89,6 +90,11 @@ class PhysicsContract(Declaration):
     def newton(self) -> Self:
         """A model of the same states and inputs whose Jacobians, cheaper, serve Newton's method. Default: itself."""
         return self
+
+    @property
+    def force_balance(self) -> ForceBalance | None:
+        """Its equations of motion M a = r as they stand, where they are known as such. Default: None."""
+        return None
 
     def embedding(self, simpler: PhysicsContract) -> Array:
         """E (nx, nx of `simpler`): the states E x of this model that move as x of a simpler one does. Default: states
@@ -185,13 +191,16 @@ class PlantContract(PhysicsContract):
             order = max(itertools.permutations(order), key=lambda p: math.prod(B[i, k] for k, i in enumerate(p)))
         return tuple(Joint(s.name, *pairs[i]) for s, i in zip(self.inputs, order, strict=True))
 
-    def rest_to_rest(self, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
+    def rest_to_rest(
+        self, begin: Array, end: Array, time: float, *, profile: str = "minimum-jerk"
+    ) -> Callable[[float], Array]:
         """u(t) (nu,) that takes this plant from the rest state `begin` (nx,) to `end` (nx,) in `time` [s].
 
         Default: every coordinate (or, where there are fewer inputs, every joint, the rest standing still) makes a
-        minimum-jerk motion, by inverse dynamics. ValueError where the inputs do not reach them.
+        motion of the same profile, "minimum-jerk", "jerk-limited" or "bang-bang", by inverse dynamics. ValueError
+        where the inputs do not reach them.
         """
-        return InverseDynamics(self, begin, end, time)
+        return InverseDynamics(self, begin, end, time, profile)
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
         """What must stay small for this plant's kinematics to hold, as expressions of what a motion stores (y the
@@ -264,7 +273,9 @@ class PlantContract(PhysicsContract):
 
     @property
     def drawn_as(self) -> str:
-        """Which renderer draws it: "links" (default), lines in the plane by `outline`, or "spacecraft"."""
+        """Which renderer draws it: "links" (default), lines in the plane by `outline`; "tree", lines in space; or
+        "spacecraft".
+        """
         return "links"
 
     def outline(self, x: Array, points: int = 30) -> Array | list[Array]:

@@ -1,8 +1,9 @@
-"""Jacobians of equations of motion M a = r as they stand, at any accelerations a, not only those that solve them.
+"""Equations of motion M a = r as they stand and their Jacobians, at any accelerations, not those alone that solve them.
 
-With a held, dM a + M da = dr gives da = M^-1 (dr - dM a); the plant gives da, its rate dx/dt as a function of a, and
-the accelerations that solve the equations. At those the Jacobians are the plant's own, with fewer operations than the
-derivative of M^-1 r takes.
+With accelerations a held, dM a + M da = dr gives da = M^-1 (dr - dM a); the plant gives da, its rate dx/dt as a
+function of a, and the accelerations that solve the equations. At those the Jacobians are the plant's own, with fewer
+operations than the derivative of M^-1 r takes. Where they are asked for at some points only, writing them out costs
+more than it saves: `ForceBalance` has them from derivatives along one direction at a time, and M from the same.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import casadi as ca
 import numpy as np
@@ -18,6 +19,8 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.native.batch_kernels import NativeFunction, random_points
+
+Array = np.ndarray
 
 
 class Differentiated(NamedTuple):
@@ -85,3 +88,90 @@ class ResidualJacobians:
         points = random_points(self.plant, rng)
         moving = rng.uniform(-1.0, 1.0, (a.shape[0], points[0].shape[1]))
         return NativeFunction(found.function, [*points, moving], matrices=True)
+
+
+def from_energies(plant: Any, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+    """r - M a = Q - d/dt(dT/dv) + d(T - V)/dq - dD/dv (n,) at accelerations a (n,)."""
+    q, v = x[: a.shape[0]], x[a.shape[0] :]
+    T, V, D = plant.kinetic_energy(q, v), plant.potential_energy(q), plant.dissipation(q, v)
+    moved = ca.jtimes(ca.gradient(T, v), x, ca.vertcat(v, a))
+    return plant.generalized_force(t, q, v, u, w) + ca.gradient(T - V, q) - ca.gradient(D, v) - moved
+
+
+class ForceBalance:
+    """M a = r of the `free` ones of n coordinates, the others `driven` by inputs.
+
+    At rows (B, ..) of t, x, u and accelerations a (B, n), undisturbed where w is None, with the plant's own parameters
+    where p is.
+    """
+
+    def __init__(self, plant: PlantLike, lacking: ca.SX, a: ca.SX, driven: dict[int, int]) -> None:
+        """lacking: r - M a of the free coordinates at their accelerations a; driven: {coordinate: input}."""
+        _, x, u, _, _ = plant.symbols
+        self.plant, self.driven, self.n = plant, driven, plant.nx // 2
+        self.free = [i for i in range(self.n) if i not in driven]
+        at = [*plant.symbols, a]
+        along, pull = ca.SX.sym("dx", plant.nx), ca.SX.sym("da", a.shape[0])
+        lacking = ca.cse(lacking)
+        self._lacking = _numeric("lacking", at, lacking)
+        self._weighed = _numeric("weighed", [*at, pull], ca.jtimes(-lacking, a, pull))
+        self._changed = _numeric("changed", [*at, along], ca.jtimes(lacking, x, along))
+        self._expressions = at, lacking, u
+
+    @cached_property
+    def _pushed(self) -> NumericFunction:
+        at, lacking, u = self._expressions
+        return _numeric("pushed", at, ca.jacobian(lacking, u))
+
+    def _values(self, t: Array, x: Array, u: Array, w: Any, p: Any) -> tuple[Array, ...]:
+        quiet_w, quiet_p = self.plant.quiet
+        return t[:, None], x, u, quiet_w if w is None else w, quiet_p if p is None else p
+
+    def lacking(self, t: Array, x: Array, u: Array, a: Array, *, w: Any = None, p: Any = None) -> Array:
+        """r - M a of the free coordinates (B, m)."""
+        return self._lacking(*self._values(t, x, u, w, p), a[:, self.free], batch=len(x))[0]
+
+    def mass(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> Array:
+        """M of the free coordinates (B, m, m)."""
+        m = len(self.free)
+        M = _columns(self._weighed, (*self._values(t, x, u, w, p), np.zeros((len(x), m))), m)
+        return (M + np.swapaxes(M, 1, 2)) / 2
+
+    def at_rest(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> list[Array]:
+        """[r (n, 1), dr/dq, dr/dv, dr/du, M] at one row, where nothing moves and no coordinate is driven."""
+        values, still = self._values(t, x, u, w, p), np.zeros((1, self.n))
+        slopes = _columns(self._changed, (*values, still), 2 * self.n)[0]
+        forces, pushed = self._lacking(*values, still, batch=1)[0], self._pushed(*values, still, batch=1)[0]
+        pushed = pushed.reshape(self.n, -1)
+        return [forces.T, slopes[:, : self.n], slopes[:, self.n :], pushed, self.mass(t, x, u, w=w, p=p)[0]]
+
+    def accelerations(self, t: Array, x: Array, u: Array, M: Array) -> Array:
+        """a (B, n) that solve the equations with M of `mass`."""
+        a = np.zeros((len(x), self.n))
+        for i, k in self.driven.items():
+            a[:, i] = u[:, k]
+        forces = self.lacking(t, x, u, a)[..., None]
+        a[:, self.free] = np.linalg.solve(M, forces)[..., 0]
+        return a
+
+    def state_jacobians(self, t: Array, x: Array, u: Array, a: Array, *, w: Any = None, p: Any = None) -> Array:
+        """A (B, nx, nx) of dx/dt, the equations differentiated at accelerations a."""
+        n, m = self.n, len(self.free)
+        slopes = _columns(self._changed, (*self._values(t, x, u, w, p), a[:, self.free]), 2 * n)
+        A = np.zeros((len(x), 2 * n, 2 * n))
+        A[:, :n, n:] = np.eye(n)
+        if m:
+            A[:, [n + i for i in self.free]] = np.linalg.solve(self.mass(t, x, u, w=w, p=p), slopes)
+        return A
+
+
+def _numeric(name: str, symbols: list[ca.SX], found: ca.SX) -> NumericFunction:
+    return NumericFunction(ca.Function(name, symbols, [ca.densify(found)]))
+
+
+def _columns(along: NumericFunction, values: tuple[Array, ...], count: int) -> Array:
+    """Derivatives along each of `count` unit vectors at each of the rows of values (B, ..): (B, m, count)."""
+    batch = len(values[1])
+    at = [v if np.ndim(v) < 2 else np.repeat(v, count, axis=0) for v in values]
+    found = along(*at, np.tile(np.eye(count), (batch, 1)), batch=batch * count)[0]
+    return found.reshape(batch, count, -1).transpose(0, 2, 1)

@@ -14,7 +14,7 @@ import numpy as np
 from pliant.plants.core.argument_gates import require_finite, require_seconds
 from pliant.plants.core.signals import OwnsArrays, names
 
-from .minimum_jerk import minimum_jerk
+from .minimum_jerk import profile_of
 
 Array = np.ndarray
 
@@ -28,7 +28,7 @@ def rest_to_rest_ends(plant: Any, begin: Any, end: Any, time: Any) -> tuple[Arra
 
 
 class InverseDynamics(OwnsArrays):
-    """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s], minimum jerk.
+    """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s].
 
     Moved are all coordinates where there are as many inputs, else those of the joints, with the others held at `begin`:
     the inputs are then right while the others do not move. ValueError where the inputs and the moved do not match.
@@ -38,7 +38,7 @@ class InverseDynamics(OwnsArrays):
     >>> u(0.25), u.at_times(np.linspace(0, 1, 5))  # (2,), (5, 2)
     """
 
-    def __init__(self, plant: Any, begin: Array, end: Array, time: float) -> None:
+    def __init__(self, plant: Any, begin: Array, end: Array, time: float, profile: str = "minimum-jerk") -> None:
         known = names(plant.states)
         moved = tuple(plant.rates) if len(plant.rates) == plant.nu else tuple(j.position for j in plant.joints)
         if len(moved) != plant.nu or not set(moved) <= set(plant.rates):
@@ -46,7 +46,8 @@ class InverseDynamics(OwnsArrays):
                 f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) "
                 f"drive {', '.join(moved) or 'none'}; give the inputs as functions of time instead"
             )
-        self.plant = plant
+        self.plant, self.profile = plant, profile
+        self._motion = profile_of("rest_to_rest", profile)
         self._start, last, self.time = rest_to_rest_ends(plant, begin, end, time)
         self._q = [known.index(name) for name in moved]
         self._v = [known.index(plant.rates[name]) for name in moved]
@@ -72,7 +73,7 @@ class InverseDynamics(OwnsArrays):
         return x
 
     def _inputs(self, times: Array) -> Array:
-        s, ds, dds = (np.multiply.outer(part, self._way) for part in minimum_jerk(times / self.time))
+        s, ds, dds = (np.multiply.outer(part, self._way) for part in self._motion(times / self.time))
         x, still = np.tile(self._start, (len(times), 1)), np.zeros(self.plant.nu)
         x[:, self._q], x[:, self._v] = self._start[self._q] + s, ds / self.time
         x = self._carried(x)

@@ -25,14 +25,12 @@ from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import Array, BatchKernel, as_dtype, random_points
 from pliant.plants.native.compiler import CompileError
-from pliant.plants.native.scalar_codegen import block_function, operations
+from pliant.plants.native.scalar_codegen import block_function
 from pliant.plants.rounding.agreement import Reference, Trial
 from pliant.plants.rounding.extended_evaluation import mover
 
 from .batch_stepper import rate_function, telling_step
 from .step_guard import StepGuard
-
-LONG = 10_000  # operations of one C function: 2 s for gcc, where twice that takes 15 s
 
 _STEPS = """
 static const int ROW[] = {%(rows)s}, COLUMN[] = {%(columns)s};
@@ -68,7 +66,7 @@ RUN {
       memcpy(y, x, sizeof x); memcpy(sum, x, sizeof x); memcpy(now, t, sizeof t);
       memcpy(ys, big, sizeof big); memcpy(sums, big, sizeof big);
       for (int stage = 0; stage < 4; stage++) {
-        %(calls)s
+        slopes((in_t)now, (in_t)y, (in_t)u, (in_t)w, (in_t)p, k, j);
         carry((in_t)j, (in_t)ys, ks);
         add(NX, sum, PART[stage] * h, (in_t)k); add(NX * NC, sums, PART[stage] * h, (in_t)ks);
         if (stage == 3) break;
@@ -93,14 +91,11 @@ def sensitivity_source(slopes: ca.Function, dtype: np.dtype) -> str:
     """n RK4 steps of s[0] seconds, the input held: (t, x, u, w, p) -> (x+, [dx+/dx, dx+/du] row by row)."""
     rows, columns = slopes.sparsity_out(1).get_triplet()
     _, nx, nu, nw, np_ = (slopes.nnz_in(k) for k in range(5))
-    parts = _pieces(slopes)
     try:
-        code = "\n".join(block_function(f"slopes{i}", part) for i, (_, part) in enumerate(parts))
+        code = block_function("slopes", slopes)
     except NotImplementedError as lacking:  # the virtual machine knows all operations
         raise CompileError(str(lacking)) from lacking
-    given = "(in_t)now, (in_t)y, (in_t)u, (in_t)w, (in_t)p"
     body = _STEPS % {
-        "calls": " ".join(f"slopes{i}({given}, {to});" for i, (to, _) in enumerate(parts)),
         "rows": ", ".join(map(str, rows)),
         "columns": ", ".join(map(str, columns)),
         "entries": len(rows),
@@ -110,23 +105,6 @@ def sensitivity_source(slopes: ca.Function, dtype: np.dtype) -> str:
     }
     sizes = f"#define NX {nx}\n#define NC {nx + nu}\n"
     return kernel_templates.head(dtype) + sizes + code + body
-
-
-def _pieces(slopes: ca.Function) -> list[tuple[str, ca.Function]]:
-    """Where the C values of each function go, "k" the rate or "j + first entry"; one function where it is short."""
-    inputs = slopes.sx_in()
-    rate, J = slopes.call(inputs)
-    if operations(slopes) <= LONG:
-        return [("k, j", slopes)]
-
-    def halved(first: int, last: int) -> list[tuple[str, ca.Function]]:
-        made = ca.Function("part", inputs, ca.cse([J.nz[first:last]]))
-        if operations(made) <= LONG or last == first + 1:
-            return [(f"j + {first}", made)]
-        middle = (first + last) // 2
-        return halved(first, middle) + halved(middle, last)
-
-    return [("k", ca.Function("rate", inputs, ca.cse([rate]))), *halved(0, J.nnz())]
 
 
 def sensitivity_reference(slopes: ca.Function, numeric_function: Callable[..., Any] = NumericFunction) -> Reference:

@@ -52,6 +52,11 @@ class _Fields(NamedTuple):
         )
 
 
+def _columns(blocks: np.ndarray) -> np.ndarray:
+    """(k, ..) as columns (size of one, k)."""
+    return blocks.reshape(len(blocks), -1).T
+
+
 def _flat(blocks: np.ndarray) -> np.ndarray:
     """(a, b, 3, 3) as a matrix (3 a, 3 b)."""
     a, b = blocks.shape[:2]
@@ -77,23 +82,23 @@ class Deformed:
         n = eta.shape[0]
         fields, amplitudes = _Fields.of(data, n, stiffened), [eta[k] for k in range(n)]
         amplitudes += [-eta[k] * eta[l] / (2 if k == l else 1) for k, l in fields.pairs]
-        S, P = constant(data.first), constant(data.second)
-        Y = ca.SX(3, len(amplitudes))
-        for a, c in enumerate(amplitudes):
-            S = S + constant(fields.R[a]) * c
-            P = P + constant(fields.moments[a] + fields.moments[a].T) * c
-            Y[:, a] = constant(axial(fields.moments[a]))
-        for a, c in enumerate(amplitudes):
-            for b, d in enumerate(amplitudes):
-                if fields.overlaps[a, b].any():
-                    P = P + constant(fields.overlaps[a, b]) * (c * d)
-                    Y[:, a] += constant(axial(fields.overlaps[b, a])) * d
+        S, P, Y = constant(data.first), constant(data.second), ca.SX(3, 0)
+        if amplitudes:
+            c, count = ca.vertcat(*amplitudes), len(amplitudes)
+            a, b = np.triu_indices(count)
+            squares = fields.overlaps[a, b] + np.where(a == b, 0.0, 1.0)[:, None, None] * fields.overlaps[b, a]
+            linear = fields.moments + fields.moments.transpose(0, 2, 1)
+            S = S + constant(fields.R.T) @ c
+            P = P + ca.reshape(constant(_columns(linear)) @ c, 3, 3)
+            P = P + ca.reshape(constant(_columns(squares)) @ (c[a.tolist()] * c[b.tolist()]), 3, 3)
+            Y = constant(axial(fields.moments).T)
+            Y = Y + ca.reshape(constant(_columns(axial(fields.overlaps))) @ c, 3, count)
         R = constant(fields.R.T) if amplitudes else ca.SX(3, 0)
         m = constant(np.einsum("abii->ab", fields.overlaps)) if amplitudes else ca.SX(0, 0)
         if fields.pairs:
             bent = ca.SX(len(fields.pairs), n)
-            for a, (k, l) in enumerate(fields.pairs):
-                bent[a, k], bent[a, l] = -eta[l], -eta[k]
+            for row, (k, l) in enumerate(fields.pairs):
+                bent[row, k], bent[row, l] = -eta[l], -eta[k]
             slopes = ca.vertcat(ca.SX.eye(n), bent)
             R, Y, m = R @ slopes, Y @ slopes, slopes.T @ m @ slopes
         return cls(float(data.mass), S, P, R, Y, m)

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.argument_gates import require_number
 from pliant.plants.core.signals import read_only
 
 from .component_modes import clamped_modes
 from .craig_bampton import craig_bampton
+from .data_sheet import from_participation, rigid
 from .from_beams import boom, panel
 from .integrals import nodal
 from .modal_fields import ModalFields, ModalNode, named_nodes
@@ -36,24 +36,25 @@ class ModalData(ModalFields):
     @classmethod
     def rigid(cls, mass: float, first: Any, inertia: Any) -> ModalData:
         """A rigid body: first moment (3,) [kg m] and inertia (3, 3) [kg m^2] about the attachment point."""
-        I = read_only("ModalData.inertia", inertia, (3, 3))
-        empty = {"R": (0, 3), "moments": (0, 3, 3), "overlaps": (0, 0, 3, 3), "stiffness": (0, 0), "damping": (0, 0)}
-        empty |= {"shortening": (0, 0, 3), "shortening_moments": (0, 0, 3, 3), "tip_shapes": (0, 3)}
-        zeros: dict[str, Any] = {name: np.zeros(shape) for name, shape in empty.items()}
-        first = read_only("ModalData.first", first, (3,))
-        mass = require_number("ModalData.mass", mass, "positive", "kg")
-        tip = first / mass
-        return cls(
-            mass=mass,
-            first=first,
-            second=np.trace(I) / 2 * np.eye(3) - I,
-            tip=tip,
-            shortening_overlaps=np.zeros((0, 0, 0, 3, 3)),
-            shortening_squares=np.zeros((0, 0, 0, 0, 3, 3)),
-            outline=np.array([np.zeros(3), tip]),
-            outline_shapes=np.zeros((0, 2, 3)),
-            **zeros,
-        )
+        return cls(**rigid(mass, first, inertia))
+
+    @classmethod
+    def from_participation(
+        cls,
+        mass: float,
+        centre: Any,
+        inertia: Any,
+        frequencies: Any,
+        damping: Any,
+        L_translation: Any,
+        L_rotation: Any,
+    ) -> ModalData:
+        """From a data sheet: modes of unit mass, their factors about the attachment point (`data_sheet`).
+
+        centre (3,) [m], inertia (3, 3) [kg m^2] there, frequencies (n,) [rad/s], damping a ratio or (n,),
+        L_translation (n, 3) [kg^0.5] (None: zero) and L_rotation (n, 3) [kg^0.5 m].
+        """
+        return cls(**from_participation(mass, centre, inertia, frequencies, damping, L_translation, L_rotation))
 
     @classmethod
     def from_nodes(

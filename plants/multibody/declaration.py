@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,6 +16,7 @@ from pliant.plants.elastic_bodies.elastic_body import ElasticBody
 from pliant.plants.elastic_bodies.of_body import check_nodes, coordinates_of, elastic_body, readings_of
 from pliant.plants.multibody_joints.bases import FREEDOMS, base_bodies, check_platform
 from pliant.plants.multibody_joints.bases import KINDS as BASES_OF_TREES
+from pliant.plants.multibody_joints.carried import check_carried
 from pliant.plants.multibody_joints.tree_joints import TreeJoints
 from pliant.plants.multibody_parts.joint import Frame, FrameThruster, Joint, name_gate, place_gate
 from pliant.plants.multibody_parts.tree_body import TreeBody
@@ -144,13 +146,16 @@ class TreeDeclaration(TreeJoints):
                 f"{owner}.bodies = {shown(tuple(b.name for b in self.bodies))} must have a joint that moves"
             )
         check_nodes(self.bodies, self.frames)
+        check_carried(owner, self.bodies, self.payload, self.tip_frame.body)
         self._check_names(owner)
 
     def _check_names(self, owner: str) -> None:
-        words = [s.name for s in self.coordinates]
-        twice = next((w for k, w in enumerate(words) if w in words[:k]), None)
-        if twice is not None:
-            raise ValueError(f"{owner}.bodies give two coordinates the name {twice!r}; joints and bodies must differ")
+        for kind, found in (("states", self.states), ("inputs", self.inputs), ("outputs", self.outputs)):
+            twice = [name for name, count in Counter(s.name for s in found).items() if count > 1]
+            if twice:
+                raise ValueError(
+                    f"{owner} gives two {kind} the name {twice[0]!r}: names of joints, bodies and frames must differ"
+                )
 
     def counts(self, body: TreeBody) -> tuple[int, ...]:
         """Shapes of a body's beam by family in this fidelity, or the number of its modes."""

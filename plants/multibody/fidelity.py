@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Self
+
+import numpy as np
 
 from pliant.plants.arms.physics import BENT
 from pliant.plants.core.signals import Sensed
@@ -12,12 +15,14 @@ from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant_contract import PINION
 from pliant.plants.modal_data.driven_families import before_the_last, left_out
 from pliant.plants.multibody_joints.freedoms import freedoms
+from pliant.plants.multibody_parts.geared_inputs import GearedInputs
 from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
 from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached
 
 from .declaration import TreeDeclaration
 from .measurements import sensed
 
+Array = np.ndarray
 PHYSICS = 4  # shapes of a family that physics has by itself
 UNMODELLED = ("shear and rotary inertia of the beams", "plasticity", "backlash")
 MODAL = ("exact rotations of the bodies given by modes", "modes that their modal data leave out")
@@ -78,6 +83,29 @@ class TreeFidelity(TreeDeclaration):
         bodies = [dataclasses.replace(b, modes=tuple(min(n, 1) * most for n in b.modes)) for b in self.bodies]
         fewer = [b if b.modal is None else dataclasses.replace(b, modal_modes=min(most, b.modal.n)) for b in bodies]
         return dataclasses.replace(self, bodies=tuple(fewer), kinematics=kinematics)
+
+    @property
+    def stiff_geared(self) -> Self:
+        """The same machine with gears that do not give: each rotor's inertia and friction felt at its joint."""
+        bodies = list(self.bodies)
+        for k, body in enumerate(bodies):
+            gear = body.joint.elastic
+            if gear is not None:
+                damping = body.joint.damping + gear.ratio**2 * gear.rotor_friction
+                armature = body.joint.armature + gear.ratio**2 * gear.rotor_inertia
+                joint = dataclasses.replace(body.joint, elastic=None, damping=damping, armature=armature)
+                bodies[k] = dataclasses.replace(body, joint=joint)
+        return dataclasses.replace(self, bodies=tuple(bodies))
+
+    def rest_to_rest(
+        self, begin: Array, end: Array, time: float, *, profile: str = "minimum-jerk"
+    ) -> Callable[[float], Array]:
+        """Every driven joint on a motion of the profile, the gears taken as stiff: what twists them is left out."""
+        if not self.motors:
+            return super().rest_to_rest(begin, end, time, profile=profile)
+        geared = ((f"{joint.name}_motor_torque", joint.elastic) for joint in self.moving)
+        ratios = {name: float(gear.ratio) for name, gear in geared if gear is not None}
+        return GearedInputs(self, self.stiff_geared, ratios, begin, end, time, profile)
 
     def ladder(self) -> tuple[Self, ...]:
         """From rigid bodies through one to four shapes a family and modes, with and without shortening, to exact

@@ -116,8 +116,24 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
             eta, R = np.array(ca.DM(walk.bent(k)[0])).reshape(-1), np.array(ca.DM(pose.R))
             found.append(ends[k] + node.beam.line(eta, points) @ R.T)
         parent = nodes[node.parent] if node.parent != BASE else None
-        if k > walk.tree.root and (parent is None or parent.beam is None):
+        if parent is None or parent.beam is None:
+            floats = parent is None and node.joint is not None and node.joint.kind in ("planar", "free")
+            if floats or k <= walk.tree.root:
+                continue  # nothing leads there
             start = ends[node.parent] if parent is not None else np.zeros(3)
-            if np.linalg.norm(ends[k] - start) > 0:
+            known = any(np.array_equal([start, ends[k]], line[[0, -1]]) for line in found)  # of two places in one
+            if np.linalg.norm(ends[k] - start) > 0 and not known:
                 found.append(np.linspace(start, ends[k], points))
     return found
+
+
+def in_plane(walk: Walk, normal: int) -> bool:
+    """Whether all joints of a walk at numbers move in the plane across an axis of the base: 0, 1, 2 for x, y, z."""
+    for (k, joint), pose in zip(walk.tree.joints, [poses(walk)[k] for k, _ in walk.tree.joints], strict=True):
+        if joint.kind in ("spherical", "free"):
+            return False
+        along = np.array(ca.DM(pose.R)) @ np.array(walk.tree.nodes[k].own).T @ np.array(joint.axis)
+        turned = abs(abs(along[normal]) - 1.0) < 1e-6
+        if not (abs(along[normal]) < 1e-6 if joint.slides else turned):
+            return False
+    return True

@@ -19,8 +19,9 @@ Source   R. Featherstone, "Rigid Body Dynamics Algorithms" (2008), composite bod
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -33,7 +34,7 @@ from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
-from pliant.plants.multibody_joints.freedoms import ends, freedoms
+from pliant.plants.multibody_joints.freedoms import ends
 from pliant.plants.multibody_parts.joint import ElasticJoint
 from pliant.plants.multibody_parts.spatial import Wrench
 from pliant.plants.multibody_parts.tree_body import TreeBody
@@ -43,11 +44,13 @@ from pliant.plants.validity.ranges import Range
 from .composite import mass_matrix
 from .elasticity import TreeElasticity
 from .from_urdf import bodies, platform, tell_repairs
-from .kinematics import drawn, poses, twists, weight_energy
+from .kinematics import drawn, in_plane, poses, twists, weight_energy
 from .layout import vector
 from .measurements import readings
 from .newton_euler import forces, pulls, work
 from .walk import Walk
+
+FILES: dict[str, Callable[..., Any]] = {}  # "read" and "write", filled by pliant.plants.tables, which imports this room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +60,9 @@ class FlexibleTree(TreeElasticity):
     `bodies` stand parents first. `tip` is the body or the frame that holds the payload ("": the end of the last body);
     `frames` are further places, of which `loads` feel forces. `modes` of the bodies, `kinematics` ("rigid", "linear",
     "stiffened") and `basis` ("polynomial", "clamped-free") are the fidelity.
+
+    `base`: "fixed", "free" (of inertia `platform`, its offset from the base's origin), or "driven" in `base_freedoms`,
+    whose accelerations are inputs. `state` makes states by name, with unit quaternions.
 
     >>> arm = FlexibleTree.serial([TreeBody(name="link", joint=Joint(name="hub"), beam=strip)], gravity=(0, 0, 0))
     """
@@ -112,6 +118,10 @@ class FlexibleTree(TreeElasticity):
         V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
         return V + self._spring_energy(q)
 
+    @property
+    def _written_out(self) -> bool:
+        return True
+
     def _driving(self, n: int, u: ca.SX) -> ca.SX:
         force = ca.SX.zeros(n)
         for k, (_, i) in enumerate(self._inputs):
@@ -133,22 +143,10 @@ class FlexibleTree(TreeElasticity):
         M, r = ca.cse([M, r])
         return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
 
-    def _places(self, q: ca.SX) -> list[ca.SX]:
-        """What is told of each freedom: its coordinate, or of a turn twice the quaternion's vector."""
-        found = list[ca.SX]()
-        for slot in self.slots:
-            n = len(freedoms(slot.joint))
-            shifts = n if slot.turn is None else n - 3
-            found += [q[slot.q + k] for k in range(shifts)]
-            if slot.turn is not None:
-                found += [2 * q[slot.turn[0] + 1 + k] for k in range(3)]
-        first = ends(self.slots)[0]
-        return found + [q[first + k] for k in range(len(self.motors))]
-
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
-        places = self._places(q)
+        places = self.told(q)
         y = [places[k] for k in self.measured]
         bent = dict(zip((b.name for b in self.flexible), self._beams(), strict=True))
         for body in self.slender:
@@ -181,6 +179,14 @@ class FlexibleTree(TreeElasticity):
             found += ranges_of(body.name, own, numbers, x[at], axial[k], turning[k].omega)
         return tuple(found)
 
+    @cached_property
+    def drawn_as(self) -> str:
+        """Lines of a plane, "links", where all joints turn or slide in the one that `outline` shows, else "tree"."""
+        still, plain = ca.SX.zeros(len(self.coordinates)), {"revolute", "prismatic"}
+        if self.base != "fixed" or not {joint.kind for joint in self.moving} <= plain:
+            return "tree"
+        return "links" if in_plane(self.nominal._walk(still, still), 1 if self.nominal.gravity[2] else 2) else "tree"
+
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
         else along z.
@@ -193,6 +199,18 @@ class FlexibleTree(TreeElasticity):
         own, n = self.nominal, len(self.coordinates)
         x, points = one_state(self, x), line_points(self, points)
         return drawn(own._walk(ca.SX(ca.DM(x[:n])), ca.SX(ca.DM(x[n:]))), points)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """The tree of a TOML file (plants/tables/tree_files.py). ValueError: file, key, value, what it must be.
+
+        >>> arm = FlexibleTree.from_toml("arm.toml")
+        """
+        return FILES["read"](cls, path)
+
+    def to_toml(self, path: str | Path) -> None:
+        """Write the fields that are not at their defaults, to the last bit. ValueError where one is an expression."""
+        FILES["write"](self, path)
 
     @classmethod
     def from_urdf(

@@ -8,6 +8,8 @@ two are angles about its axes x, y, z in that order.
 
 from __future__ import annotations
 
+import numpy as np
+
 from pliant.plants.beams.payload import Payload
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.multibody_parts.joint import Joint
@@ -51,8 +53,16 @@ def check_platform(owner: str, root: str, platform: Payload, bodies: tuple[TreeB
         if body.joint.kind == "fixed" and body.parent in welded:
             welded.add(body.name)
             found += [body.mass, *[part.mass for part in (body.beam, body.modal) if part is not None]]
-    if not any(is_symbolic(m) or m > 0 for m in found):
+    heavy = [m for m in found if is_symbolic(m) or m > 0]
+    if not heavy:
         raise ValueError(
             f"{owner}.platform.mass = {platform.mass!r} must be > 0 [kg] where base = 'free', or a body with mass "
             f"fixed to {root!r}"
         )
+    own = np.ravel(np.array(platform.inertia, dtype=object))
+    if len(heavy) == 1 and heavy[0] is platform.mass and not any(map(is_symbolic, own)):
+        J = np.array(platform.inertia, dtype=float)
+        if not np.linalg.eigvalsh(J if J.ndim else J * np.eye(3))[0] > 0:
+            raise ValueError(
+                f"{owner}.platform.inertia = {platform.inertia!r} must have moments > 0 [kg m^2] where base = 'free'"
+            )

@@ -114,10 +114,12 @@ class SliderCrank(SliderCrankMechanism):
         return force
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
+        M, r, _, _ = self.equations(t, x, u, w)
+        return self.output_at(t, x, u, w, self.acceleration(M, r, u)[0])
+
+    def output_at(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
         n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
-        M, r, _, _ = self.equations(t, x, u, w)
-        a = self.acceleration(M, r, u)[0]
         c, s = self.direction(q)
         shift = ca.vertcat(*self.elastic.middle(*self._split(q)))
         moved = _second(self.middle(q), q, v, a)

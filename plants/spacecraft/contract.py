@@ -97,6 +97,8 @@ class SpacecraftContract(SpacecraftDeclaration):
     def drawn_as(self) -> str:
         return "spacecraft"
 
-    def rest_to_rest(self, begin: np.ndarray, end: np.ndarray, time: float) -> Callable[[float], np.ndarray]:
+    def rest_to_rest(
+        self, begin: np.ndarray, end: np.ndarray, time: float, *, profile: str = "minimum-jerk"
+    ) -> Callable[[float], np.ndarray]:
         """A turn about one axis fixed in the body (an eigenaxis slew), hinges as at `begin`; see `eigenaxis`."""
-        return slew(self, begin, end, time)
+        return slew(self, begin, end, time, profile)

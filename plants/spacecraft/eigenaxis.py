@@ -15,7 +15,7 @@ import numpy as np
 
 from pliant.plants.core.quaternions import product
 from pliant.plants.integration.inverse_dynamics import rest_to_rest_ends
-from pliant.plants.integration.minimum_jerk import minimum_jerk
+from pliant.plants.integration.minimum_jerk import profile_of
 from pliant.plants.spacecraft_parts.environment import Environment
 
 from .declaration import SpacecraftDeclaration
@@ -24,12 +24,15 @@ Array = np.ndarray
 TURNED = 1e-9  # share of a turn that inputs may lack
 
 
-def slew(craft: SpacecraftDeclaration, begin: Array, end: Array, time: float) -> Callable[[float], Array]:
+def slew(
+    craft: SpacecraftDeclaration, begin: Array, end: Array, time: float, profile: str = "minimum-jerk"
+) -> Callable[[float], Array]:
     """u(t) (nu,) from the attitude of `begin` (nx,) to that of `end` in `time` [s], at rest at both, hinges as at
     `begin`. ValueError with loads, with wheels that do not rest at `begin`, and where no input turns it about the axis.
     """
     if craft.environment != Environment():
         raise ValueError("a spacecraft without loads, to turn about one axis")
+    motion = profile_of("rest_to_rest", profile)
     x, last, time = rest_to_rest_ends(craft, begin, end, time)
     at = craft.layout
     turn = _rotation_vector(product(x[at.quaternion] * [1.0, -1.0, -1.0, -1.0], last[at.quaternion]))  # in body axes
@@ -48,7 +51,7 @@ def slew(craft: SpacecraftDeclaration, begin: Array, end: Array, time: float) ->
     turning = np.linalg.lstsq(B, -lacking, rcond=None)[0]
 
     def torque(t: float) -> Array:
-        _, ds, dds = minimum_jerk(t / time)
+        _, ds, dds = motion(t / time)
         return speeding * (dds / time**2) - rubbed * (ds / time) + turning * (ds / time) ** 2
 
     return torque

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from pliant.plants.core.casadi_functions import entries
+from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.core.quaternions import cross, matrix, rates
 from pliant.plants.modal_data.deformed_body import Deformed
 from pliant.plants.spacecraft_parts.appendage import Appendage
@@ -154,6 +154,7 @@ def appendage_share(craft: SpacecraftDeclaration, i: int, t: ca.SX, x: ca.SX, u:
     return Share(k.J.T @ M_A @ k.J, r, at.unknowns(i), given)
 
 
+@last_call
 def shares(craft: SpacecraftDeclaration, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> list[Share]:
     """The hub's share, the environment included, then every appendage's."""
     hub = hub_share(craft, x, u, w)

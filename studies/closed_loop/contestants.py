@@ -12,6 +12,7 @@ import numpy as np
 from pliant import controllers
 from pliant.controllers import Controller, Policy
 from pliant.envs import scenes
+from pliant.envs.scenes.registry import is_file
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.plants.core.argument_gates import require_names
@@ -97,8 +98,9 @@ VARIANTS: Mapping[str, Callable[[], Scene]] = {
 
 
 def playable(names: tuple[str, ...] | None = None) -> tuple[Scene, ...]:
-    """The scenes with inputs, and those with tighter limits, by name; all where None."""
+    """The scenes with inputs, and those with tighter limits, by name or by a scene's file; all where None."""
     known = (*scenes.names(), *VARIANTS)
-    wanted = known if names is None else require_names("playable.names", names, known, "scene")
+    wanted = known if names is None else require_names("playable.names", names)
+    require_names("playable.names", [name for name in wanted if not is_file(name)], known, "scene")
     found = [VARIANTS[name]() if name in VARIANTS else scenes.get(name) for name in wanted]
     return tuple(scene for scene in found if scene.plant.nu)

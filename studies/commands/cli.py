@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from pliant.envs.scene_files.own_modules import import_file
 from pliant.studies.common.machine import version as version_of
 
 from . import doctor, fidelity, models, train
@@ -36,14 +38,21 @@ def common(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and end.")
     ] = False,
+    own: Annotated[
+        list[Path] | None,
+        typer.Option("--with", metavar="FILE.py", help="Run this Python file first: your plants and scenes."),
+    ] = None,
 ) -> None:
     """Plants that bend, for people who design controllers."""
+    for path in own or []:
+        import_file(path)
 
 
 COMMANDS: dict[str, Callable[..., Any]] = {
     "scenes": scenes,
     "simulate": models.simulate,
     "linearize": models.linearize,
+    "identify": models.identify,
     "chart": fidelity.chart,
     "choose": fidelity.choose,
     "study": fidelity.study,

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import dataclasses
-import inspect
 import os
 import shutil
 import sys
@@ -18,19 +15,16 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from pliant.envs import scenes
+from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
-from pliant.plants.core import parameters
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Progress
 from pliant.studies.figures.style import require_ending
 
 USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
 LONGEST_NAME = 255  # bytes of a file's name
-LONGEST_VALUE = 1000  # characters of a setting
 BORDERS = 3  # characters of a table beside each column
-SCENE_FIELDS = ("duration", "dt", "move_time", "tolerance", "limits", "start_spread", "substeps")
 
 
 class Commands(TyperGroup):
@@ -226,41 +220,5 @@ def _text(value: Any) -> str:
 
 
 def scene_with(name: str, settings: Sequence[str]) -> Scene:
-    """A named scene with NAME=VALUE settings: keywords of its own, parameters or fields of its plant, or fields of it.
-
-    ValueError for a scene, name or value that is not known or out of range.
-    """
-    parts = [setting.partition("=") for setting in settings]
-    for setting, (path, equals, _) in zip(settings, parts):
-        if not equals or not path:
-            raise ValueError(f"--set {setting!r} must be NAME=VALUE")
-    scene = scenes.get(name)
-    own = {key: p.default for key, p in inspect.signature(scenes.SCENES[name]).parameters.items()}
-    given = {path: _value(path, text, own[path]) for path, _, text in parts if path in own}
-    scene = scenes.get(name, **given) if given else scene
-    for path, _, text in parts:
-        if path in own:
-            continue
-        if path in SCENE_FIELDS:
-            scene = dataclasses.replace(scene, **{path: _value(path, text, getattr(scene, path))})
-        else:
-            before = parameters.get(scene.plant, path)
-            scene = scene.with_plant(parameters.put(scene.plant, path, _value(path, text, before)))
-    return scene
-
-
-def _value(path: str, text: str, before: Any) -> Any:
-    """The text as a value of the kind that it replaces."""
-    if isinstance(before, str):
-        return text
-    if len(text) > LONGEST_VALUE:
-        raise ValueError(f"--set {path} has a value of {len(text)} characters, must be at most {LONGEST_VALUE}")
-    try:
-        value = ast.literal_eval(text)
-    except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
-        raise ValueError(f"--set {path}={text} must be a value like {before!r}") from None
-    if isinstance(before, float) and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(before, tuple) and isinstance(value, list):
-        return tuple(value)
-    return value
+    """A scene, by name or by its file, with NAME=VALUE settings; see `with_settings`."""
+    return with_settings(name, settings)

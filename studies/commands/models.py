@@ -1,7 +1,8 @@
-"""`pliant simulate` and `pliant linearize`: one scene's motion, and its linear model."""
+"""`pliant simulate`, `linearize` and `identify`: one scene's motion, its linear model, its parameters from data."""
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -16,9 +17,11 @@ from pliant.studies.common.operating_point import words
 from pliant.studies.figures.linear_models import eigenvalues
 from pliant.studies.figures.motion import histories
 from pliant.studies.figures.style import save
+from pliant.studies.identification import scene_data
+from pliant.studies.identification.residual_plot import residual_plot
 from pliant.studies.report.json_tables import linear_table, motion_table
 
-from .console import bar, drawable, print_json, say, scene_with, show, writable
+from .console import bar, drawable, print_json, say, scene_with, show, writable, writable_folder
 from .options import AsJson, Picture, SceneName, Settings
 
 
@@ -103,3 +106,51 @@ def linearize(
     caption = f"{chosen.plant.label}, {words(model, chosen.plant)}; matrices with --json"
     head = ("mode", "frequency [Hz]", "damping ratio", "eigenvalue [1/s]", "mostly in")
     show(f"{chosen.name}, modes at the {at}", head, rows, caption=caption)
+
+
+def identify(
+    scene: SceneName,
+    data: Annotated[list[Path], typer.Argument(help='CSV files with columns "t [s]" and "SIGNAL [UNIT]".')],
+    vary: Annotated[list[str], typer.Option("--vary", help="A parameter to estimate: payload.mass.")],
+    settings: Settings = None,
+    noise: Annotated[
+        list[str] | None, typer.Option("--noise", metavar="SIGNAL=SIGMA", help="Noise of a sensor; else estimated.")
+    ] = None,
+    bound: Annotated[
+        list[str] | None, typer.Option("--bound", metavar="NAME=LOW:HIGH", help="Bounds of a parameter.")
+    ] = None,
+    start: Annotated[
+        Literal["scene", "rest", "unknown"], typer.Option(help="The state at the start; unknown: estimated too.")
+    ] = "scene",
+    hold: Annotated[Literal["zero-order", "linear"], typer.Option(help="Inputs between two samples.")] = "zero-order",
+    tries: Annotated[int, typer.Option(help="Searches, from points within the bounds.")] = 1,
+    out: Annotated[Path | None, typer.Option(help="Folder for the result as txt, json and png.")] = None,
+    plot: Picture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Estimate parameters of a scene's plant from measured motions, with intervals and what cannot be told."""
+    chosen = scene_with(scene, settings or [])
+    drawable(plot)
+    writable_folder("--out", out)
+    levels = scene_data.numbers("--noise", noise or [], 1)
+    bounds = scene_data.numbers("--bound", bound or [], 2)
+    options: dict[str, Any] = {"noise": levels, "bounds": bounds, "tries": tries, "start": start, "hold": hold}
+    with bar(f"identify {chosen.name}") as tell:
+        found = scene_data.of_scene(chosen, data, vary, progress=tell, **options)
+    if out is not None:
+        scene_data.write(out, chosen, data, found)
+    if plot is not None:
+        save(residual_plot(found), plot)
+    if as_json:
+        print_json(scene_data.table(chosen, data, found))
+        return
+    rows = []
+    for name, value in found.values.items():
+        low, high = found.intervals[name]
+        claimed = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
+        rows.append((name, found.units[name], f"{value:.6g}", f"{found.standard_errors[name]:.3g}", claimed))
+    levels_found = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
+    caption = f"{chosen.plant.label}; {found.samples} samples; noise {levels_found}; {found.stats['seconds']:.3g} s"
+    show(chosen.name, ("parameter", "unit", "value", "standard error", "95 % interval"), rows, caption=caption)
+    for remark in found.remarks:
+        say(f"{remark[0].upper()}{remark[1:]}.")

@@ -7,10 +7,14 @@ from typing import Annotated
 
 import typer
 
-SceneName = Annotated[str, typer.Argument(help="A scene's name; `pliant scenes` lists them.")]
+SceneName = Annotated[str, typer.Argument(help="A scene's name, which `pliant scenes` lists, or its file: crane.toml.")]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="Change the plant (payload.mass=0.7) or the scene (duration=5)."),
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="Change the plant (payload.mass=0.7) or the scene (duration=5, goal.theta1=0.3).",
+    ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Write JSON to stdout in place of the table.")]
 Picture = Annotated[Path | None, typer.Option("--plot", help="Draw into this file: png, svg or pdf.")]

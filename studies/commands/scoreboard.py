@@ -20,7 +20,8 @@ QUICK = (8, 4)  # runs and bounds of `--quick`
 
 def scoreboard(
     scenes: Annotated[
-        list[str] | None, typer.Argument(help="Scenes by name; all that have inputs, and their variants, if not given.")
+        list[str] | None,
+        typer.Argument(help="Scenes by name or file; all with inputs, and their variants, if not given."),
     ] = None,
     seeds: Annotated[int, typer.Option(help="Runs of each varied case.")] = 64,
     controllers: Annotated[str | None, typer.Option(help="Names, separated by commas; all if not given.")] = None,

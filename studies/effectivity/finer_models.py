@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.envs.scenes.spacecraft_parts import WIDTH
+from pliant.envs.machines.spacecraft_parts import WIDTH
 from pliant.plants import Plant
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.studies.common.reference_motions import TIGHT, Motions

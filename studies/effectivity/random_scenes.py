@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
+from pliant.envs.machines.spacecraft_parts import DAMPING, LINE, ROOT, UPRIGHT, WIDTH, turned
 from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
-from pliant.envs.scenes.spacecraft_parts import DAMPING, LINE, ROOT, UPRIGHT, WIDTH, turned
 from pliant.plants import Beam, Material, Payload, Plant
 from pliant.plants.core.argument_gates import require_count
 from pliant.plants.modal_data.modal_data import ModalData

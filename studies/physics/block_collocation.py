@@ -24,12 +24,22 @@ class HeldModel:
 
     edges: Array
     A: Array
+    mass: Array | None = None  # (b, m, m) of the mechanical plant that it is of
+
+    @cached_property
+    def inverse_mass(self) -> Array:
+        """(b, m, m)."""
+        assert self.mass is not None
+        return np.linalg.inv(self.mass)
+
+    def blocks(self, ends: Array) -> Array:
+        """The block of each of the parts between the times `ends` (m + 1,): that which holds its middle."""
+        middle = (ends[:-1] + ends[1:]) / 2
+        return np.clip(np.searchsorted(self.edges, middle, side="right") - 1, 0, len(self.A) - 1)
 
     def over(self, ends: Array) -> BlockCollocation:
-        """For the parts between the times `ends` (m + 1,); each lies in the block that holds its middle."""
-        middle = (ends[:-1] + ends[1:]) / 2
-        block = np.clip(np.searchsorted(self.edges, middle, side="right") - 1, 0, len(self.A) - 1)
-        return BlockCollocation(self.A, block, np.diff(ends))
+        """For the parts between the times `ends` (m + 1,)."""
+        return BlockCollocation(self.A, self.blocks(ends), np.diff(ends))
 
 
 class BlockCollocation:

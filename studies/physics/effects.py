@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -46,19 +47,30 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
     """
     if physics is None or physics.motion is None:  # each would be another long simulation
         return ()
-    has = chosen.effects
+    has, rough = chosen.effects, _Rough(motions, chosen)
     names = {name: has.get(name, False) for name in physics.physics.effects}
-    found = [_effect(motions, physics, chosen, name, kept) for name, kept in names.items()]
+    found = [_effect(motions, physics, rough, name, kept) for name, kept in names.items()]
     if physics.physics != chosen and names.get("bending", True):
-        found.append(_shapes(motions, physics, chosen, [name for name, kept in names.items() if not kept]))
+        found.append(_shapes(motions, physics, rough, [name for name, kept in names.items() if not kept]))
     found += [Effect(name, change, False) for name, change in physics.estimated.items()]
     return tuple(sorted(found, key=lambda e: -e.change))
 
 
-def _effect(motions: Motions, physics: PhysicsMotion, chosen: Plant, name: str, kept: bool) -> Effect:
+class _Rough:
+    """The chosen plant and its outputs at ROUGHLY, played once where they are asked for."""
+
+    def __init__(self, motions: Motions, chosen: Plant) -> None:
+        self.motions, self.chosen = motions, chosen
+
+    @cached_property
+    def outputs(self) -> np.ndarray:
+        return self.motions.outputs(self.chosen, ROUGHLY)
+
+
+def _effect(motions: Motions, physics: PhysicsMotion, rough: _Rough, name: str, kept: bool) -> Effect:
     try:
         if kept:
-            apart = motions.outputs(chosen, ROUGHLY) - motions.outputs(chosen.without(name), ROUGHLY)
+            apart = rough.outputs - motions.outputs(rough.chosen.without(name), ROUGHLY)
         else:
             apart = physics.outputs - _without(motions, physics, (name,))
     except PliantError:  # it has no motion at all
@@ -66,9 +78,9 @@ def _effect(motions: Motions, physics: PhysicsMotion, chosen: Plant, name: str, 
     return Effect(name, float(np.abs(apart).max()), kept, apart)
 
 
-def _shapes(motions: Motions, physics: PhysicsMotion, chosen: Plant, lacking: Sequence[str]) -> Effect:
+def _shapes(motions: Motions, physics: PhysicsMotion, rough: _Rough, lacking: Sequence[str]) -> Effect:
     try:
-        apart = _without(motions, physics, lacking) - motions.outputs(chosen, ROUGHLY)
+        apart = _without(motions, physics, lacking) - rough.outputs
     except PliantError:
         return Effect(SHAPES, float("inf"), False)
     return Effect(SHAPES, float(np.abs(apart).max()), False, apart)

@@ -26,6 +26,7 @@ from pliant.plants.validity.ranges import in_words, left
 from pliant.plants.validity.rotating_sections import NONE_HOLDS
 from pliant.studies.common.reference_motions import Motions
 
+from .fine_model import between_control_times
 from .motion_nodes import MotionNodes
 from .quasi_linear import CorrectedMotion, NotSettled
 
@@ -154,7 +155,9 @@ def compared(motions: Motions, plant: Plant) -> list[int]:
 def from_simple(motions: Motions, fine: Plant, nodes: MotionNodes) -> CorrectedMotion:
     """The motion of `fine` from that of the cheapest variant, before the first pass."""
     simple = motions.ladder[0]
-    motion = motions.at_nodes(simple, nodes.inputs, nodes.all, rtol=RTOL, atol=RTOL / 100)
+    motion = between_control_times(simple, motions.run(simple, rtol=RTOL, atol=RTOL / 100), nodes)
+    if motion is None:
+        motion = motions.at_nodes(simple, nodes.inputs, nodes.all, rtol=RTOL, atol=RTOL / 100)
     return CorrectedMotion.from_simple(fine, simple, motion, nodes, motions.start(fine), compared(motions, fine))
 
 

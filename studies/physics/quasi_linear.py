@@ -16,7 +16,7 @@ Source   R. E. Bellman, R. E. Kalaba, "Quasilinearization and Nonlinear Boundary
 
 from __future__ import annotations
 
-from typing import Any, Self, cast
+from typing import Self, cast
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import GAUSS
 
 from .block_collocation import BUTCHER, BlockCollocation, HeldModel
+from .fine_model import lacking, masses, outputs, trajectory
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
@@ -161,7 +162,9 @@ class CorrectedMotion:
         if self._steps is None:
             self._steps = model.over(self.nodes.all[self.nodes.ends])
         n = self.x.shape[1]
-        c = self._rates(self.x) - self.rate
+        if not (np.abs(self.x) < BEYOND).all():
+            raise NotSettled("the corrected motion runs away")
+        c = lacking(self.fine, self.t, self.x, self.u, self.rate, self._inverse(model))
         delta, moved, slopes = self._steps.response(c.reshape(-1, 2, n), self._start)
         self.at_ends = self.at_ends + delta
         self.x, self.rate = self.x + moved.reshape(-1, n), self.rate + slopes.reshape(-1, n)
@@ -169,6 +172,12 @@ class CorrectedMotion:
         self.passes += 1
         before, self.outputs = self.outputs, self._measured()
         self.changes.append(float(np.abs(self.outputs - before).max()))
+
+    def _inverse(self, model: HeldModel) -> Array | None:
+        """The inverse mass matrix (2 m, n, n) that each Gauss point's linear model is held with, if any."""
+        if model.mass is None:
+            return None
+        return np.repeat(model.inverse_mass[model.blocks(self.nodes.all[self.nodes.ends])], 2, axis=0)
 
     def _linearise(self) -> HeldModel:
         """A of each block, in its middle, at the accelerations of the motion as it is."""
@@ -179,7 +188,10 @@ class CorrectedMotion:
         A = self._jacobians(t, x, self.u[at], rate)
         if not np.isfinite(A).all():
             raise NotSettled("the linear model along the motion is not finite")
-        made = HeldModel(ends[edges], A)
+        M = masses(self.fine, t, x, self.u[at])
+        if M is not None and not np.isfinite(M).all():
+            raise NotSettled("the mass matrix along the motion is not finite")
+        made = HeldModel(ends[edges], A, M)
         self._model, self._steps, self._own = made, None, True
         return made
 
@@ -192,19 +204,13 @@ class CorrectedMotion:
         y = np.zeros((len(t), tangent.ny))  # unused
         return tangent.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=tangent, y=y, dx=rate))
 
-    def _rates(self, x: Array) -> Array:
-        if not (np.abs(x) < BEYOND).all():
-            raise NotSettled("the corrected motion runs away")
-        return np.asarray(self.fine.dynamics(x, self.u, t=self.t))
-
     def _measured(self) -> Array:
         at = self.at_ends[self.nodes.control]
         if not (np.abs(at) < BEYOND).all():
             raise NotSettled("the corrected motion runs away")
-        y: Any = self.fine.measure(at, self.nodes.held, t=self.nodes.times)
+        y = outputs(self.fine, self.nodes.times, at, self.nodes.held, self.columns)
         return np.hstack([y, at])[:, self.columns]
 
     def trajectory(self) -> Trajectory:
         """The motion at the control times."""
-        at, u, t = self.at_ends[self.nodes.control], self.nodes.held, self.nodes.times
-        return Trajectory.from_arrays(t, at, u, plant=self.fine, dx=self.fine.dynamics(at, u, t=t))
+        return trajectory(self.fine, self.nodes.times, self.at_ends[self.nodes.control], self.nodes.held)

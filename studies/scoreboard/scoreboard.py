@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.envs.scenes.registry import is_file
 from pliant.envs.scenes.registry import names as named
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.argument_gates import (
@@ -103,7 +104,7 @@ def _scenes(wanted: Sequence[str | Scene] | None) -> tuple[Scene, ...]:
     if not isinstance(wanted, (tuple, list)):
         raise ValueError(f"scoreboard.scenes = {shown(wanted)} must be a tuple of names or scenes")
     for w in wanted:
-        if not isinstance(w, Scene):
+        if not isinstance(w, Scene) and not is_file(w):
             require_choice("scoreboard", "scenes", w, (*named(), *VARIANTS))
     found = [scene for w in wanted for scene in ((w,) if isinstance(w, Scene) else playable((w,)))]
     if not found:

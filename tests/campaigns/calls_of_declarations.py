@@ -26,6 +26,7 @@ from pliant.plants import (
     Signal,
     SingleLinkArm,
     SliderCrank,
+    Sliding,
     Sun,
     Surface,
     Thruster,
@@ -133,13 +134,14 @@ def tree_calls() -> list[Call]:
         "axis": Array((0.0, 0.0, 1.0)),
         "turned": Flag(True),
         "rest": Number(0.5),
-        "friction_rate": Number(0.5, **POSITIVE),
-        "stop_width": Number(0.5, **POSITIVE),
         "drive": Choice("torque"),
         "elastic": Object(gear, none=True),
     }
-    joint |= {n: Number(0.5, low=0.0) for n in ("damping", "friction", "stiffness", "stop_stiffness", "armature")}
-    joint |= {n: Number(0.5, none=True) for n in ("lower", "upper", "effort", "speed")}
+    held = {n: Number(0.5, low=0.0) for n in ("damping", "friction", "stiffness", "stop_stiffness")}
+    held |= {n: Number(0.5, none=True) for n in ("lower", "upper")}
+    held |= {n: Number(0.5, **POSITIVE) for n in ("friction_rate", "stop_width")}
+    joint |= held | {"armature": Number(0.5, low=0.0)}
+    joint |= {n: Number(0.5, none=True) for n in ("effort", "speed")}
     body = {
         "name": Text("b"),
         "joint": Object(Joint(name="j")),
@@ -170,11 +172,16 @@ def tree_calls() -> list[Call]:
         "devices": Names(("gyro",)),
         "kinematics": Choice("linear"),
         "basis": Choice("clamped-free"),
-        "base": Choice("fixed"),
+        "base": Choice("free"),
+        "platform": Object(Payload(mass=1.0, inertia=0.5)),
+        "base_freedoms": Names(("x", "turn_z")),
+        "root": Text("base"),
+        "repairs": Names(("the hand",), free=True),
     }
     return [
         Call("ElasticJoint", ElasticJoint, elastic | lossy, compare=False),
         Call("Joint", Joint, joint | place, compare=False),
+        Call("Sliding", Sliding, held, compare=False),
         Call("Frame", Frame, {"name": Text("f"), "body": Text("b")} | place, compare=False),
         Call("TreeBody", TreeBody, body, compare=False),
         Call("TreeBody.wheel", TreeBody.wheel, spun, compare=False),

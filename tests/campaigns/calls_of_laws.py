@@ -12,6 +12,7 @@ from typing import Any
 
 from argument_kinds import Call
 from calls_of_designs import design_calls
+from calls_of_kit import kit_calls
 from calls_of_optima import optima_calls
 from calls_of_scene_laws import scene_law_calls
 from calls_of_scenes import scene_calls
@@ -24,7 +25,7 @@ import pliant.studies
 
 def law_calls() -> list[Call]:
     """Of everything."""
-    return [*design_calls(), *scene_law_calls(), *optima_calls(), *scene_calls(), *study_calls()]
+    return [*design_calls(), *kit_calls(), *scene_law_calls(), *optima_calls(), *scene_calls(), *study_calls()]
 
 
 INNER = "a part of a design: its arguments are arrays and models that the call which makes it has checked"
@@ -65,6 +66,14 @@ REASONS = {  # patterns of module and name
     "controllers.estimation.sensors.encoder": "as Sensor",
     "controllers.estimation.sensors.accelerometer": "as Sensor",
     "controllers.estimation.square_root*": INNER,
+    "controllers.analysis.users_laws*": INNER,
+    "controllers.export.arrays.*": "see the calls that are there",
+    "controllers.export.c_text*": INNER,
+    "controllers.export.estimators*": INNER,
+    "controllers.export.export_c.law_code": INNER,
+    "controllers.export.plant_step*": INNER,
+    "controllers.export.predictive*": INNER,
+    "controllers.export.state_feedback*": INNER,
     "controllers.joint_control.collocation*": INNER,
     "controllers.joint_control.computed_torque.ComputedTorque": "made by design and for_scene",
     "controllers.joint_control.computed_torque.inverse_dynamics": INNER,
@@ -133,6 +142,8 @@ REASONS = {  # patterns of module and name
     "envs.scenes.spacecraft*": "by scenes.get",
     "studies.closed_loop.rollout.Conditions": "by rollout",
     "studies.closed_loop.*": "a part of scoreboard and report",
+    "studies.monte_carlo.monte_carlo.MonteCarlo*": RESULT,
+    "studies.monte_carlo.trial*": INNER,
     "studies.charts.gallery.index": DRAWN,
     "studies.charts.gallery.counted": DRAWN,
     "studies.charts.kept_rows*": INNER,

@@ -213,6 +213,20 @@ def modal_calls() -> list[Call]:
             {"mass": Number(2.0, **POSITIVE), "first": Array((0.5, 0.0, 0.0)), "inertia": Array(np.eye(3))},
             compare=False,
         ),
+        Call(
+            "ModalData.from_participation",
+            ModalData.from_participation,
+            {
+                "mass": Number(2.0, **POSITIVE),
+                "centre": Array((0.5, 0.0, 0.0)),
+                "inertia": Array(np.eye(3), wrong=False),
+                "frequencies": Array(np.array([1.0, 2.0]), leads=True),
+                "damping": Number(0.125, low=0.0, array=True),
+                "L_translation": Array(np.zeros((2, 3)), none=True),
+                "L_rotation": Array(np.array([[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]])),
+            },
+            compare=False,
+        ),
         Call("ModalData.slowest", data.slowest, {"count": Count(1, low=0)}, compare=False),
         Call("ModalData.keep", data.keep, {"modes": Counts((0,), wrong=False)}, compare=False),
     ]

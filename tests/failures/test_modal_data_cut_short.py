@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.envs.scenes.spacecraft_parts import LINE, WIDTH
+from pliant.envs.machines.spacecraft_parts import LINE, WIDTH
 from pliant.plants.modal_data.modal_data import ModalData
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics.physics_motion import physics_motion

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 
+from pliant.controllers.nmpc import condensing
 from pliant.controllers.nmpc.condensing import Condensed
 
 
+@pytest.mark.parametrize("long", [0, 100])
 @pytest.mark.parametrize(("N", "nb", "nl"), [(1, 2, 3), (4, 0, 3), (5, 2, 0), (7, 3, 4)])
-def test_equals_the_stages_walked_through(N: int, nb: int, nl: int) -> None:
+def test_equals_the_stages_walked_through(N: int, nb: int, nl: int, long: int, monkeypatch) -> None:
+    monkeypatch.setattr(condensing, "LONG", long)  # of few inputs as of many
     rng = np.random.default_rng(N)
     nx, nu, nr = 3, 2, 4
     L, end = rng.standard_normal((nl, nx)), rng.standard_normal(nx)
@@ -32,6 +35,11 @@ def test_equals_the_stages_walked_through(N: int, nb: int, nl: int) -> None:
         zero = cost(np.zeros(N * nu))[0]
         found = d @ problem.H @ d + 2 * (problem.F @ e + problem.f0) @ d
         assert found == pytest.approx(full - zero, rel=1e-10, abs=1e-10)
+        assert problem.S[nx, nx] == pytest.approx(cost(np.zeros(N * nu), np.zeros(nx))[0], rel=1e-10)
+        np.testing.assert_allclose(problem.S, problem.S.T, atol=1e-10 * np.abs(problem.S).max())
         np.testing.assert_allclose(problem.states(e, d), walked, rtol=1e-10, atol=1e-10)
+        if problem.long:
+            problem.rows()
+        np.testing.assert_allclose(problem.signals(e, d), np.array(rows[1:]).reshape(-1), rtol=1e-10, atol=1e-10)
         z = problem.Zd @ d + problem.Ze @ e + problem.z0
         np.testing.assert_allclose(z, np.array(rows[1:]).reshape(-1), rtol=1e-10, atol=1e-10)

@@ -236,3 +236,19 @@ def test_bad_measurement(cart):
     nmpc = NMPC(cart(), 5, substeps=1)
     with pytest.raises(ValueError, match=r"NMPC\.y\[1\] = nan must be finite"):
         nmpc.act(0.0, np.array([0, np.nan, 0, 0]))
+
+
+def test_long_horizons_give_the_inputs_of_short_ones_to_rounding(monkeypatch) -> None:
+    """Condensed from the end and solved by its factors where nothing binds, by DAQP where a limit does."""
+    from pliant.controllers.nmpc import condensing
+
+    y = REACH.initial[0]
+    want = NMPC.for_scene(REACH, 30)
+    monkeypatch.setattr(condensing, "LONG", 0)
+    found = NMPC.for_scene(REACH, 30)
+    assert found.horizon.condensed.long and not want.horizon.condensed.long
+    for k, shift in enumerate((0.0, 0.0, 0.4, 0.0)):  # the third takes an input to its limit
+        x = y + shift * (np.arange(len(y)) < 2)
+        u = want.act(k * REACH.dt, x)
+        np.testing.assert_allclose(found.act(k * REACH.dt, x), u, atol=1e-7 * max(REACH.limits))
+    assert found.record.limited == want.record.limited

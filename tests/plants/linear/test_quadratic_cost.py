@@ -91,6 +91,9 @@ def differences(scene):
     return found
 
 
+SLOW = ("satellite-arm", "six-axis-pick")
+
+
 def weighed(scene):
     """The scene as it is, and with each output that depends on an input at once weighed too."""
     yield scene
@@ -100,7 +103,9 @@ def weighed(scene):
 
 
 @pytest.mark.every(3)
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.campaign) if n in SLOW else n for n in scenes.names()]
+)
 def test_scene_is_charged_so_to_second_order(name):
     for scene in weighed(scenes.get(name)):
         Q, R, N = scene.quadratic()

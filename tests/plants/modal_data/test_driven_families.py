@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.envs.scenes.spacecraft_parts import LINE, WIDTH
+from pliant.envs.machines.spacecraft_parts import LINE, WIDTH
 from pliant.plants.modal_data.driven_families import before_the_last, left_out
 from pliant.plants.modal_data.modal_data import ModalData
 

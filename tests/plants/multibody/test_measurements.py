@@ -82,5 +82,5 @@ def test_gyros_read_the_turn(space):
 
 
 def test_refused(space):
-    with pytest.raises(ValueError, match=r"FlexibleTree\.devices\[0\] = 'lidar': no such device; choose from gyro"):
+    with pytest.raises(ValueError, match=r"FlexibleTree\.devices\[0\] = 'lidar': no such device; choose from orient"):
         space(devices=("lidar",))

@@ -86,5 +86,5 @@ def test_mode_that_the_design_has_at_another_frequency_is_named_so():
 
 def test_dearer_of_a_rigid_plant_bends():
     for name in scenes.names():
-        rigid = scenes.get(name).plant.ladder()[0]
-        assert dearer(rigid).nx > rigid.nx
+        rungs = scenes.get(name).plant.ladder()
+        assert dearer(rungs[0]).nx > rungs[0].nx or len(rungs) == 1

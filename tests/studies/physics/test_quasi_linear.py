@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.plants import MassMatrixError
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics import quasi_linear
 from pliant.studies.physics.motion_nodes import MotionNodes
@@ -97,19 +96,19 @@ def test_more_nodes_and_more_shapes_go_on_from_what_there_is():
 
 
 def test_a_linear_model_held_too_long_is_noticed_and_one_for_each_part_settles(monkeypatch):
-    """Two links that turn by a radian: with two models for all of the motion passes run away, where nothing watches
-    them; what is found then is what one model a part finds, and what a simulation by another method gives.
+    """Two links that turn by a radian: with one model for all of the motion passes do not shrink at first; more are
+    taken then, and what is found is what a simulation by another method gives.
     """
     scene = scenes.get("two-link-reach")
     fine = dataclasses.replace(scene.plant, kinematics="stiffened", basis="polynomial", modes=(3, 3))
-    monkeypatch.setattr(quasi_linear, "BLOCKS", 2)
+    monkeypatch.setattr(quasi_linear, "BLOCKS", 1)
     found, exact = motion(scene, fine, scene.plant.ladder()[0], 4)
-    with pytest.raises((NotSettled, MassMatrixError)):
-        for _ in range(6):
-            found.step(anew=found.passes == 0)  # the naive way
+    for _ in range(3):
+        found.step(anew=found.passes == 0)  # the naive way
+    assert found.changes[2] > found.changes[1]
     found, exact = motion(scene, fine, scene.plant.ladder()[0], 4)
     found.settle(1e-7)
-    assert np.abs(found.outputs - exact).max() < 1e-4
+    assert found._blocks > 1 and np.abs(found.outputs - exact).max() < 1e-5
 
 
 def test_a_motion_of_one_part_is_one_step_of_gauss():

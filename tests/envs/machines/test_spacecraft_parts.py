@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.envs.scenes.spacecraft_parts import ALONG_Y, FLAT, LINE, UPRIGHT, panels, turned
+from pliant.envs.machines.spacecraft_parts import ALONG_Y, FLAT, LINE, UPRIGHT, panels, turned
 
 
 @pytest.mark.parametrize("mounts", [FLAT, UPRIGHT, ALONG_Y])

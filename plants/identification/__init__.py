@@ -1,0 +1,1 @@
+"""Parameters of a plant from measured motions, how sure they are, and which motion tells most."""

@@ -1,0 +1,85 @@
+"""What is written as a whole: no warning of two compilers, no allocation, clean under sanitizers; refusals."""
+
+import pytest
+from exported import (
+    SANITIZERS,
+    compiled,
+    loop_in_c,
+    needs_compiler,
+    run,
+    sanitizers_work,
+    strict_everywhere,
+)
+
+from pliant.controllers import LQG, LQR, MPC, TVLQR, Kalman
+from pliant.controllers.export import export_c
+
+
+def laws(scene):
+    """By name."""
+    return {
+        "lqr": LQR.for_scene(scene, integral={"tip_x": 1.0, "tip_y": 1.0}),
+        "lqg": LQG.for_scene(scene),
+        "mpc": MPC.for_scene(scene),
+        "tvlqr": TVLQR.for_scene(scene),
+    }
+
+
+@needs_compiler
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_no_warning_and_no_allocation(tmp_path, reach, precision) -> None:
+    for name, law in laws(reach).items():
+        if precision == "single" and name not in ("lqr", "mpc"):
+            continue
+        strict_everywhere(export_c(law, tmp_path / f"{name}.c", precision=precision)[0])
+    strict_everywhere(export_c(reach.plant, tmp_path / "arm.c", dt=1e-3, precision=precision)[0])
+
+
+@needs_compiler
+def test_clean_under_sanitizers(tmp_path, reach) -> None:
+    """Of a filter, a program and the plant's step at once; the other laws: see the campaign."""
+    if not sanitizers_work(tmp_path):
+        pytest.skip("no sanitizers here")
+    sanitized(tmp_path, reach, LQG(MPC.for_scene(reach, rates=400.0), Kalman.for_scene(reach)))
+
+
+@needs_compiler
+@pytest.mark.campaign
+@pytest.mark.parametrize("kind", ["lqr", "lqg", "mpc", "tvlqr"])
+def test_every_law_is_clean_under_sanitizers(tmp_path, reach, kind) -> None:
+    if not sanitizers_work(tmp_path):
+        pytest.skip("no sanitizers here")
+    sanitized(tmp_path, reach, laws(reach)[kind])
+
+
+def sanitized(folder, scene, law) -> None:
+    files = [export_c(law, folder / "law.c")[0], export_c(scene.plant, folder / "plant.c", dt=scene.dt / 10)[0]]
+    main = loop_in_c(folder, scene.plant, law, scene.initial[0], scene.dt, 40, 10)
+    assert len(run(compiled([main, *files], folder / "loop", *SANITIZERS))) == 40
+
+
+def test_files_say_what_they_are(tmp_path, reach) -> None:
+    source, header = export_c(LQG.for_scene(reach), tmp_path / "pointing.c", precision="single")
+    assert "typedef float pointing_real;" in header.read_text()
+    assert "pointing_act" in header.read_text() and '#include "pointing.h"' in source.read_text()
+    assert f"period: {reach.dt!r} s" in header.read_text()
+
+
+@pytest.mark.parametrize(
+    ("what", "options", "word"),
+    [
+        (lambda s: LQR.for_scene(s), {"path": "law.h"}, r"must end in \.c"),
+        (lambda s: LQR.for_scene(s), {"path": "2law.c"}, "C name"),
+        (lambda s: LQR.for_scene(s), {"precision": "half"}, "precision"),
+        (lambda s: LQR.for_scene(s), {"dt": 0.1}, "dt = 0.1 must be None"),
+        (lambda s: s.plant, {}, "dt = None must be the step"),
+        (lambda s: s.plant, {"dt": -1.0}, "dt = -1"),
+        (lambda s: s, {}, "has no C form"),
+        (lambda s: MPC.for_scene(s, track=("theta1", "theta2")), {}, "track"),
+        (lambda s: TVLQR.for_scene(s, index="phase"), {}, "index"),
+    ],
+)
+def test_what_has_no_c_form_is_told(tmp_path, reach, what, options, word) -> None:
+    with pytest.raises(ValueError, match=word):
+        export_c(what(reach), **({"path": tmp_path / "law.c"} | options))
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,43 @@
+"""MPC in C: in closed loop, and its answers on random programs beside those of DAQP."""
+
+import numpy as np
+import pytest
+from exported import answers_in_c, compiled, needs_compiler, run, same_loop
+
+from pliant.controllers import MPC
+from pliant.controllers.export import export_c
+from pliant.plants.linear.lti import LinearModel
+
+pytestmark = needs_compiler
+
+
+def test_in_closed_loop(tmp_path, reach, near) -> None:
+    law = MPC.for_scene(reach)
+    same_loop(tmp_path, reach, law, near)
+    assert law.record.limited > 2 and law.record.failures == 0  # programs were solved
+
+
+@pytest.mark.parametrize("seed", [0, 1, 13])
+def test_random_programs_with_soft_limits_that_cannot_be_kept(tmp_path, seed) -> None:
+    """In some no plan keeps the bounds; with seed 13 rounding makes one where there is none, and is caught."""
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(2, 7)), int(rng.integers(1, 3))
+    A = rng.standard_normal((n, n))
+    A -= (np.linalg.eigvals(A).real.max() - 0.3) * np.eye(n)
+    model = LinearModel.from_matrices(A, rng.standard_normal((n, m)))
+    limited = {
+        "limits": (-1.0, 1.0),
+        "bounds": {model.state_names[0]: (-1.0, 1.0)},
+        "rates": 5.0 if seed == 0 else None,
+    }
+    penalty, horizon = None if seed % 2 else 50.0, int(rng.integers(5, 15))
+    law = MPC.design(model, np.eye(n), np.eye(m), dt=0.1, horizon=horizon, penalty=penalty, **limited)
+    readings = rng.standard_normal((60, n)) * np.geomspace(0.1, 3, 60)[:, None]
+    wanted = []
+    for y in readings:
+        law.reset()
+        wanted.append(law.act(0.0, y).copy())
+    sources = [answers_in_c(tmp_path, law, readings), export_c(law, tmp_path / "law.c")[0]]
+    found = run(compiled(sources, tmp_path / "answers"))
+    assert not found[:, -1].any()
+    assert np.abs(found[:, :-1] - np.array(wanted)).max() < 1e-9

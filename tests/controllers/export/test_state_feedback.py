@@ -1,0 +1,39 @@
+"""Gains in C: closed loops beside `act`, and a law with states beside its own recursion."""
+
+import numpy as np
+from exported import compiled, loop_in_c, needs_compiler, plant_objects, run, same_loop
+
+from pliant.controllers import LQR, TVLQR, Feedback
+from pliant.controllers.analysis.linear_laws import LinearLaw
+from pliant.controllers.export import export_c
+
+pytestmark = needs_compiler
+
+
+def test_lqr(tmp_path, reach, near) -> None:
+    same_loop(tmp_path, reach, LQR.for_scene(reach), near)
+
+
+def test_integrals_that_stand_still_at_a_limit(tmp_path, reach, near) -> None:
+    same_loop(tmp_path, reach, LQR.for_scene(reach, integral={"tip_x": 1.0, "tip_y": 1.0}), near)
+
+
+def test_tvlqr_by_time(tmp_path, reach, near) -> None:
+    same_loop(tmp_path, reach, TVLQR.for_scene(reach), near, count=30)
+
+
+def test_feedback_and_a_law_with_states(tmp_path, reach) -> None:
+    plant, start = reach.plant, reach.initial[0]
+    names = tuple(s.name for s in plant.states)[:2]
+    gains = np.array([[30.0, 2.0], [1.0, 8.0]])
+    slow = LinearLaw(0.5 * np.eye(2), 0.1 * np.eye(2), -gains, gains, names, reach.dt)
+    for law in (Feedback(gains, names, dt=reach.dt, limits=(-3.0, 3.0)), slow):
+        files = [export_c(law, tmp_path / "law.c")[0], *plant_objects(plant, reach.dt / 10, "double", tmp_path)]
+        found = run(compiled([loop_in_c(tmp_path, plant, law, start, reach.dt, 5, 10), *files], tmp_path / "loop"))
+        s, x = np.zeros(2), start
+        for row in found:
+            y = x[:2]
+            u = np.clip(-gains @ y, -3, 3) if law is not slow else -(slow.C @ s + slow.D @ y)
+            s = slow.A @ s + slow.B @ y
+            assert np.allclose(row[:2], u, atol=1e-12)
+            x = row[2:]
