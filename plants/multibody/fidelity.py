@@ -65,7 +65,7 @@ class TreeFidelity(TreeDeclaration):
         """Stiffened, every beam bending in both planes and twisting, with `more` than four shapes a family; stretching
         where it does already.
         """
-        n = min(PHYSICS + more, MOST_MODES)
+        n = min(max(PHYSICS + more, 1), MOST_MODES)
         modes = {b.name: (n, n, n, min(b.modes[3], 1) * n) for b in self.slender}
         bodies = tuple(dataclasses.replace(b, modes=modes[b.name]) if b.name in modes else b for b in self.bodies)
         return dataclasses.replace(self, bodies=bodies, kinematics="stiffened")
