@@ -6,9 +6,12 @@ slow_variation(model)  whether they may be believed: `frozen_time`
 floquet(model)         multipliers and modes of a periodic model: `floquet`
 growth(model)          the transition matrix over windows, finite-time Lyapunov exponents: `transition_growth`
 lyapunov(model)        a quadratic certificate that varies with time: `lyapunov_certificate`
+finite_horizon(model)  how far disturbances can push a motion before it ends: `plants.finite_horizon`
 """
 
 from __future__ import annotations
+
+from pliant.plants.finite_horizon import FiniteHorizon, finite_horizon
 
 from .assessment import assess
 from .floquet import Floquet, floquet
@@ -20,12 +23,14 @@ from .verdict import METHODS, Verdict
 __all__ = [
     "METHODS",
     "Certificate",
+    "FiniteHorizon",
     "Floquet",
     "FrozenTime",
     "Growth",
     "SlowVariation",
     "Verdict",
     "assess",
+    "finite_horizon",
     "floquet",
     "frozen_time",
     "growth",

@@ -1,0 +1,60 @@
+"""The largest growth of a deviation over any part of a motion, from any time to any later one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.linear import magnus
+
+from .stretches import Stretches
+
+Array = np.ndarray
+BLOCKS = 100  # parts between which growth is compared first
+NEAR = 24  # ends of stretches about the best start and the best end that are compared then
+
+
+@dataclass(frozen=True, eq=False)
+class Amplification(OwnsArrays):
+    """`value` is attained by a deviation in `direction` at `start` [s], at `end` [s]; sizes are in the scale given."""
+
+    value: float
+    start: float
+    end: float
+    direction: Array = field(repr=False)  # (nx,) in the states' own units, of size one in the scale
+    whole: float  # from the start to the end of the motion
+
+
+def amplification(on: Stretches, sizes: Array) -> Amplification:
+    """Of |x / sizes|, the largest singular value of Phi(t, s) over all s <= t."""
+    Phi = on.held[0] * sizes[None, None, :] / sizes[None, :, None]
+    m = len(Phi)
+    edges = np.unique(np.linspace(0, m, min(m, BLOCKS) + 1).astype(int))
+    size, begin, end = _largest(magnus.grouped(Phi, edges), edges)
+    whole = float(np.linalg.norm(magnus.product(Phi), 2))
+    width = int(np.diff(edges).max())
+    if width > 1:  # about the best pair, stretch by stretch
+        near = {int(k) for e in (begin, end) for k in np.linspace(max(0, e - width), min(m, e + width), NEAR)}
+        finer = np.array(sorted(near | {begin, end}))
+        size, begin, end = max(
+            (size, begin, end), _largest(magnus.grouped(Phi[finer[0] : finer[-1]], finer - finer[0]), finer)
+        )
+    if size <= 1.0:
+        begin = end = 0
+    right = np.linalg.svd(magnus.product(Phi[begin:end]))[2][0] if end > begin else np.eye(on.n)[0]
+    return Amplification(max(size, 1.0), float(on.t[begin]), float(on.t[end]), right * sizes, whole)
+
+
+def _largest(blocks: Array, edges: Array) -> tuple[float, int, int]:
+    """The largest norm of a product of consecutive blocks, and the edges that it runs between."""
+    best, now = (1.0, int(edges[0]), int(edges[0])), blocks
+    for length in range(1, len(blocks) + 1):
+        if length > 1:
+            now = blocks[length - 1 :] @ now[:-1]
+        sizes = np.linalg.norm(now, 2, axis=(1, 2))
+        k = int(sizes.argmax())
+        if sizes[k] > best[0]:
+            best = float(sizes[k]), int(edges[k]), int(edges[k + length])
+    return best

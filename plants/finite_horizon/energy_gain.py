@@ -1,0 +1,107 @@
+"""The largest energy of the outputs that a disturbance of unit energy causes: its square root, from below and above.
+
+Below: a disturbance held over each stretch, found by Lanczos iterations on the map from it to the outputs and back by
+the adjoint; its gain is that of the model. Above: the Riccati differential equation of the bounded real lemma,
+
+    -dP/dt = A'P + P A + C'C + (P E + C'F) (g^2 - F'F)^-1 (E'P + F'C),  P(T) = 0,
+
+has a solution back to the start where the gain is below g (Green and Limebeer, Linear Robust Control, 1995, theorem
+3.7.4), found as a linear fractional map of the Hamiltonian's transitions, exact for each stretch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pliant.plants.core.signals import OwnsArrays
+
+from .stretches import Stretches
+
+Array = np.ndarray
+CLOSE = (1.001, 1.003, 1.006, 1.0099, 1.03, 1.1, 1.3, 2.0, 4.0)  # times the lower bound: gains tried as an upper one
+TURN = 1.0  # h |eigenvalue| of the Hamiltonian up to which P cannot run away and come back in a stretch: that takes pi
+LANCZOS = 1e-5  # relative tolerance of the iterations
+NEGATIVE, SMALL = 1e-9, 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Gain(OwnsArrays):
+    """At least `lower`, which `disturbance` attains, and at most `upper`."""
+
+    lower: float
+    upper: float  # infinite where none was shown
+    disturbance: Array = field(repr=False)  # (m + 1, nw) held from each row to the next, of unit energy
+
+    @property
+    def gap(self) -> float:
+        """Relative distance of the bounds."""
+        return float("inf") if not self.lower > 0 else self.upper / self.lower - 1
+
+
+def energy_gain(on: Stretches) -> Gain:
+    """From w to z, x zero at the start."""
+    lower, worst = _below(on)
+    if not lower > 0:
+        return Gain(0.0, 0.0 if not np.abs(on.C).max() or not np.abs(on.E).max() else np.inf, worst)
+    through = float(np.linalg.norm(on.F, 2, axis=(-2, -1)).max(initial=0.0)) if on.F.size else 0.0
+    for times in CLOSE:
+        gain = lower * times
+        if gain > through and bounds(on, gain):
+            return Gain(lower, gain, worst)
+    return Gain(lower, np.inf, worst)
+
+
+def _below(on: Stretches) -> tuple[float, Array]:
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    (Phi, Gamma), Q, m, n, nw = on.held, on.seen, len(on.h), on.n, on.nw
+    root = np.sqrt(on.h)[:, None]
+    Phi_t, Gamma_t = (np.ascontiguousarray(np.swapaxes(M, 1, 2)) for M in (Phi, Gamma))
+
+    def there_and_back(v: Array) -> Array:
+        w = v.reshape(m, nw) / root
+        push, x = np.einsum("kij,kj->ki", Gamma, w), np.zeros((m, n))
+        for k in range(m - 1):
+            x[k + 1] = Phi[k] @ x[k] + push[k]
+        felt = np.einsum("kij,kj->ki", Q, np.concatenate([x, w], axis=1))
+        costate, costates = np.zeros(n), np.zeros((m, n))
+        for k in range(m - 1, -1, -1):
+            costates[k] = costate
+            costate = Phi_t[k] @ costate + felt[k, :n]
+        return np.ravel((felt[:, n:] + np.einsum("kij,kj->ki", Gamma_t, costates)) / root)
+
+    size = m * nw
+    start = np.random.default_rng(0).normal(size=size)
+    if not np.abs(there_and_back(start)).max() > SMALL * np.finfo(float).tiny:
+        return 0.0, np.zeros((m + 1, nw))
+    if size < 3:
+        columns = np.array([there_and_back(e) for e in np.eye(size)])
+        _, vectors = np.linalg.eigh((columns + columns.T) / 2)
+    else:
+        operator = LinearOperator((size, size), matvec=there_and_back, dtype=float)
+        _, vectors = eigsh(operator, k=1, which="LA", v0=start, tol=LANCZOS)
+    best = vectors[:, -1] / np.linalg.norm(vectors[:, -1])
+    return float(np.sqrt(max(best @ there_and_back(best), 0.0))), np.vstack(
+        [best.reshape(m, nw) / root, np.zeros((1, nw))]
+    )
+
+
+def bounds(on: Stretches, gain: float) -> bool:
+    """Whether the Riccati equation at `gain` goes back to the start: the true gain is then no larger."""
+    n, S = on.n, on.hamiltonian(gain)
+    P = np.zeros((n, n))
+    if on.turn(gain) > TURN:
+        return False
+    for k in range(len(S) - 1, -1, -1):
+        part = S[k]
+        below = part[:n, :n] + part[:n, n:] @ P
+        P = np.linalg.solve(below.T, (part[n:, :n] + part[n:, n:] @ P).T).T
+        P = (P + P.T) / 2
+        if not np.isfinite(P).all():
+            return False
+        values = np.linalg.eigvalsh(P)
+        if values[0] < -NEGATIVE * max(values[-1], SMALL):  # beyond infinity it comes from the other side
+            return False
+    return True
