@@ -1,6 +1,7 @@
 """Gains in C: closed loops beside `act`, and a law with states beside its own recursion."""
 
 import numpy as np
+import pytest
 from exported import compiled, loop_in_c, needs_compiler, plant_objects, run, same_loop
 
 from pliant.controllers import LQR, TVLQR, Feedback
@@ -18,6 +19,7 @@ def test_integrals_that_stand_still_at_a_limit(tmp_path, reach, near_double) -> 
     same_loop(tmp_path, reach, LQR.for_scene(reach, integral={"tip_x": 1.0, "tip_y": 1.0}), near_double)
 
 
+@pytest.mark.campaign
 def test_tvlqr_by_time(tmp_path, reach, near_double) -> None:
     same_loop(tmp_path, reach, TVLQR.for_scene(reach), near_double, count=30)
 

@@ -13,6 +13,7 @@ SCENE = dataclasses.replace(scene(20.0), move_time=8.0)  # a turn of 5 degrees a
 FREE = 0.83051738  # [rad/s] of its first mode
 
 
+@pytest.mark.campaign
 def test_each_profile_ends_at_the_goal_and_a_shaper_calms_it() -> None:
     shaper = shaper_of(FREE)
     plain = compare_slews(SCENE, ("bang-bang",), points=60)[0]
