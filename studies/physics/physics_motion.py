@@ -126,13 +126,13 @@ class _Search:
         if EASILY * time <= self.within:
             parts //= 2  # twice as many have shown that these do
         while more < MOST_SHAPES and physics(more + 1) != physics(more):
-            known = self.motion
+            before = self.motion
             try:
                 richer, passes = self._outputs(more + 1, parts)
             except PliantError as failure:
                 if not isinstance(failure, MassMatrixError) and "exact rotations" in physics(more).effects:
                     raise  # a simulation may go on
-                self.motion, lost = known, f"; not with a shape more: {failure}"
+                self.motion, lost = before, f"; not with a shape more: {failure}"
                 if more == self.first:
                     shapes = _largest(found - self._poorer())
                 break
