@@ -97,6 +97,6 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
         parent = nodes[node.parent] if node.parent != BASE else None
         if parent is None or parent.beam is None:
             start = ends[node.parent] if parent is not None else np.zeros(3)
-            if np.linalg.norm(ends[k] - start) > 0:
+            if np.linalg.norm(ends[k] - start) > 0 or node.joint.slides:  # as many lines at every state
                 found.append(np.linspace(start, ends[k], points))
     return found
