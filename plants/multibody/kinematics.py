@@ -97,7 +97,6 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
         parent = nodes[node.parent] if node.parent != BASE else None
         if parent is None or parent.beam is None:
             start = ends[node.parent] if parent is not None else np.zeros(3)
-            slides = node.joint is not None and node.joint.slides  # then as many lines at every state
-            if np.linalg.norm(ends[k] - start) > 0 or slides:
+            if np.linalg.norm(ends[k] - start) > 0:
                 found.append(np.linspace(start, ends[k], points))
     return found
