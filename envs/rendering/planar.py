@@ -157,7 +157,7 @@ class Renderer(OwnsArrays):
         for artist, tangent, link in zip(self._links, self._tangents, links):
             artist.set_data(*link.T)
             length = np.linalg.norm(np.diff(link, axis=0), axis=1)
-            straight = link[0] + (link[1] - link[0]) * 1.06 * length.sum() / length[0]
+            straight = link[0] + (link[1] - link[0]) * 1.06 * length.sum() / (length[0] or 1.0)
             tangent.set_data(*np.transpose([link[0], straight]))
         self._joints.set_data(*links[:, 0].T)
         tip = links[-1][-1]

@@ -21,8 +21,14 @@ STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of a difference, in each state's own u
 APART = 1e-5  # of the largest entry, beyond which two derivatives are not the same
 SHRINKS = 8  # halvings of a random state
 ROUNDING = 1e-15  # of a value that is differenced
-BLOCKS = (("A", "rate", "x"), ("B", "rate", "u"), ("E", "rate", "w"), ("C", "output", "x"), ("D", "output", "u"))
-BLOCKS = (*BLOCKS, ("F", "output", "w"))
+BLOCKS = (  # of `jacobians`: what changes, with what
+    ("A", "rate", "x"),
+    ("B", "rate", "u"),
+    ("E", "rate", "w"),
+    ("C", "output", "x"),
+    ("D", "output", "u"),
+    ("F", "output", "w"),
+)
 
 
 def points(plant: Plant, count: int, seed: int) -> list[dict[str, Any]]:

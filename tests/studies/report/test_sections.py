@@ -1,19 +1,23 @@
 """The report of scenes that do not go from rest to rest: every section is made, and says what cannot be had."""
 
+import dataclasses
 import json
 
 import numpy as np
 import pytest
+from trolleys import trolley
 from typer.testing import CliRunner
 
 from pliant.controllers import LQR
 from pliant.envs import scenes
+from pliant.envs.scenes.registry import is_by_name
 from pliant.plants import EquilibriumError
 from pliant.studies import report
 from pliant.studies.closed_loop.closed_loop import closed_loop, regulator, variations
 from pliant.studies.commands.cli import app
 from pliant.studies.common import operating_point
 from pliant.studies.figures import style
+from pliant.studies.report import sections
 
 SECTIONS = (
     "The answer",
@@ -154,3 +158,11 @@ def test_linearize_says_where():
         assert says in operating_point.words(model, scene.plant)
         result = CliRunner().invoke(app, ["linearize", name, "--at", at])
         assert result.exit_code == 0 and says[:14] in " ".join(result.stdout.split())
+
+
+def test_inputs_are_called_what_they_are():
+    """By their units; a command is named only where it gives the same scene."""
+    assert sections._kind(trolley()) == "forces" and sections._kind(scenes.get("two-link-reach")) == "torques"
+    assert sections._kind(scenes.get("spacecraft-spin")) == "inputs"  # torques and accelerations
+    reach = scenes.get("two-link-reach")
+    assert is_by_name(reach) and not is_by_name(trolley()) and not is_by_name(dataclasses.replace(reach, duration=4.0))
