@@ -11,7 +11,8 @@ REFERENCE = Path(__file__).resolve().parents[2] / "reference" / "spatial_arm.jso
 
 def test_moves_as_exudyns():
     """Over 1 s, both links' ends: within 5e-3 of the largest deflection, which is a tenth of a link's length. Nearer is
-    not told: Exudyn's own settings move it by as much (`known_to`). tests/campaigns/spatial_arm_exudyn.py makes the file.
+    not told: Exudyn's own settings move it by as much, as tests/campaigns/spatial_arm_exudyn.py says, which makes the
+    file.
     """
     told = json.loads(REFERENCE.read_text())
     t, ends, deflection = arm.played((3, 3, 2, 0), rtol=1e-5)
