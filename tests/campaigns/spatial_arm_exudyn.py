@@ -2,10 +2,11 @@
 
     python tests/campaigns/spatial_arm_exudyn.py
 
-Plays the arm of `tests/cases/spatial_arm.py` on two grids with Exudyn (https://github.com/jgerstmayr/
-EXUDYN, `ObjectBeamGeometricallyExact`, two nodes an element), extrapolates the error of second order of the elements,
-writes tests/reference/spatial_arm.json and compares the tree with it. Exit status 1 where the tree is farther from it
-than 1e-3 of the largest deflection.
+Plays the arm of `tests/cases/spatial_arm.py` with Exudyn (https://github.com/jgerstmayr/EXUDYN,
+`ObjectBeamGeometricallyExact`, two nodes an element), writes tests/reference/spatial_arm.json and compares the tree.
+`known_to` is how far other tolerances and steps move it, elements apart: 8 of them are 2e-3 m off, and with 32 Newton's
+method no longer reaches residuals small enough for the turns of so short elements, which drift (2.8e-3 m): convergence
+in elements is not shown. Exit status 1 where the tree is farther off than LIMIT.
 """
 
 import json
@@ -24,7 +25,9 @@ sys.path.insert(0, str(TESTS / "cases"))
 
 import spatial_arm as arm  # noqa: E402
 
-PARTS, STEPS = (16, 32), 1000
+PARTS, STEPS = 16, 1000
+TIGHT, LOOSE = (1e-12, 1e-6), (1e-6, 1e-8)  # Newton's tolerances, relative and absolute
+LIMIT = 5e-3  # of the largest deflection: what Exudyn's own settings are apart by
 SAMPLES = 20
 
 
@@ -39,7 +42,7 @@ def section(beam: Any) -> Any:
     return found
 
 
-def played(parts: int, steps: int) -> dict[str, np.ndarray]:
+def played(parts: int, steps: int, relative: float, absolute: float) -> dict[str, np.ndarray]:
     """Positions of both links' ends (SAMPLES + 1, 3) [m]."""
     mbs = exu.SystemContainer().AddSystem()
     ground = mbs.AddObject(items.ObjectGround())
@@ -93,7 +96,8 @@ def played(parts: int, steps: int) -> dict[str, np.ndarray]:
     settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, arm.SECONDS
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
     settings.timeIntegration.newton.useModifiedNewton = False
-    settings.timeIntegration.newton.relativeTolerance, settings.timeIntegration.newton.absoluteTolerance = 1e-12, 1e-6
+    settings.timeIntegration.newton.relativeTolerance = relative
+    settings.timeIntegration.newton.absoluteTolerance = absolute
     settings.timeIntegration.verboseMode = 0
     settings.linearSolverType = exu.LinearSolverType.EigenSparse
     settings.solutionSettings.writeSolutionToFile = False
@@ -109,22 +113,17 @@ def torque(mbs: Any, marker: int, axis: np.ndarray, joint: int) -> tuple[int, np
 
 
 if __name__ == "__main__":
-    coarse, fine = played(PARTS[0], STEPS), played(PARTS[1], STEPS)
-    slower = played(PARTS[0], 2 * STEPS)
-    exact = {name: fine[name] + (fine[name] - coarse[name]) / 3 for name in fine}
-    known = max(np.abs(exact[n] - fine[n]).max() for n in fine) / 3
-    in_time = max(np.abs(slower[n] - coarse[n]).max() for n in fine)
+    best, other, quick = played(PARTS, 2 * STEPS, *TIGHT), played(PARTS, STEPS, *LOOSE), played(PARTS, STEPS, *TIGHT)
+    known = max(np.abs(one[n] - best[n]).max() for n in best for one in (other, quick))
     t, tree, size = arm.played(arm.FINEST)
-    gap = max(np.abs(exact[n] - tree[n]).max() for n in exact)
-    print(f"grids apart by {3 * known:.2g} m, steps by {in_time:.2g} m; the tree by {gap:.2g} m = {gap / size:.2g} of")
-    apart = max(np.abs(fine[n] - tree[n]).max() for n in exact)
-    print(f"its largest deflection, {size:.3g} m; from the fine grid as it is {apart:.2g} m")
+    gap = max(np.abs(best[n] - tree[n]).max() for n in best)
+    print(f"Exudyn is known to {known:.2g} m; the tree is {gap:.2g} m = {gap / size:.2g} of the largest deflection off")
     told = {
-        "source": f"Exudyn {exu.__version__}, ObjectBeamGeometricallyExact, {PARTS[0]} and {PARTS[1]} elements a link "
-        f"extrapolated by their order 2, {STEPS} steps of generalized alpha; tests/campaigns/spatial_arm_exudyn.py",
-        "known_to": known + in_time,
+        "source": f"Exudyn {exu.__version__}, ObjectBeamGeometricallyExact, {PARTS} elements a link, {2 * STEPS} "
+        "steps of generalized alpha; tests/campaigns/spatial_arm_exudyn.py",
+        "known_to": float(known),
         "t": t.tolist(),
-        **{name: np.round(values, 8).tolist() for name, values in exact.items()},
+        **{name: np.round(values, 8).tolist() for name, values in best.items()},
     }
     (TESTS / "reference" / "spatial_arm.json").write_text(json.dumps(told, indent=1) + "\n")
-    sys.exit(gap > 1e-3 * size)
+    sys.exit(gap > LIMIT * size)

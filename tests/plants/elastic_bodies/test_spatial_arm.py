@@ -10,14 +10,15 @@ REFERENCE = Path(__file__).resolve().parents[2] / "reference" / "spatial_arm.jso
 
 
 def test_moves_as_exudyns():
-    """Over 1 s, both links' ends: within 1e-3 of the largest deflection, which is a tenth of a link's length. The file
-    says from what it is, and to what it is known; tests/campaigns/spatial_arm_exudyn.py makes it.
+    """Over 1 s, both links' ends: within 5e-3 of the largest deflection, which is a tenth of a link's length. Nearer is
+    not told: Exudyn's own settings move it by as much, as tests/campaigns/spatial_arm_exudyn.py says, which makes the
+    file.
     """
     told = json.loads(REFERENCE.read_text())
     t, ends, deflection = arm.played((3, 3, 2, 0), rtol=1e-5)
     np.testing.assert_allclose(told["t"], t)
     assert deflection > 0.1
-    assert told["known_to"] < 1e-3 * deflection
+    assert told["known_to"] < 5e-3 * deflection
     for name, positions in ends.items():
         assert np.ptp(told[name], axis=0).max() > 0.5
-        np.testing.assert_allclose(positions, told[name], rtol=0, atol=1e-3 * deflection)
+        np.testing.assert_allclose(positions, told[name], rtol=0, atol=5e-3 * deflection)
