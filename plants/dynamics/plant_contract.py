@@ -36,7 +36,7 @@ class PhysicsContract(Declaration):
 
     def physics(self, more: int = 0) -> Self:
         """The richest model of this machine, by which its fidelities are judged, with `more` shapes than it has by
-        itself. Default: the finest of the ladder, whatever `more` is.
+        itself, fewer where it is negative. Default: the finest of the ladder, whatever `more` is.
         """
         return self.ladder()[-1]
 

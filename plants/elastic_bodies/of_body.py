@@ -47,6 +47,7 @@ def check_nodes(bodies: tuple[TreeBody, ...], frames: tuple[Frame, ...]) -> None
     """ValueError where something hangs on a node that its body's modal data do not have."""
     modal = {body.name: body.modal for body in bodies if body.modal is not None}
     hung: list[tuple[str, Joint | Frame]] = [(body.parent, body.joint) for body in bodies]
-    for name, part in [*hung, *((frame.body, frame) for frame in frames)]:
+    hung += [(frame.body, frame) for frame in frames]
+    for name, part in hung:
         if name in modal:
             place_on(modal[name], name, part)

@@ -29,6 +29,7 @@ from pliant.plants.integration.batch_stepper import telling_step
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import Array, BatchKernel, NativeFunction, Workspace, random_points
 from pliant.plants.native.kernel_loader import Kernel
+from pliant.plants.native.thread_pool import available
 from pliant.plants.rosenbrock.plant_functions import rate_function
 from pliant.plants.rounding.agreement import Reference, Trial, of_function
 from pliant.plants.rounding.extended_evaluation import mover
@@ -190,18 +191,19 @@ class TangentMotion:
         kernel = work.kernel.kernel
         own = Kernel(kernel.path, DOUBLE, kernel.lanes, "samples") if kernel else None
 
-        def on_the_virtual_machine(scalars: Sequence[float], count: int) -> None:
+        def on_the_virtual_machine(scalars: Sequence[float], count: int, threads: int) -> None:
             (rows,) = work.kernel.reference(*[a[:, :m].T.astype(float) for a in work.inputs], scalars, count)
             work.outputs[0][: rows.shape[1], :m] = rows.T
 
         run: Callable[..., None] = own.bind(work.inputs, work.outputs) if own else on_the_virtual_machine
+        threads = min(available(), work.padded // work.kernel.lanes)
         for a, b in evenly_spaced(intervals):
             length = float(intervals[a:b].mean())
             steps = max(1, int(np.ceil(length / step - SAME)))
             n = b - a
             now[:n] = t[a:b, None]
             given[: n * held.shape[1]] = held[a:b].reshape(-1, 1)
-            run((length / steps, steps), n)
+            run((length / steps, steps), n, threads)
             rows = work.outputs[0].reshape(AT_ONCE, len(z), -1)[:n]
             z[:] = rows[-1]
             found[a + 1 : b + 1] = rows[:, :, :m]

@@ -121,7 +121,7 @@ class TreeFidelity(TreeDeclaration):
         """Exact rotations, every beam bending in both planes and twisting, with `more` than four shapes a family;
         stretching where it does already. Of modal data all modes, without `more` but the last about each axis.
         """
-        n = min(PHYSICS + more, MOST_MODES)
+        n = min(max(PHYSICS + more, 1), MOST_MODES)
         return dataclasses.replace(self, bodies=tuple(_rich(b, n, more) for b in self.bodies), kinematics=self._richest)
 
     @property

@@ -34,7 +34,7 @@ from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
-from pliant.plants.multibody_joints.freedoms import ends, freedoms
+from pliant.plants.multibody_joints.freedoms import ends
 from pliant.plants.multibody_parts.joint import ElasticJoint
 from pliant.plants.multibody_parts.spatial import Wrench
 from pliant.plants.multibody_parts.tree_body import TreeBody
@@ -143,22 +143,10 @@ class FlexibleTree(TreeElasticity):
         M, r = ca.cse([M, r])
         return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
 
-    def _places(self, q: ca.SX) -> list[ca.SX]:
-        """What is told of each freedom: its coordinate, or of a turn twice the quaternion's vector."""
-        found = list[ca.SX]()
-        for slot in self.slots:
-            n = len(freedoms(slot.joint))
-            shifts = n if slot.turn is None else n - 3
-            found += [q[slot.q + k] for k in range(shifts)]
-            if slot.turn is not None:
-                found += [2 * q[slot.turn[0] + 1 + k] for k in range(3)]
-        first = ends(self.slots)[0]
-        return found + [q[first + k] for k in range(len(self.motors))]
-
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = len(self.coordinates)
         q, v = x[:n], x[n:]
-        places = self._places(q)
+        places = self.told(q)
         y = [places[k] for k in self.measured]
         bent = dict(zip((b.name for b in self.flexible), self._beams(), strict=True))
         for body in self.slender:

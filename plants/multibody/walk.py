@@ -96,8 +96,8 @@ class Walk:
             for i in (2, 1, 0) if node.turned else ():
                 if section.T[3 + i, :].nnz():
                     angle, rate = section.turn[i], section.turn_rate[i]
-                    turning, bias = Acting(keys[3 + i], UNIT[i]), section.twist_bias if i == 0 else None
-                    steps.append(Spin(i, ca.cos(angle), ca.sin(angle), rate, turning, angle, bias))
+                    own, bias = Acting(keys[3 + i], UNIT[i]), section.twist_bias if i == 0 else None
+                    steps.append(Spin(i, ca.cos(angle), ca.sin(angle), rate, own, angle, bias))
         still = ca.SX.zeros(3)
         if not node.r.is_zero():
             steps.append(Move(node.r, still, still))

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
+import casadi as ca
 import numpy as np
 
 from pliant.plants.attitudes.turning_plant import TurningPlant
@@ -109,6 +110,18 @@ class TreeJoints(TurningPlant):
     @property
     def joints(self) -> tuple[Driven, ...]:
         return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
+
+    def told(self, q: ca.SX) -> list[ca.SX]:
+        """What is told of each freedom: its coordinate, or of a turn twice the quaternion's vector."""
+        found = list[ca.SX]()
+        for slot in self.slots:
+            n = len(freedoms(slot.joint))
+            shifts = n if slot.turn is None else n - 3
+            found += [q[slot.q + k] for k in range(shifts)]
+            if slot.turn is not None:
+                found += [2 * q[slot.turn[0] + 1 + k] for k in range(3)]
+        first = ends(self.slots)[0]
+        return found + [q[first + k] for k in range(len(self.motors))]
 
     def rest_to_rest(
         self, begin: np.ndarray, end: np.ndarray, time: float, *, profile: str = "minimum-jerk"

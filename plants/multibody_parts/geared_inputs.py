@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.signals import OwnsArrays, names
-from pliant.plants.integration.inverse_dynamics import InverseDynamics, rest_to_rest_ends
+from pliant.plants.integration.inverse_dynamics import rest_to_rest_ends
 
 Array = np.ndarray
 
@@ -31,10 +31,10 @@ class GearedInputs(OwnsArrays):
         time: float,
         profile: str = "minimum-jerk",
     ) -> None:
-        """`ratios` by input, of those behind a gear; begin, end: states (nx,) of `plant`; profile: of the motion."""
+        """`ratios` by input, of those behind a gear; begin, end: states (nx,) of `plant`."""
         first, last, time = rest_to_rest_ends(plant, begin, end, time)
         at = [names(plant.states).index(name) for name in names(stiff.states)]
-        self._inputs = InverseDynamics(stiff, first[at], last[at], time, profile)
+        self._inputs = stiff.rest_to_rest(first[at], last[at], time, profile=profile)
         self._ratios = np.array([ratios.get(name, 1.0) for name in names(plant.inputs)])
 
     def __call__(self, t: float) -> Array:

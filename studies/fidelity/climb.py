@@ -55,6 +55,11 @@ class Climb:
             self.uncertainty, self.told = worst.uncertainty, worst.how
         richest = max((p.physics for p in known), key=lambda p: p.nx, default=None)
         self.ladder = _rungs(played[0].scene.plant, richest)
+        self.unplayed = ""  # physics, where it cannot be played: a row with its reason, never the one returned
+        if self.failed and richest is None:
+            physics = played[0].scene.plant.physics()
+            if physics.label not in {p.label for p in self.ladder}:
+                self.ladder, self.unplayed = (*self.ladder, physics), physics.label
         self.outside = "; ".join(p.outside for p in known if p.outside)
         self.beyond = tuple(dict.fromkeys(words for p in known for words in p.beyond))
 
@@ -74,7 +79,8 @@ class Climb:
                 chosen = i
         if chosen is None:
             finite = [r.bound if r.bound is not None else float("inf") for r in found]
-            chosen = int(np.argmin(finite)) if np.isfinite(finite).any() else len(found) - 1
+            last = len(found) - 1 - bool(self.unplayed)
+            chosen = int(np.argmin(finite)) if np.isfinite(finite).any() else last
         found[chosen] = dataclasses.replace(found[chosen], chosen=True)
         return tuple(found), chosen
 
@@ -88,7 +94,9 @@ class Climb:
             note = "physics itself: its error is what is known of it"
             return Rung(plant.label, plant.nx, self.uncertainty, self.uncertainty, note=note)
         if not any(self.physics):
-            return Rung(plant.label, plant.nx, float("inf"), float("inf"), note="not tried: physics is not known")
+            why = self.failed if plant.label == self.unplayed else "physics is not known"
+            note = f"not tried: {why}"
+            return Rung(plant.label, plant.nx, float("inf"), float("inf"), note=note)
         error, outside, note = 0.0, "", ""
         for motions, physics in zip(self.played, self.physics):
             try:

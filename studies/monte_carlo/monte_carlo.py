@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
+from scipy.special import betaincinv
 
 from pliant.controllers import Controller
 from pliant.envs.scenes.scene import Scene
@@ -78,7 +78,7 @@ class MonteCarlo:
         """The share that fails, and the largest that these runs leave possible with 95 % confidence (Clopper and
         Pearson's one-sided bound)."""
         n, k = len(self.rows), len(self.failures)
-        return k / n, 1.0 if k == n else float(beta.ppf(CONFIDENCE, k + 1, n - k))
+        return k / n, 1.0 if k == n else float(betaincinv(k + 1, n - k, CONFIDENCE))
 
     def __str__(self) -> str:
         share, most = self.failing

@@ -7,7 +7,7 @@ the tolerance. Three errors are told, each by what one refinement still changed:
     passes   what Newton's method still moves
     time     nodes: twice the parts of a period change a method of order four by 15 times what they still err by; a
              fifth of the change is told
-    shapes   one shape more a body
+    shapes   one shape more a body; where with one more the mass matrix is lost, the last that there is
 
 Where the correction does not settle, physics is simulated, and the result says so; its error in time is then what a
 tolerance ten times as wide changes.
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants import Plant, PliantError, Trajectory
+from pliant.plants import MassMatrixError, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import index
 from pliant.plants.validity.ranges import in_words, left
 from pliant.plants.validity.rotating_sections import NONE_HOLDS
@@ -38,6 +38,7 @@ GAINS = 5.0  # what twice the parts change over what they err by; 15 of order fo
 EASILY = 100.0  # times better than asked: half as many parts do as well
 MOST_PARTS = 16  # of a control period
 MOST_SHAPES = 6  # more than physics has by itself
+FEWER = 3  # than that: where its mass matrix is lost
 RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated ..
 SHARE = 0.05  # of an estimated effect: to what it is known
 ROUGHLY = 1e-6  # of the motion by which its ranges are judged
@@ -82,48 +83,84 @@ def physics_motion(motions: Motions, tolerance: float) -> PhysicsMotion:
     PliantError where neither the correction settles nor physics can be simulated.
     """
     if tolerance not in motions.truth:
-        try:
-            motions.truth[tolerance] = _Search(motions, tolerance).corrected()
-        except PliantError as reason:
-            motions.truth[tolerance] = _simulated(motions, tolerance, str(reason))
+        motions.truth[tolerance] = _found(motions, tolerance)
     found: PhysicsMotion = motions.truth[tolerance]
     return found
+
+
+def _found(motions: Motions, tolerance: float) -> PhysicsMotion:
+    """With fewer shapes than physics has by itself where its mass matrix is lost with as many: their slopes are steeper
+    than second-order shortening bears, where those of fewer are not.
+    """
+    reason = ""
+    for less in range(FEWER + 1):
+        if less and motions.scene.plant.physics(-less) == motions.scene.plant.physics(1 - less):
+            break
+        try:
+            return _Search(motions, tolerance, -less).corrected()
+        except MassMatrixError as lost:
+            reason = reason or str(lost)
+        except PliantError as unsettled:
+            reason = reason or str(unsettled)
+            if not less:
+                break
+    return _simulated(motions, tolerance, reason)
 
 
 class _Search:
     """More nodes, then more shapes; each motion begins where the last one ended."""
 
-    def __init__(self, motions: Motions, tolerance: float) -> None:
+    def __init__(self, motions: Motions, tolerance: float, first: int = 0) -> None:
+        self.first = first
         self.motions, self.scene = motions, motions.scene
         self.simple = motions.ladder[0]
         self.within = KNOWN * tolerance
         self.motion: CorrectedMotion | None = None
 
     def corrected(self) -> PhysicsMotion:
-        coarse, _ = self._outputs(0, 1)
+        more, lost = self.first, ""
+        coarse, _ = self._outputs(more, 1)
         self.within = max(self.within, ROUNDING * _largest(coarse))
-        found, passes, parts, time = self._in_time(0, coarse, 1)
+        found, passes, parts, time = self._in_time(more, coarse, 1)
         physics, shapes, last = self.scene.plant.physics, 0.0, float("inf")
-        more = 0
         if EASILY * time <= self.within:
             parts //= 2  # twice as many have shown that these do
         while more < MOST_SHAPES and physics(more + 1) != physics(more):
-            richer, passes = self._outputs(more + 1, parts)
+            before = self.motion
+            try:
+                richer, passes = self._outputs(more + 1, parts)
+            except PliantError as failure:
+                if not isinstance(failure, MassMatrixError) and "exact rotations" in physics(more).effects:
+                    raise  # a simulation may go on
+                self.motion, lost = before, f"; not with a shape more: {failure}"
+                if more == self.first:
+                    shapes = _largest(found - self._poorer())
+                break
             shapes, found, more = _largest(richer - found), richer, more + 1
             if shapes <= self.within or shapes > last:
                 break
             last = shapes
         if physics(more + 1) == physics(more):  # no more are known of
             shapes *= physics(more).left_out
-        if more:  # the shapes that were added are the fastest
+        if more > self.first:  # the shapes that were added are the fastest
             found, passes, parts, time = self._in_time(more, found, parts)
         if time > ROUGH * self.within:
             raise NotSettled(f"{parts} parts of a control period leave an error of {time:.3g}")
         motion = self.motion
         assert motion is not None
-        how = f"{motion.fine.label}, from the motion of {self.simple.label}"
+        how = f"{motion.fine.label}, from the motion of {self.simple.label}{lost}"
         known = PhysicsMotion(found, motion.fine, passes, time, shapes, how, motion=motion)
         return _judged(self.motions, known, motion.trajectory())
+
+    def _poorer(self) -> Array:
+        """The outputs with a shape fewer: what the last shape did bounds, as a rule, what those beyond do."""
+        plant, motion = self.scene.plant.physics(self.first - 1), self.motion
+        if plant == self.scene.plant.physics(self.first):
+            raise NotSettled("its mass matrix is lost with a shape more, and it has none fewer")
+        assert motion is not None
+        simple = from_simple(self.motions, plant, motion.nodes)
+        simple.settle(self.within)
+        return simple.outputs
 
     def _in_time(self, more: int, coarse: Array, parts: int) -> tuple[Array, float, int, float]:
         """(outputs, what passes leave, parts, error) with so many parts of a period that the error is within."""
@@ -201,7 +238,13 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
     for more in range(1, MOST_SHAPES + 1):
         if plant.physics(more) == plant.physics(more - 1):
             break
-        richer = motions.outputs(plant.physics(more), RTOL)
+        try:
+            richer = motions.outputs(plant.physics(more), RTOL)
+        except MassMatrixError:
+            if more == 1:
+                raise  # what its shapes leave out is not known
+            more -= 1
+            break
         shapes, found = _largest(richer - found), richer
         if shapes <= within:
             break

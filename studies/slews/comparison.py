@@ -60,7 +60,9 @@ def compare_slews(
         raise ValueError(f"compare_slews.scene: duration = {scene.duration:g} s must be above {ends:g} s, the motion's")
     rigid = scene.with_plant(scene.plant.ladder()[0])
     begin, end = rigid.initial[0], rigid.target[0]
-    plant = require_instance("compare_slews.scene: plant", scene.plant, MechanicalPlant)
+    plant = scene.plant
+    if not isinstance(plant, MechanicalPlant):
+        raise ValueError(f"compare_slews.scene: its plant, {plant.label}, must be mechanical: it has no energy")
     rest = float(plant.energy(scene.target[0]))
     t = np.linspace(0.0, scene.duration, points)
     found = []

@@ -2,7 +2,7 @@
 
     python tests/campaigns/spatial_arm_exudyn.py
 
-Plays the arm of `tests/plants/elastic_bodies/spatial_arm.py` on two grids with Exudyn (https://github.com/jgerstmayr/
+Plays the arm of `tests/cases/spatial_arm.py` on two grids with Exudyn (https://github.com/jgerstmayr/
 EXUDYN, `ObjectBeamGeometricallyExact`, two nodes an element), extrapolates the error of second order of the elements,
 writes tests/reference/spatial_arm.json and compares the tree with it. Exit status 1 where the tree is farther from it
 than 1e-3 of the largest deflection.
@@ -20,7 +20,7 @@ import numpy as np
 from exudyn.rigidBodyUtilities import RotationMatrix2RotationVector
 
 TESTS = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(TESTS / "plants" / "elastic_bodies"))
+sys.path.insert(0, str(TESTS / "cases"))
 
 import spatial_arm as arm  # noqa: E402
 
@@ -93,7 +93,7 @@ def played(parts: int, steps: int) -> dict[str, np.ndarray]:
     settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, arm.SECONDS
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
     settings.timeIntegration.newton.useModifiedNewton = False
-    settings.timeIntegration.newton.relativeTolerance, settings.timeIntegration.newton.absoluteTolerance = 1e-5, 1e-6
+    settings.timeIntegration.newton.relativeTolerance, settings.timeIntegration.newton.absoluteTolerance = 1e-12, 1e-6
     settings.timeIntegration.verboseMode = 0
     settings.linearSolverType = exu.LinearSolverType.EigenSparse
     settings.solutionSettings.writeSolutionToFile = False

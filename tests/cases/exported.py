@@ -61,7 +61,7 @@ def plant_objects(plant, h: float, precision: str, folder: Path) -> list[Path]:
     return [_PLANTS[key] / "plant.o"]
 
 
-def same_loop(folder: Path, scene, law, within: dict[str, float], count: int = 60, substeps: int = 10) -> None:
+def same_loop(folder: Path, scene, law, within: dict[str, float], count: int = 40, substeps: int = 10) -> None:
     """The loop of a law and the scene's plant from its start in C, to `within` of each signal's largest in Python."""
     plant, start, h = scene.plant, scene.initial[0], scene.dt / substeps
     wanted = loop_in_python(plant, law, start, scene.dt, count, substeps)

@@ -14,3 +14,9 @@ def reach():
 def near():
     """Of each signal's largest value, by precision."""
     return {"double": 1e-6, "single": 5e-4}
+
+
+@pytest.fixture(scope="session")
+def near_double():
+    """The same in double precision alone."""
+    return {"double": 1e-6}

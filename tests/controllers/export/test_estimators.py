@@ -13,9 +13,9 @@ def test_lqg(tmp_path, reach, near) -> None:
     same_loop(tmp_path, reach, LQG.for_scene(reach, delay=1), near)
 
 
-def test_a_predictive_law_that_acts_on_the_estimate(tmp_path, reach, near) -> None:
+def test_a_predictive_law_that_acts_on_the_estimate(tmp_path, reach, near_double) -> None:
     law = LQG(MPC.for_scene(reach, rates=400.0), Kalman.for_scene(reach))
-    same_loop(tmp_path, reach, law, near)
+    same_loop(tmp_path, reach, law, near_double)
     assert law.law.record.limited > 2  # else this were an LQG with a gain
 
 

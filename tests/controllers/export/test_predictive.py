@@ -17,19 +17,15 @@ def test_in_closed_loop(tmp_path, reach, near) -> None:
     assert law.record.limited > 2 and law.record.failures == 0  # programs were solved
 
 
-@pytest.mark.parametrize("seed", [0, 1, 13])
-def test_random_programs_with_soft_limits_that_cannot_be_kept(tmp_path, seed) -> None:
-    """In some no plan keeps the bounds; with seed 13 rounding makes one where there is none, and is caught."""
+def random_program(seed: int):
+    """(law, readings, answers by DAQP): in some no plan keeps the bounds; in seed 0 the rates of inputs are limited."""
     rng = np.random.default_rng(seed)
     n, m = int(rng.integers(2, 7)), int(rng.integers(1, 3))
     A = rng.standard_normal((n, n))
     A -= (np.linalg.eigvals(A).real.max() - 0.3) * np.eye(n)
     model = LinearModel.from_matrices(A, rng.standard_normal((n, m)))
-    limited = {
-        "limits": (-1.0, 1.0),
-        "bounds": {model.state_names[0]: (-1.0, 1.0)},
-        "rates": 5.0 if seed == 0 else None,
-    }
+    limited = {"limits": (-1.0, 1.0), "bounds": {model.state_names[0]: (-1.0, 1.0)}}
+    limited["rates"] = 5.0 if seed == 0 else None
     penalty, horizon = None if seed % 2 else 50.0, int(rng.integers(5, 15))
     law = MPC.design(model, np.eye(n), np.eye(m), dt=0.1, horizon=horizon, penalty=penalty, **limited)
     readings = rng.standard_normal((60, n)) * np.geomspace(0.1, 3, 60)[:, None]
@@ -37,7 +33,26 @@ def test_random_programs_with_soft_limits_that_cannot_be_kept(tmp_path, seed) ->
     for y in readings:
         law.reset()
         wanted.append(law.act(0.0, y).copy())
+    return law, readings, np.array(wanted)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_random_programs_with_soft_limits_that_cannot_be_kept(tmp_path, seed) -> None:
+    law, readings, wanted = random_program(seed)
     sources = [answers_in_c(tmp_path, law, readings), export_c(law, tmp_path / "law.c")[0]]
     found = run(compiled(sources, tmp_path / "answers"))
     assert not found[:, -1].any()
-    assert np.abs(found[:, :-1] - np.array(wanted)).max() < 1e-9
+    assert np.abs(found[:, :-1] - wanted).max() < 1e-9
+
+
+@pytest.mark.parametrize("definite", ["1e-12", "1e-13"])
+def test_a_plan_that_rounding_makes_up_is_none(tmp_path, definite) -> None:
+    """With rows told apart to 1e-13, rows that depend on each other pass for independent at one of these readings, and
+    the program gives a plan where no plan keeps the bounds: the last look at all rows refuses it."""
+    law, readings, wanted = random_program(13)
+    source = export_c(law, tmp_path / "law.c")[0]
+    text = source.read_text()
+    assert "law_DEFINITE ((law_real)1e-12)" in text
+    source.write_text(text.replace("law_DEFINITE ((law_real)1e-12)", f"law_DEFINITE ((law_real){definite})"))
+    found = run(compiled([answers_in_c(tmp_path, law, readings), source], tmp_path / "answers"))
+    assert np.abs(found[:, :-1] - wanted).max() < 1e-9

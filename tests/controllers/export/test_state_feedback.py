@@ -1,6 +1,7 @@
 """Gains in C: closed loops beside `act`, and a law with states beside its own recursion."""
 
 import numpy as np
+import pytest
 from exported import compiled, loop_in_c, needs_compiler, plant_objects, run, same_loop
 
 from pliant.controllers import LQR, TVLQR, Feedback
@@ -14,12 +15,13 @@ def test_lqr(tmp_path, reach, near) -> None:
     same_loop(tmp_path, reach, LQR.for_scene(reach), near)
 
 
-def test_integrals_that_stand_still_at_a_limit(tmp_path, reach, near) -> None:
-    same_loop(tmp_path, reach, LQR.for_scene(reach, integral={"tip_x": 1.0, "tip_y": 1.0}), near)
+def test_integrals_that_stand_still_at_a_limit(tmp_path, reach, near_double) -> None:
+    same_loop(tmp_path, reach, LQR.for_scene(reach, integral={"tip_x": 1.0, "tip_y": 1.0}), near_double)
 
 
-def test_tvlqr_by_time(tmp_path, reach, near) -> None:
-    same_loop(tmp_path, reach, TVLQR.for_scene(reach), near, count=30)
+@pytest.mark.campaign
+def test_tvlqr_by_time(tmp_path, reach, near_double) -> None:
+    same_loop(tmp_path, reach, TVLQR.for_scene(reach), near_double, count=30)
 
 
 def test_feedback_and_a_law_with_states(tmp_path, reach) -> None:

@@ -114,3 +114,14 @@ def test_what_is_measured_and_its_slopes(signals):
     for i, name in enumerate(signals):
         for found, right in zip((y[0, i], C[0, i], D[0, i]), expected[name]):
             assert np.allclose(found, right, rtol=1e-12, atol=1e-12)
+
+
+def test_many_tangents_on_two_processors_are_what_few_are_on_one(monkeypatch):
+    monkeypatch.setattr(tangent_motion, "available", lambda: 2)
+    t, seeds = np.linspace(0.0, 1.0, 41), np.random.default_rng(0).normal(size=(30, 2))
+    motion, none = TangentMotion(VARIED), np.zeros((30, 3))
+    options = (t, np.array([0.5, 0.0]), np.ones((41, 1)), NONE, P)
+    x, s = motion(*options, seeds, none, step=0.01)
+    for k in (0, 13, 29):
+        one, tangent = motion(*options, seeds[k : k + 1], none[:1], step=0.01)
+        assert (one == x).all() and (tangent[:, 0] == s[:, k]).all()

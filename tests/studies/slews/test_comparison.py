@@ -9,10 +9,11 @@ from data_sheet_craft import scene
 from pliant.controllers.joint_control.input_shaping import shaper as shaper_of
 from pliant.studies.slews import compare_slews
 
-SCENE = dataclasses.replace(scene(30.0), move_time=8.0)  # a turn of 5 degrees about x
+SCENE = dataclasses.replace(scene(20.0), move_time=8.0)  # a turn of 5 degrees about x
 FREE = 0.83051738  # [rad/s] of its first mode
 
 
+@pytest.mark.campaign
 def test_each_profile_ends_at_the_goal_and_a_shaper_calms_it() -> None:
     shaper = shaper_of(FREE)
     plain = compare_slews(SCENE, ("bang-bang",), points=60)[0]

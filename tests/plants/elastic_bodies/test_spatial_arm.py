@@ -1,0 +1,23 @@
+"""A spatial arm of two flexible links, its axes not parallel, against Exudyn's geometrically exact beams."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import spatial_arm as arm
+
+REFERENCE = Path(__file__).resolve().parents[2] / "reference" / "spatial_arm.json"
+
+
+def test_moves_as_exudyns():
+    """Over 1 s, both links' ends: within 1e-3 of the largest deflection, which is a tenth of a link's length. The file
+    says from what it is, and to what it is known; tests/campaigns/spatial_arm_exudyn.py makes it.
+    """
+    told = json.loads(REFERENCE.read_text())
+    t, ends, deflection = arm.played((3, 3, 2, 0), rtol=1e-5)
+    np.testing.assert_allclose(told["t"], t)
+    assert deflection > 0.1
+    assert told["known_to"] < 1e-3 * deflection
+    for name, positions in ends.items():
+        assert np.ptp(told[name], axis=0).max() > 0.5
+        np.testing.assert_allclose(positions, told[name], rtol=0, atol=1e-3 * deflection)
