@@ -201,10 +201,9 @@ class FlexibleTree(TreeElasticity):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """The tree of a file as `to_toml` writes it, or by hand: `FlexibleTree.from_toml("arm.toml")`. ValueError:
-        file, key, value and what it must be.
-        """
-        return FILES["read"](cls, path)
+        """The tree of a file as `to_toml` writes it, or by hand. ValueError: file, key, value and what it must be."""
+        made: Self = FILES["read"](cls, path)
+        return made
 
     def to_toml(self, path: str | Path) -> None:
         """Write the fields that are not at their defaults, to the last bit. ValueError where one is an expression."""
