@@ -45,6 +45,7 @@ class Renderer(OwnsArrays):
             self.figure = Figure(figsize=(6, 6), dpi=PIXELS / 6)
             FigureCanvasAgg(self.figure)
         self._path: list[np.ndarray] = []
+        self._frame = np.zeros((2, 2))
         self._prepare()
 
     def _prepare(self) -> None:

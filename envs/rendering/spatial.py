@@ -95,6 +95,9 @@ class SpaceRenderer(Renderer):
         self._status = axes.text(0.97, 0.975, "", ha="right", linespacing=1.4, **text)
         self._bars = [self._bar(0.035 + 0.034 * i, s.name) for i, s in enumerate(reversed(craft.inputs))]
 
+    def _look(self) -> None:
+        """The frame of a machine in space is set once."""
+
     def draw(self, x: np.ndarray, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
         for artist in self._moving:
             artist.remove()

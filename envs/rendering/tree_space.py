@@ -70,6 +70,9 @@ class TreeRenderer(Renderer):
             self._space.plot([x, x], [near, far], [low, low], color=PALE, lw=0.8, zorder=0)
             self._space.plot([left, right], [y, y], [low, low], color=PALE, lw=0.8, zorder=0)
 
+    def _look(self) -> None:
+        """The frame of a machine in space is set once."""
+
     def draw(self, x: np.ndarray, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
         tree = cast(FlexibleTree, self.scene.plant)
         lines = tree.lines(x)

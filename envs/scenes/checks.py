@@ -76,11 +76,14 @@ def checked(scene: Scene) -> dict[str, Any]:
 
 
 def _on_every_rung(owner: str, plant: Plant, found: dict[str, Any]) -> None:
-    """ValueError for a name that a variant of the plant's ladder lacks: it could not play the scene."""
+    """ValueError for a name that a variant of the plant's ladder lacks: it could not play the scene.
+
+    What is observed need not be on every one: a modal coordinate is not, and environments are of the scene's own plant.
+    """
     if RUNGS not in plant.__dict__:  # asked once of a plant: making a ladder takes longer than a scene's other checks
         plant.__dict__[RUNGS] = [(r.label, [s.name for s in (*r.states, *r.outputs)]) for r in plant.ladder()]
     signals = {group: [name for name, _ in found.get(group, ())] for group in ALLOWED if group not in OF_INPUTS}
-    signals |= {group: list(found[group]) for group in ("observe", "compare")}
+    signals["compare"] = list(found["compare"])
     for label, known in plant.__dict__[RUNGS]:
         for group, wanted in signals.items():
             for name in wanted:

@@ -17,12 +17,9 @@ from . import declared_names, equations
 class ContractError(PliantError, ValueError):
     """A plant breaks what the library relies on; `faults` says each."""
 
-    def __init__(self, plant: str, faults: tuple[str, ...]) -> None:
-        super().__init__(plant, faults)
-        self.plant, self.faults = plant, faults
-
-    def __str__(self) -> str:
-        return "\n  ".join([f"{self.plant} breaks the contract of plants:", *self.faults])
+    def __init__(self, message: str, faults: tuple[str, ...]) -> None:
+        super().__init__(message)
+        self.faults = faults
 
 
 @dataclass(frozen=True)
@@ -67,7 +64,7 @@ def check(plant: Plant, *, points: int = 4, seed: int = 0) -> Checked:
         return not new
 
     if not clause("signals", lambda: declared_names.wrong_signals(plant), lambda: _counts(plant)):
-        raise ContractError(name, tuple(faults))
+        raise ContractError("\n  ".join([f"{name} breaks the contract of plants:", *faults]), tuple(faults))
     at: list[dict[str, Any]] = []
 
     def sizes() -> Iterable[str]:
@@ -99,7 +96,7 @@ def check(plant: Plant, *, points: int = 4, seed: int = 0) -> Checked:
                 clause(f"rung {rung.label!r}", partial(_of_rung, rung), lambda: "finite at rest")
     clause("travels", lambda: declared_names.wrong_travel(plant), lambda: "a pickled copy is equal")
     if faults:
-        raise ContractError(name, tuple(faults))
+        raise ContractError("\n  ".join([f"{name} breaks the contract of plants:", *faults]), tuple(faults))
     return Checked(name, tuple(found))
 
 

@@ -17,7 +17,7 @@ from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.multibody_parts.joint import Joint
 
 from .floating import Floating
-from .freedoms import Freedom, Slot, coordinates, ends, freedoms, slots
+from .freedoms import TURNS, Freedom, Slot, coordinates, ends, freedoms, slots
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,7 @@ class TreeJoints(TurningPlant):
         """Place and attitude of a free base."""
         if not self.floats:
             return {}
-        return {s.name: float(s.name.endswith("_quaternion_0")) for s in coordinates(self.moving[0])}
+        return {s.name: float(k == TURNS["free"]) for k, s in enumerate(coordinates(self.moving[0]))}
 
     @cached_property
     def _inputs(self) -> tuple[tuple[Signal, int], ...]:

@@ -92,6 +92,7 @@ class TreeBody:
 
         >>> TreeBody.wheel("spinner", "hub", inertia=0.02, axis=(1.0, 0.0, 0.0))
         """
+        friction = require_number("TreeBody.wheel.friction", friction, "nonnegative", "N m s/rad")
         joint = Joint(name=name, axis=axis, position=position, damping=friction)
         J, a = require_number("TreeBody.wheel.inertia", inertia, "positive", "kg m^2"), np.array(joint.axis)
         tensor = J / 2 * (np.eye(3) + np.outer(a, a))

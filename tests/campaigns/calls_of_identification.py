@@ -10,7 +10,7 @@ from argument_kinds import Call, Choice, Names, Object, Objects
 from further_kinds import ByName, Place, Text
 from kinds_of_numbers import Array, Count
 
-from pliant.plants import Experiment, SingleLinkArm, identify, rank_motions, read_experiment, write_experiment
+from pliant.plants import Experiment, SingleLinkArm, check, identify, rank_motions, read_experiment, write_experiment
 
 ARM = SingleLinkArm(link=SingleLinkArm.textbook().link, hub_inertia=1.0, kinematics="rigid")
 VARIED = ARM.vary("hub_inertia")
@@ -57,6 +57,11 @@ def identification_calls() -> list[Call]:
             "Experiment.of",
             lambda **k: Experiment.of(**k).measured["hub_angle"],
             {"motion": Object(MOTION)} | read,
+        ),
+        Call(
+            "check",
+            lambda **k: str(check(**k)),
+            {"plant": Object(ARM), "points": Count(1), "seed": Count(0, low=0)},
         ),
         Call(
             "read_experiment",

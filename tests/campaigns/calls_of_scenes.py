@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from argument_kinds import Call, Choice, Flag, Kind, Names, Object, Pairs
-from further_kinds import Function, Text, Valued
+from further_kinds import Function, Place, Text, Valued
 from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import ARM, SCENE
 
-from pliant.envs import scenes
+from pliant.envs import scene_files, scenes
 from pliant.envs.scenes.scene import Scene
 
 FIELDS = {f.name: getattr(SCENE, f.name) for f in dataclasses.fields(SCENE)}
-ROWS = 3
+OWN, ROWS = dataclasses.replace(SCENE, name="a-scene-of-bad-input"), 3
+FILE = Path(tempfile.mkdtemp(prefix="scene-files")) / "own.toml"
+scene_files.save(OWN, FILE)
 
 
 def scene_calls() -> list[Call]:
@@ -134,6 +138,8 @@ def get_calls() -> list[Call]:
         Call("scenes.get, speed", scenes.get, {"speed": Number(4.0, **POSITIVE)}, {"name": "spin-up"}),
         Call("scenes.get, axis", scenes.get, {"axis": Choice("x")}, {"name": "spacecraft-spin"}),
         Call("scenes.get, rpm", scenes.get, {"rpm": Number(128.0, **POSITIVE)}, {"name": "slider-crank-run"}),
+        Call("scenes.register", scenes.register, {"scene": Object(OWN), "replace": Flag(True)}, {"replace": True}),
+        Call("scenes.load", scenes.load, {"path": Place(FILE)}),
         Call("minimum_jerk", scenes.minimum_jerk, {"s": Array(np.array([0.0, 0.5, 1.0]), wrong=False, infinite=True)}),
         Call("minimum_jerk, a number", scenes.minimum_jerk, {"s": Number(0.5, infinite=True, array=True)}),
     ]

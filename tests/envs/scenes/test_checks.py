@@ -41,6 +41,7 @@ def test_every_rung_of_the_ladder_must_have_the_names():
     """The elastic states are on no rigid rung: the nominal motion of a goal that names one would be wrong unseen."""
     scene = scenes.get("single-link-slew")
     assert "eta1" in {s.name for s in scene.plant.states}
-    for field in ({"goal": (("eta1", 0.1),)}, {"observe": ("eta1",)}, {"weights": (("eta1", 1.0),)}):
+    assert dataclasses.replace(scene, observe=("eta1",)).observe == ("eta1",)  # of the own plant alone
+    for field in ({"goal": (("eta1", 0.1),)}, {"weights": (("eta1", 1.0),)}):
         with pytest.raises(ValueError, match=r"'eta1' is no signal of 'rigid' on the ladder of SingleLinkArm, must be"):
             dataclasses.replace(scene, **field)

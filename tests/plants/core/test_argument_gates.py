@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from argument_kinds import Failing, Hostile, endless
+from calls_of_identification import identification_calls
 from calls_of_models import model_calls
 from calls_of_plants import plant_calls
 
@@ -90,7 +91,7 @@ def test_counts_choices_names_and_objects():
 
 
 def test_a_sample_of_the_campaign():
-    found = [*plant_calls(), *model_calls()]
+    found = [*plant_calls(), *model_calls(), *identification_calls()]
     rng = np.random.default_rng(12)
     pick = rng.choice(len(bad_input.cases(found)), size=SAMPLE, replace=False)
     wrong = [row for row in bad_input.run(found, pick) if row["fault"]]
@@ -105,7 +106,11 @@ INNER = {
 
 
 def test_every_public_callable_has_a_call():
-    named = {part for call in [*plant_calls(), *model_calls()] for part in (call.name, call.name.split(".")[-1])}
+    named = {
+        part
+        for call in [*plant_calls(), *model_calls(), *identification_calls()]
+        for part in (call.name, call.name.split(".")[-1])
+    }
     for module in (pliant.plants, beams, stability):
         for name in dir(module):
             thing = getattr(module, name)

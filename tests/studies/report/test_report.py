@@ -96,7 +96,7 @@ def test_stability_is_what_the_command_prints(folder):
     plain = answer.replace("<code>", "`").replace("</code>", "`")
     assert f"Stability along the motion is undecided: {verdict.why}." in plain
     assert all(words in text for _, _, words in verdict.rows())
-    assert "<code>pliant stability single-link-slew</code>" in text
+    assert "<code>pliant stability" not in text  # this scene is shorter than what the command finds by the name
 
 
 def test_controllers_are_played_on_two_plants(folder):
