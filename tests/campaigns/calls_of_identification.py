@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import tempfile
 from pathlib import Path
 
@@ -10,12 +11,28 @@ from argument_kinds import Call, Choice, Names, Object, Objects
 from further_kinds import ByName, Place, Text
 from kinds_of_numbers import Array, Count
 
-from pliant.plants import Experiment, SingleLinkArm, check, identify, rank_motions, read_experiment, write_experiment
+from pliant.plants import (
+    Experiment,
+    SingleLinkArm,
+    check,
+    identify,
+    rank_motions,
+    read_experiment,
+    register,
+    write_experiment,
+)
 
 ARM = SingleLinkArm(link=SingleLinkArm.textbook().link, hub_inertia=1.0, kinematics="rigid")
 VARIED = ARM.vary("hub_inertia")
 T = np.linspace(0.0, 0.5, 5)
 MOTION = ARM.simulate(None, np.ones((5, 1)), T)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Own(SingleLinkArm):
+    """A user's own type."""
+
+
 MEASURED = Experiment.of(MOTION, signals=("hub_angle",))
 FOLDER = Path(tempfile.mkdtemp())
 
@@ -58,6 +75,7 @@ def identification_calls() -> list[Call]:
             lambda **k: Experiment.of(**k).measured["hub_angle"],
             {"motion": Object(MOTION)} | read,
         ),
+        Call("register", lambda kind: register(kind).__name__, {"kind": Object(Own)}),
         Call(
             "check",
             lambda **k: str(check(**k)),

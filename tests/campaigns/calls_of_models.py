@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from argument_kinds import Call, Choice, Flag, Names, Object
 from calls_of_declarations import BEAM
-from further_kinds import Text
+from further_kinds import ByName, Text
 from kinds_of_numbers import POSITIVE, Array, Count, Counts, Number
 
 from pliant.plants import LinearModel, LTVModel, ModalData, ModalNode, Payload, beams, stability
@@ -98,6 +98,21 @@ def stability_calls() -> list[Call]:
             "stability.lyapunov",
             stability.lyapunov,
             model | {"alpha": Number(0.125, none=True), "most": Count(1024)} | period,
+            compare=False,
+        ),
+        Call(
+            "stability.finite_horizon",
+            lambda **k: stability.finite_horizon(**k).energy.lower,
+            model
+            | {"outputs": Names(("x1", "x2"), none=True), "disturbances": Names(("u1",))}
+            | {"scale": ByName({"x1": 0.5}, low=0.0, open=True, none=True)},
+            {"disturbances": ("u1",)},
+            compare=False,
+        ),
+        Call(
+            "FiniteHorizon.deviation",
+            stability.finite_horizon(LTV, disturbances=["u1"]).deviation,
+            {"intensity": ByName({"u1": 0.5}, low=0.0), "start": ByName({"x1": 0.5}, low=0.0, none=True)},
             compare=False,
         ),
         Call("stability.slow_variation", stability.slow_variation, model, compare=False),
@@ -194,7 +209,7 @@ def modal_calls() -> list[Call]:
         "modes": Count(1, low=0),
         "damping": Number(0.125, low=0.0),
     }
-    node = {"name": Text("n"), "position": Array((0.5, 0.0, 0.0)), "shapes": Array(np.ones((1, 3)))}
+    node = {"name": Text("n"), "position": Array((0.5, 0.0, 0.0)), "shapes": Array(np.ones((1, 3)), wrong=False)}
     return [
         Call("ModalData.from_nodes", ModalData.from_nodes, nodes, compare=False),
         Call("ModalData.from_matrices", ModalData.from_matrices, built, compare=False),

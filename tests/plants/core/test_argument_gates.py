@@ -101,7 +101,17 @@ def test_a_sample_of_the_campaign():
 # what holds no arguments of a user's own, or is called with symbols by the library
 INNER = {
     *("Plant", "LagrangianPlant", "Terms", "ModeShapes", "Polynomials", "Basis", "PayloadModes", "LinearModel"),
-    *("ModalData", "Trajectory", "Certificate", "Floquet", "FrozenTime", "Growth", "SlowVariation", "Verdict"),
+    *(
+        "ModalData",
+        "Trajectory",
+        "Certificate",
+        "Floquet",
+        "FrozenTime",
+        "Growth",
+        "SlowVariation",
+        "Verdict",
+        "FiniteHorizon",
+    ),
 }
 
 
