@@ -18,7 +18,7 @@ from pliant.studies.common.html_page import document, section
 from pliant.studies.common.reference_motions import Progress, share
 from pliant.studies.fidelity.speed_accuracy import Chart
 
-from .measure import Peers, chart
+from .measure import Peers, chart, programs
 from .page import save_all, sentence
 
 KEPT = ".rows.jsonl"  # beside a scene's page: the rows, as they were measured
@@ -48,6 +48,7 @@ def gallery(
     folder = require_path("gallery.out", out)
     names = require_names("gallery.scenes", tuple(shipped.SCENES) if scenes is None else scenes, tuple(shipped.SCENES))
     budget = require_seconds("gallery.budget", budget)
+    wanted = programs("gallery.peers", peers)
     if progress is not None:
         require_function("gallery.progress", progress)
     folder.mkdir(parents=True, exist_ok=True)
@@ -55,7 +56,7 @@ def gallery(
     failed: list[tuple[str, str]] = []
     for i, name in enumerate(names):
         own = share(progress, i / len(names), (i + 1) / len(names))
-        done = _made_before(folder / f"{name}.json", budget, bool(peers))
+        done = _made_before(folder / f"{name}.json", budget, wanted is not None)
         if done is None:
             scene = shipped.get(name)
             try:

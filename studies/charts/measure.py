@@ -96,7 +96,7 @@ def chart(
         require_instance("chart.motions", motions, Motions)
     if progress is not None:
         require_function("chart.progress", progress)
-    wanted = _peers(peers)
+    wanted = programs("chart.peers", peers)
     told, motions = progress or silent, motions or Motions(scene)
     told(0.0, "physics")
     truth = physics_motion(motions, sought)
@@ -141,12 +141,12 @@ def chart(
     )
 
 
-def _peers(asked: Any) -> Peers | None:
+def programs(name: str, asked: Any) -> Peers | None:
     """What measures other programs, where they are asked for."""
-    if callable(asked):
+    if callable(asked) and not isinstance(asked, type):
         found: Peers = asked
         return found
-    return measure_programs if require_flag("chart.peers", asked) else None
+    return measure_programs if require_flag(name, asked) else None
 
 
 def _prepare(motions: Motions, plants: Sequence[Plant], budget: float, progress: Progress) -> None:

@@ -156,7 +156,7 @@ def tree_calls() -> list[Call]:
     }
     spun = {
         "name": Text("w"),
-        "parent": Text("hub"),
+        "parent": Text("hub", empty=True),
         "axis": Array((0.0, 0.0, 1.0)),
         "position": Array((0.5, 0.0, 0.0)),
     }

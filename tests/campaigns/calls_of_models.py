@@ -205,8 +205,8 @@ def modal_calls() -> list[Call]:
         "mass": Array(np.block([[body, swung.T], [swung, np.eye(1)]])),
         "stiffness": Array(np.diag([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0])),
         "boundary": Array(np.zeros((1, 3))),
-        "origin": Array((0.0, 0.0, 0.0)),
-        "modes": Count(1, low=0),
+        "origin": Array((0.0, 0.0, 0.0), none=True),
+        "modes": Count(1, low=0, none=True),
         "damping": Number(0.125, low=0.0),
     }
     node = {"name": Text("n"), "position": Array((0.5, 0.0, 0.0)), "shapes": Array(np.ones((1, 3)), wrong=False)}
