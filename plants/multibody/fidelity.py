@@ -79,8 +79,9 @@ class TreeFidelity(TreeDeclaration):
         return f"{self.kinematics}, {self.basis} {modes}"
 
     def _with(self, kinematics: str, most: int) -> Self:
-        """With as many shapes of each family that a body has, and of its modes."""
-        bodies = [dataclasses.replace(b, modes=tuple(min(n, 1) * most for n in b.modes)) for b in self.bodies]
+        """With as many shapes of each family that a beam has, and of a body's modes."""
+        shapes = [tuple(min(n, 1) * most for n in b.modes) if b.beam else b.modes for b in self.bodies]
+        bodies = [dataclasses.replace(b, modes=n) for b, n in zip(self.bodies, shapes, strict=True)]
         fewer = [b if b.modal is None else dataclasses.replace(b, modal_modes=min(most, b.modal.n)) for b in bodies]
         return dataclasses.replace(self, bodies=tuple(fewer), kinematics=kinematics)
 
