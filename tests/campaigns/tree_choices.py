@@ -83,6 +83,7 @@ def run(seed: int) -> dict[str, Any]:
     scene = machine(seed)
     links = len(scene.start)
     row: dict[str, Any] = {"seed": seed, "links": links, "tolerance": scene.tolerance, "bent": bent(scene)}
+    row["move_time"] = scene.move_time
     row |= {"wrong": False, "above": False, "crashed": ""}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -97,7 +98,7 @@ def run(seed: int) -> dict[str, Any]:
     chosen = next(r for r in found.rungs if r.chosen)
     row |= {"chosen": found.plant.label, "met": found.met, "error": error, "told": chosen.error, "bound": chosen.bound}
     row |= {"wrong": found.met and error > scene.tolerance, "above": found.met and error > chosen.bound}
-    row |= {"missing": list(found.missing)} if not found.met else {}
+    row |= {"missing": list(found.missing), "physics": found.physics} if not found.met else {}
     return row | {"seconds": round(time.process_time() - began, 1)}
 
 
