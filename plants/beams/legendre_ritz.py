@@ -100,8 +100,9 @@ class StrainShapes(OwnsArrays):
 
     def stretched(self, count: int) -> StrainShapes:
         """These shapes and `count` more, whose axial strains are orthonormal polynomials."""
-        wider = [np.pad(a, ((0, 0), (0, count))) for a in (self.curvature, self.shear)]
-        return StrainShapes(*wider, np.eye(count, wider[0].shape[1], wider[0].shape[1] - count))
+        n = self.curvature.shape[1]
+        bent, sheared = (np.pad(a, ((0, 0), (0, count))) for a in (self.curvature, self.shear))
+        return StrainShapes(bent, sheared, np.eye(count, n + count, n))
 
     def axial_strain(self, xi: float | np.ndarray) -> np.ndarray | None:
         """du/dx at xi (...,), (..., n); None of shapes that do not stretch."""

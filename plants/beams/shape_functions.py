@@ -204,8 +204,9 @@ def _sheared(
     axial: dict[str, np.ndarray] = {}
     if stretches:
         phi = phi.stretched(stretches)
-        alone = StrainShapes(np.zeros((0, phi.stretch.shape[1])), phi.stretch)  # u as the deflection of shear alone
-        axial = {"stretch": phi.stretch.T @ phi.stretch, "along": matrices(alone).mass}
+        longer = np.eye(stretches, n + stretches, n)
+        alone = matrices(StrainShapes(np.zeros((0, n + stretches)), longer))  # u as the deflection of shear alone
+        axial = {"stretch": alone.shearing, "along": alone.mass}
     found = matrices(phi)
     x, w = np.polynomial.legendre.leggauss(max(len(phi.curvature), len(phi.shear)) + 4)
     xi, w = (1 + x) / 2, w / 2

@@ -43,5 +43,5 @@ def nearest(simpler: Callable[[Array], Array], finer: Callable[[Array], Array]) 
     """P (n, m) by the curvatures themselves: those of m and of n shapes at xi (k,), (k, .., m) and (k, .., n)."""
     at = points(POINTS)
     root = np.sqrt(at.weight)
-    rows = [np.einsum("k,k...->k...", root, a).reshape(-1, a.shape[-1]) for a in (finer(at.xi), simpler(at.xi))]
-    return np.asarray(np.linalg.lstsq(*rows, rcond=None)[0])
+    own, other = (np.einsum("k,k...->k...", root, a).reshape(-1, a.shape[-1]) for a in (finer(at.xi), simpler(at.xi)))
+    return np.asarray(np.linalg.lstsq(own, other, rcond=None)[0])
