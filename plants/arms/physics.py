@@ -27,6 +27,7 @@ S = TypeVar("S", bound="SingleLinkDeclaration")
 T = TypeVar("T", bound="TwoLinkDeclaration")
 
 SINGLE, TWO = 4, 3  # shapes of a link that physics has by itself
+STRETCHES = 2  # of the axis of a link that stretches: under a force at its tip, and under its own weight or spin
 BENT = 1.5  # [1/rad] by which a link's turn raises what its stretch does
 MOST = 12  # shapes of a link: beyond, polynomials of this degree are told apart by few digits alone
 UNMODELLED = ("bending out of the plane", "torsion", "extension", "joints that give way", "plasticity")
@@ -36,10 +37,33 @@ UNMODELLED = ("bending out of the plane", "torsion", "extension", "joints that g
 class PlanarArm(LagrangianPlant):
     """What both arms say alike of their fidelities."""
 
-    def _lacking(self, effect: str) -> Self:
+    @property
+    def stretches(self) -> int:
+        """Axial coordinates of a link."""
         arm: Any = self
+        return STRETCHES if arm.extensible else 0
+
+    @property
+    def stretching(self) -> str:
+        """Of a label."""
+        return ", stretch" if self.stretches else ""
+
+    @property
+    def stiff(self) -> bool:
+        """Waves run along a link's axis while it hardly bends."""
+        return self.stretches > 0
+
+    @property
+    def inextensible(self) -> Self:
+        """The same arm whose links keep their lengths."""
+        arm: Any = self
+        return cast(Self, dataclasses.replace(arm, extensible=False)) if arm.extensible else self
+
+    def _lacking(self, effect: str) -> Self:
+        arm: Any = self.inextensible
         changes: dict[str, dict[str, Any]] = {
             "bending": {"modes": 0 if isinstance(arm.modes, int) else (0, 0)},
+            "extension": {},
             "shortening of the bent links": {"kinematics": "linear"},
             "exact rotations": {"kinematics": "stiffened"},
             "shear": {"theory": "euler-bernoulli"},
@@ -48,30 +72,46 @@ class PlanarArm(LagrangianPlant):
         }
         return cast(Self, dataclasses.replace(arm, **changes[effect]))
 
-    def estimates(self, motion: Trajectory) -> dict[str, Self]:
-        """Extension: each link for good as much longer as its root is strained at most, of the same mass.
+    def estimates(self, motion: Trajectory) -> dict[str, tuple[Self, ...]]:
+        """Extension: each link for good as much longer as its root is strained at most, of the same mass; then links
+        that stretch.
 
         A bent link that stretches is pulled and moved across as well: the share is raised with its turn. Against
-        extensible beams that were spun this was 1.1 to 3 times what extension did, more where links bend by a radian.
+        extensible beams that were spun this was 1.1 to 3 times what extension did, 0.3 to 6 times where links bend by
+        a radian: it serves to see that extension is nothing.
         """
         arm: Any = self
+        if arm.extensible:
+            return {}
         fields = ("link",) if len(arm.deflections) == 1 else ("link1", "link2")
         strains, turns = (largest_reached(arm, motion, what) for what in (AXIAL, TURN))
         longer = {}
         for field, strain, turn in zip(fields, strains, turns):
             link, by = getattr(arm, field), 1 + strain * (1 + BENT * turn)
             longer[field] = dataclasses.replace(link, length=link.length * by, density=link.density / by)
-        return {"extension": cast(Self, dataclasses.replace(arm, **longer))} if longer else {}
+        if not longer:
+            return {}
+        return {"extension": (dataclasses.replace(arm, **longer), dataclasses.replace(arm, extensible=True))}
 
     @property
     def newton(self) -> Self:
         """The stiffened arm in place of exact rotations."""
         arm: Any = self
-        return cast(Self, dataclasses.replace(arm, kinematics="stiffened") if arm.kinematics == "strain" else arm)
+        exact = arm.kinematics == "strain" and not arm.extensible
+        return cast(Self, dataclasses.replace(arm, kinematics="stiffened") if exact else arm)
 
     @property
     def unmodelled(self) -> tuple[str, ...]:
         return UNMODELLED
+
+
+def require_stretchable(arm: Any) -> None:
+    """ValueError where links shall stretch whose kinematics do not let them."""
+    if arm.extensible and not (arm.kinematics == "strain" and arm.theory == "timoshenko"):
+        raise ValueError(
+            f"{type(arm).__name__}.extensible = True needs kinematics = 'strain' and theory = 'timoshenko', "
+            f"not {arm.kinematics!r} and {arm.theory!r}"
+        )
 
 
 def of_single_link(arm: S, more: int) -> S:
@@ -111,6 +151,7 @@ def effects_of_link(arm: SingleLinkDeclaration) -> dict[str, bool]:
         "shortening of the bent links": bends and arm.kinematics in ("stiffened", "strain"),
         "exact rotations": bends and arm.kinematics == "strain",
         "shear": bends and arm.theory == "timoshenko",
+        **({"extension": True} if arm.extensible else {}),
     }
 
 
@@ -124,4 +165,5 @@ def effects_of_links(arm: TwoLinkDeclaration) -> dict[str, bool]:
         "shear": bends and arm.theory == "timoshenko",
         "slope of the first link's tip": bends and arm.tip_slope,
         "inertia of the bent arm": bends and arm.reduction == "full",
+        **({"extension": True} if arm.extensible else {}),
     }

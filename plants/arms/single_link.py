@@ -5,7 +5,8 @@ Input    hub torque [N m], or hub acceleration [rad/s^2] where the hub's motion 
 Outputs  hub angle [rad], tip deflection [m] and its rate [m/s], tip position [m], curvature at the root [1/m] and what
          an accelerometer at the tip reads across its section [m/s^2]; disturbance: force on the tip [N]
 Valid    planar; slopes up to 0.3 rad, any with kinematics="strain"; "linear" up to a fifth of the first bending
-         frequency of spin: `ranges`
+         frequency of spin: `ranges`. Links keep their length unless "strain" and "timoshenko" are `extensible`: two
+         coordinates more, stretch1 and stretch2, whose frequencies are those of waves along the axis
 Source   "On the dynamic modelling of flexible manipulators", Eqs (13)-(16), corrected: (13) lacks the centripetal
          term, the geometric stiffness is -thetadot^2 Xi22 with tip mass and beam, Xi33 is zero. With theory
          "timoshenko" each coordinate bends and shears, (W, Psi) = (w_k, psi_k), so that p and q are one vector
@@ -68,7 +69,8 @@ class SingleLinkArm(SingleLinkDeclaration):
         Modes of a free tip know nothing of a payload's force and moment; above them stands one rung that does. Exact
         rotations are had in the clamped frame alone.
         """
-        steps: list[Self] = [dataclasses.replace(self, kinematics="rigid")]
+        plain = self.inextensible
+        steps: list[Self] = [dataclasses.replace(plain, kinematics="rigid")]
         for kinematics, n in (
             ("linear", 1),
             ("linear", 2),
@@ -77,7 +79,7 @@ class SingleLinkArm(SingleLinkDeclaration):
             ("stiffened", 3),
             ("stiffened", 4),
         ):
-            steps.append(dataclasses.replace(self, kinematics=kinematics, modes=n))
+            steps.append(dataclasses.replace(plain, kinematics=kinematics, modes=n))
         if self.basis == "clamped-free":
             steps.append(dataclasses.replace(steps[-1], basis="payload"))
         for n in (2, 3, 4) if self.frame == "clamped" else ():

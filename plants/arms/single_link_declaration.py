@@ -13,7 +13,7 @@ from pliant.plants.beams.elastic_link import ElasticLink
 from pliant.plants.beams.payload import Payload
 from pliant.plants.beams.rotating_beam import THEORIES
 from pliant.plants.beams.section import Beam
-from pliant.plants.core.parameters import part, quantity, require_choice, require_count, validate
+from pliant.plants.core.parameters import flag, part, quantity, require_choice, require_count, validate
 from pliant.plants.core.signals import Joint, Sensed, Signal
 from pliant.plants.dynamics.plant_contract import PhysicsContract
 from pliant.plants.exact_rotations.planar_chain import PlanarChain
@@ -38,6 +38,7 @@ class SingleLinkDeclaration(physics.PlanarArm):
     gravity: float = quantity("m/s^2", "finite", 0.0)  # along -y
     kinematics: str = "stiffened"
     theory: str = "euler-bernoulli"
+    extensible: bool = flag(False)
     basis: str = "payload"
     modes: int = 2
     frame: str = "clamped"
@@ -58,6 +59,7 @@ class SingleLinkDeclaration(physics.PlanarArm):
             raise ValueError(
                 f"SingleLinkArm.frame = {self.frame!r} must be 'clamped' where drive = 'motion' prescribes the hub"
             )
+        physics.require_stretchable(self)
         if self.kinematics == "strain" and self.frame != "clamped":
             raise ValueError(
                 f"SingleLinkArm.frame = {self.frame!r} must be 'clamped' where kinematics = 'strain': only while "
@@ -66,13 +68,14 @@ class SingleLinkDeclaration(physics.PlanarArm):
 
     @property
     def mode_count(self) -> int:
-        """Elastic coordinates."""
+        """Elastic coordinates of bending."""
         return 0 if self.kinematics == "rigid" else self.modes
 
     @property
     def coordinates(self) -> tuple[Signal, ...]:
         bent = (Signal(f"eta{i + 1}", "m") for i in range(self.mode_count))
-        return Signal("hub_angle" if self.frame == "clamped" else "frame_angle", "rad"), *bent
+        longer = (Signal(f"stretch{i + 1}", "m") for i in range(self.stretches))
+        return Signal("hub_angle" if self.frame == "clamped" else "frame_angle", "rad"), *bent, *longer
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
@@ -130,7 +133,7 @@ class SingleLinkDeclaration(physics.PlanarArm):
             return "rigid"
         shear = ", shear" if self.theory == "timoshenko" else ""
         frame = "" if self.frame == "clamped" else f", {self.frame} frame"
-        return f"{self.kinematics}, {self.basis} {self.modes}{shear}{frame}"
+        return f"{self.kinematics}, {self.basis} {self.modes}{shear}{self.stretching}{frame}"
 
     def physics(self, more: int = 0) -> Self:
         """Exact rotations with shear and rotary inertia on polynomials, `more` than 4."""
@@ -169,5 +172,5 @@ class SingleLinkDeclaration(physics.PlanarArm):
         ratios = own.payload.ratios(own.link.mass, own.link.length)
         if self.theory == "timoshenko":
             ratios |= own.link.section_ratios
-        shapes = beams.basis(self.basis, self.mode_count, **ratios)
+        shapes = beams.basis(self.basis, self.mode_count, stretches=self.stretches, **ratios)
         return elastic_link(self.kinematics, self.link, shapes)

@@ -5,7 +5,8 @@ Inputs   joint torques tau1, tau2 [N m]; disturbances: force on the tip, inertia
 Outputs  joint angles [rad], tip deflections of both links [m] and their rates [m/s], tip position [m], curvature at
          each link's root [1/m], what an accelerometer at the tip reads across its section [m/s^2]
 Valid    planar; slopes up to 0.3 rad, any with kinematics="strain"; fast rotation and axial loads need "stiffened" or
-         "strain": `ranges`
+         "strain": `ranges`. Links keep their lengths unless "strain" and "timoshenko" are `extensible`: two
+         coordinates a link more
 Source   "Coupled-Nonlinear Elastic Structure", Eqs (5)-(27). Departures: the strain energy of (23) has the sign +,
          gravity acts on the deflections too, the payload turns with (21)'s slope plus the joint angles.
 """
@@ -62,7 +63,8 @@ class TwoLinkArm(TwoLinkDeclaration):
 
     def ladder(self) -> tuple[Self, ...]:
         """From the rigid arm through modes to four polynomials a link, with shortening and with exact rotations."""
-        steps: list[Self] = [dataclasses.replace(self, reduction="rigid")]
+        plain = self.inextensible
+        steps: list[Self] = [dataclasses.replace(plain, reduction="rigid")]
         for kinematics, basis, n in (
             ("linear", "clamped-free", 1),
             ("linear", "clamped-free", 2),
@@ -78,7 +80,7 @@ class TwoLinkArm(TwoLinkDeclaration):
         ):
             steps.append(
                 dataclasses.replace(
-                    self, reduction="full", tip_slope=True, kinematics=kinematics, basis=basis, modes=(n, n)
+                    plain, reduction="full", tip_slope=True, kinematics=kinematics, basis=basis, modes=(n, n)
                 )
             )
         return tuple(steps)
@@ -227,7 +229,7 @@ class TwoLinkArm(TwoLinkDeclaration):
     def outline(self, x: np.ndarray, points: int = 30) -> np.ndarray:
         """Both bent links from root to tip at a state x (nx,): inertial positions (2, points, 2) [m]."""
         x, points = one_state(self, x), line_points(self, points)
-        n, n1 = self.coordinates_slice.stop, self.mode_counts[0]
+        n, n1 = self.coordinates_slice.stop, self.mode_counts[0] + self.stretches
         link1, link2 = self.links
         q1 = x[2 : 2 + n1]
         turn = x[0] + x[1] + (link1.basis.tip_slope @ q1 / link1.beam.length if self.tip_slope else 0.0)

@@ -43,6 +43,7 @@ class TwoLinkDeclaration(physics.PlanarArm):
     reduction: str = "full"
     kinematics: str = "linear"
     theory: str = "euler-bernoulli"
+    extensible: bool = flag(False)
     basis: str = "clamped-free"
     modes: tuple[int, int] = (2, 2)
 
@@ -57,10 +58,11 @@ class TwoLinkDeclaration(physics.PlanarArm):
             require_choice("TwoLinkArm", name, getattr(self, name), choices)
         modes = require_counts("TwoLinkArm", "modes", self.modes, 0, BASES[self.basis], length=2)
         object.__setattr__(self, "modes", modes)
+        physics.require_stretchable(self)
 
     @property
     def mode_counts(self) -> tuple[int, int]:
-        """Elastic coordinates of each link."""
+        """Elastic coordinates of bending of each link."""
         return (0, 0) if self.reduction == "rigid" else self.modes
 
     @property
@@ -70,7 +72,9 @@ class TwoLinkDeclaration(physics.PlanarArm):
             Signal("theta1", "rad"),
             Signal("theta2", "rad"),
             *(Signal(f"q1{i + 1}", "m") for i in range(n1)),
+            *(Signal(f"stretch1{i + 1}", "m") for i in range(self.stretches)),
             *(Signal(f"q2{i + 1}", "m") for i in range(n2)),
+            *(Signal(f"stretch2{i + 1}", "m") for i in range(self.stretches)),
         )
 
     @property
@@ -121,7 +125,7 @@ class TwoLinkDeclaration(physics.PlanarArm):
         stage = "" if self.reduction == "full" else f", {self.reduction}"
         slope = "" if self.tip_slope else ", no tip slope"
         shear = ", shear" if self.theory == "timoshenko" else ""
-        return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{shear}{stage}{slope}"
+        return f"{self.kinematics}, {self.basis} {self.modes[0]}+{self.modes[1]}{shear}{self.stretching}{stage}{slope}"
 
     def physics(self, more: int = 0) -> Self:
         """Exact rotations with shear and rotary inertia on polynomials, `more` than 3 a link."""
@@ -160,7 +164,9 @@ class TwoLinkDeclaration(physics.PlanarArm):
         thick = self.theory == "timoshenko"
         first = carried.ratios(a.mass, a.length) | (a.section_ratios if thick else {})
         second = load.ratios(b.mass, b.length) | (b.section_ratios if thick else {})
-        shapes1, shapes2 = beams.basis(self.basis, n1, **first), beams.basis(self.basis, n2, **second)
+        shapes1, shapes2 = (
+            beams.basis(self.basis, n, stretches=self.stretches, **ratios) for n, ratios in ((n1, first), (n2, second))
+        )
         return elastic_link(self.kinematics, self.link1, shapes1), elastic_link(self.kinematics, self.link2, shapes2)
 
     @property
@@ -168,7 +174,7 @@ class TwoLinkDeclaration(physics.PlanarArm):
         return self.reduction in ("full", "rigid") and not isinstance(self.links[0], StrainLink)
 
     def _split(self, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        n1 = self.mode_counts[0]
+        n1 = self.mode_counts[0] + self.stretches
         return q[0], q[1], q[2 : 2 + n1], q[2 + n1 :]
 
     def dissipation(self, q: ca.SX, v: ca.SX) -> ca.SX:

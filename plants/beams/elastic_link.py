@@ -124,12 +124,17 @@ class ElasticLink:
         return line
 
     def strain_energy(self, q: ca.SX) -> ca.SX:
-        """(1/2) int E I u''^2 dx [J]; with shear (1/2) int (E I psi'^2 + kappa G A (u' - psi)^2) dx."""
+        """(1/2) int E I u''^2 dx [J]; with shear (1/2) int (E I psi'^2 + kappa G A (u' - psi)^2) dx, and so on."""
         beam, basis = self.beam, self.basis
         bent = beam.EI / beam.length**3 * _quadratic(q, basis.stiffness, q) / 2
         if basis.shear is None:
             return bent
-        return bent + beam.shear_stiffness / beam.length * _quadratic(q, basis.shear, q) / 2
+        bent += beam.shear_stiffness / beam.length * _quadratic(q, basis.shear, q) / 2
+        return (
+            bent
+            if basis.stretch is None
+            else bent + beam.E * beam.area / beam.length * _quadratic(q, basis.stretch, q) / 2
+        )
 
     def dissipation(self, v: ca.SX) -> ca.SX:
         """Rayleigh function [W] of the Kelvin-Voigt damping."""

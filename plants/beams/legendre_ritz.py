@@ -54,10 +54,14 @@ def _integrals(n: int) -> tuple[np.ndarray, ...]:
 
 @dataclass(frozen=True, eq=False)
 class StrainShapes(OwnsArrays):
-    """Shapes (w_k, psi_k) whose curvatures and shear strains have Legendre coefficients (a, n) and (b, n)."""
+    """Shapes (w_k, psi_k) whose curvatures and shear strains have Legendre coefficients (a, n) and (b, n).
+
+    With `stretch` (c, n) also those of their axial strains, of shapes that neither bend nor shear.
+    """
 
     curvature: np.ndarray = field(repr=False)
     shear: np.ndarray = field(repr=False)
+    stretch: np.ndarray | None = field(default=None, repr=False)
 
     @classmethod
     def unit(cls, a: int, b: int = 0) -> StrainShapes:
@@ -93,6 +97,19 @@ class StrainShapes(OwnsArrays):
     def shear_strain(self, xi: float | np.ndarray) -> np.ndarray:
         """w' - psi."""
         return self._sum(checked_position(xi, 0), None, 1)
+
+    def stretched(self, count: int) -> StrainShapes:
+        """These shapes and `count` more, whose axial strains are orthonormal polynomials."""
+        n = self.curvature.shape[1]
+        bent, sheared = (np.pad(a, ((0, 0), (0, count))) for a in (self.curvature, self.shear))
+        return StrainShapes(bent, sheared, np.eye(count, n + count, n))
+
+    def axial_strain(self, xi: float | np.ndarray) -> np.ndarray | None:
+        """du/dx at xi (...,), (..., n); None of shapes that do not stretch."""
+        if self.stretch is None:
+            return None
+        own = StrainShapes(self.stretch, np.zeros((0, self.stretch.shape[1])))
+        return own._sum(checked_position(xi, 0), 1, None)
 
 
 @dataclass(frozen=True, eq=False)

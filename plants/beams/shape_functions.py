@@ -34,6 +34,7 @@ TIP_FORCE = ("tip-force", "hinged-tip-force")
 BASES = (*BOUNDARIES, *LOADED, "polynomial", *TIP_FORCE)
 SHEARABLE = ("clamped-free", "payload", "polynomial")
 MOST_SHEARABLE = 40
+MOST_STRETCHES = 4
 MOST_POLYNOMIALS = 30  # their highest frequency grows as n^4, that of modes as n^2
 
 
@@ -108,6 +109,8 @@ class Basis(OwnsArrays):
     shear: np.ndarray | None = field(default=None, repr=False)  # int (phi' - psi)(phi' - psi)^T, (n, n)
     rotary: np.ndarray | None = field(default=None, repr=False)  # int psi psi^T, (n, n)
     rotary_first: np.ndarray | None = field(default=None, repr=False)  # int psi, (n,)
+    stretch: np.ndarray | None = field(default=None, repr=False)  # int u' u'^T, (n, n), of axial displacements u
+    along: np.ndarray | None = field(default=None, repr=False)  # int u u^T, (n, n)
 
     @property
     def n(self) -> int:
@@ -124,13 +127,15 @@ def basis(
     tip_coupling_ratio: float = 0.0,
     rotary: float = 0.0,
     shear: float = 0.0,
+    stretches: int = 0,
 ) -> Basis:
     """The first n shape functions of a kind in BASES, each scaled to int phi^2 dxi = 1. Cached.
 
     The ratios, mass/(rho A L), inertia about the tip/(rho A L^3) and mass times the offset of its centre along the
     beam/(rho A L^2), shape the kinds of a payload and of a tip force; others ignore them. `shear` =
-    E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2). ValueError for another kind, n above 200
-    (30 for polynomials, 40 with shear), or a ratio outside [0, 1e12].
+    E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2); with it, `stretches` more shapes stretch
+    the beam's axis and do nothing else. ValueError for another kind, n above 200 (30 for polynomials, 40 with shear),
+    or a ratio outside [0, 1e12].
     """
     require_choice("basis", "kind", kind, BASES)
     n = require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind in ("polynomial", *TIP_FORCE) else MOST_MODES)
@@ -144,7 +149,10 @@ def basis(
         n = require_count("basis", "n", n, 0, MOST_SHEARABLE)
     tip = (float(tip_mass_ratio), float(tip_inertia_ratio), float(tip_coupling_ratio))
     tip = tip if kind in (*LOADED, *TIP_FORCE) else (0.0, 0.0, 0.0)
-    return _sheared(kind, int(n), float(rotary), float(shear), *tip) if shear else _basis(kind, int(n), *tip)
+    stretches = require_count("basis", "stretches", stretches, 0, MOST_STRETCHES if shear else 0)
+    if shear:
+        return _sheared(kind, int(n), float(rotary), float(shear), *tip, stretches)
+    return _basis(kind, int(n), *tip)
 
 
 @lru_cache(maxsize=128)
@@ -186,11 +194,19 @@ def _basis(kind: str, n: int, mass: float, inertia: float, coupling: float) -> B
 
 
 @lru_cache(maxsize=128)
-def _sheared(kind: str, n: int, rotary: float, shear: float, mass: float, inertia: float, coupling: float) -> Basis:
+def _sheared(
+    kind: str, n: int, rotary: float, shear: float, mass: float, inertia: float, coupling: float, stretches: int
+) -> Basis:
     if kind == "polynomial":
         phi = polynomial(n, rotary, shear)
     else:
         phi = timoshenko_modes(n, rotary, shear, mass, inertia, coupling)
+    axial: dict[str, np.ndarray] = {}
+    if stretches:
+        phi = phi.stretched(stretches)
+        longer = np.eye(stretches, n + stretches, n)
+        alone = matrices(StrainShapes(np.zeros((0, n + stretches)), longer))  # u as the deflection of shear alone
+        axial = {"stretch": alone.shearing, "along": alone.mass}
     found = matrices(phi)
     x, w = np.polynomial.legendre.leggauss(max(len(phi.curvature), len(phi.shear)) + 4)
     xi, w = (1 + x) / 2, w / 2
@@ -210,6 +226,7 @@ def _sheared(kind: str, n: int, rotary: float, shear: float, mass: float, inerti
             shear=found.shearing,
             rotary=found.rotary,
             rotary_first=w @ phi.rotation(xi),
+            **axial,
         )
     )
 

@@ -66,9 +66,9 @@ class PhysicsContract(Declaration):
         """Whether its fastest modes, which its motions do not show, bound explicit steps by stability. Default: no."""
         return False
 
-    def estimates(self, motion: Trajectory) -> dict[str, Self]:
-        """{effect that even `physics` leaves out: this plant with other parameters, changed about as much as that would
-        on a motion of this plant}. Default: nothing is estimated.
+    def estimates(self, motion: Trajectory) -> dict[str, tuple[Self, ...]]:
+        """{effect that even `physics` leaves out: plants that move as this one with it would on a motion of this plant,
+        first about so, of other parameters, then truly, where one can}. Default: nothing is estimated.
         """
         return {}
 

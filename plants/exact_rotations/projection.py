@@ -13,7 +13,7 @@ import numpy as np
 from pliant.plants.beams.shape_functions import Basis
 
 from .quadrature import Array, points
-from .strain_link import curvatures
+from .strain_link import curvatures, stretches
 
 POINTS = 48  # of the integral over the link
 
@@ -28,11 +28,20 @@ def projection(simpler: Basis, finer: Basis) -> Array:
     """
     if not (simpler.n and finer.n):
         return np.zeros((finer.n, simpler.n))
+    if finer.stretch is not None:
+        return nearest(lambda xi: _strains(simpler, xi), lambda xi: _strains(finer, xi))
     return nearest(lambda xi: curvatures(simpler, xi), lambda xi: curvatures(finer, xi))
 
 
+def _strains(basis: Basis, xi: Array) -> Array:
+    """Curvatures and axial strains (k, 2, n), where there are none zero."""
+    bent, axial = curvatures(basis, xi), stretches(basis, xi)
+    return np.stack([bent, np.zeros_like(bent) if axial is None else axial], axis=1)
+
+
 def nearest(simpler: Callable[[Array], Array], finer: Callable[[Array], Array]) -> Array:
-    """P (n, m) by the curvatures themselves: those of m and of n shapes at xi (k,), (k, m) and (k, n)."""
+    """P (n, m) by the curvatures themselves: those of m and of n shapes at xi (k,), (k, .., m) and (k, .., n)."""
     at = points(POINTS)
-    root = np.sqrt(at.weight)[:, None]
-    return np.asarray(np.linalg.lstsq(root * finer(at.xi), root * simpler(at.xi), rcond=None)[0])
+    root = np.sqrt(at.weight)
+    own, other = (np.einsum("k,k...->k...", root, a).reshape(-1, a.shape[-1]) for a in (finer(at.xi), simpler(at.xi)))
+    return np.asarray(np.linalg.lstsq(own, other, rcond=None)[0])

@@ -2,7 +2,8 @@
 
 The section at x = L xi has turned against the root by theta = psi(xi) . q/L, psi the slopes of the shape functions:
 exact rotations, with curvatures expanded. The tangent is t = (cos theta, sin theta), with shear t + gamma n,
-n = (-sin theta, cos theta), and positions are its integrals: the tip stands at L int t. In the frame of the root, which
+n = (-sin theta, cos theta), with extension (1 + epsilon) t + gamma n. Positions are its integrals: the tip stands at
+L int t. In the frame of the root, which
 moves at V and turns at omega, the tangent changes by e = (theta' + omega) n, so that
 
     T = m |V|^2/2 + m L V . int (1 - xi) e + (m L^2/2) sum_ab W_ab e_a . e_b.
@@ -11,9 +12,9 @@ To first order in q this is `ElasticLink`, of the same coordinates q [m], to sec
 rotary inertia: strain energy and damping are the same constant matrices, and the straight link's inertia is taken from
 its integrals, so that quadrature errs only by what the bend adds.
 
-Valid    planar; inextensible, Hooke's law; sections keep their rotary inertia; without shear unless the basis has it
+Valid    planar, Hooke's law; sections keep their rotary inertia; without shear and extension unless the basis has them
 Source   J. C. Simo and L. Vu-Quoc, "On the dynamics of flexible beams under large overall motions - the plane case",
-         J. Appl. Mech. 53 (1986), inextensible; the geometric variable-strain approach, rotations expanded
+         J. Appl. Mech. 53 (1986); the geometric variable-strain approach, rotations expanded
 """
 
 from __future__ import annotations
@@ -48,6 +49,12 @@ def shears(basis: Basis, xi: Array) -> Array | None:
     return phi.shear_strain(xi) if isinstance(phi, StrainShapes) else None
 
 
+def stretches(basis: Basis, xi: Array) -> Array | None:
+    """L times the axial strain at xi (k,) by each coordinate, (k, n); None without."""
+    phi = basis.phi
+    return phi.axial_strain(xi) if isinstance(phi, StrainShapes) else None
+
+
 def curvatures(basis: Basis, xi: Array) -> Array:
     """psi' (k, n): L^2 times the curvature at xi (k,) by each coordinate."""
     phi = basis.phi
@@ -58,9 +65,11 @@ def _inertia(basis: Basis, at: Points, q: Array) -> Array:
     """int r' . r' of unit rates (omega, v) (1 + n, 1 + n) by these points, bent by q, length 1."""
     psi, gamma = turns(basis, at.xi), shears(basis, at.xi)
     angle, each = psi @ q, np.column_stack([np.ones(len(at.xi)), psi])
-    along, across = np.zeros_like(each), each
+    along, across, still = np.zeros_like(each), each, np.zeros(len(at.xi))
     if gamma is not None:
-        along, across = -each * (gamma @ q)[:, None], each + np.column_stack([np.zeros(len(at.xi)), gamma])
+        along, across = -each * (gamma @ q)[:, None], each + np.column_stack([still, gamma])
+    if (axial := stretches(basis, at.xi)) is not None:
+        along, across = along + np.column_stack([still, axial]), across + each * (axial @ q)[:, None]
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     rows = np.vstack([at.root @ (c * along - s * across), at.root @ (s * along + c * across)])
     return rows.T @ rows
@@ -105,11 +114,17 @@ class StrainLink(ElasticLink):
         gamma = shears(self.basis, self.points.xi)
         return None if gamma is None else applied(gamma, q) / self.beam.length
 
+    def _stretch(self, q: ca.SX) -> ca.SX | None:
+        """Axial strain (m,) at the points, or its rate; None without."""
+        axial = stretches(self.basis, self.points.xi)
+        return None if axial is None else applied(axial, q) / self.beam.length
+
     def tangents(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         """dr/dx at the points, (m,) each, in the root frame."""
-        angle, gamma = self._angle(q), self._shear(q)
+        angle, gamma, axial = self._angle(q), self._shear(q), self._stretch(q)
         c, s = ca.cos(angle), ca.sin(angle)
-        return (c, s) if gamma is None else (c - gamma * s, s + gamma * c)
+        x, y = (c, s) if axial is None else ((1 + axial) * c, (1 + axial) * s)
+        return (x, y) if gamma is None else (x - gamma * s, y + gamma * c)
 
     def tangent_rates(self, omega: ca.SX, q: ca.SX, v: ca.SX) -> tuple[ca.SX, ca.SX]:
         """d/dt of them, (m,) each, as seen from where the root's frame turns at omega."""
@@ -119,6 +134,9 @@ class StrainLink(ElasticLink):
         if (sheared := self._shear(v)) is not None:
             angle = self._angle(q)
             ex, ey = ex - sheared * ca.sin(angle), ey + sheared * ca.cos(angle)
+        if (stretched := self._stretch(v)) is not None:
+            angle = self._angle(q)
+            ex, ey = ex + stretched * ca.cos(angle), ey + stretched * ca.sin(angle)
         return ex, ey
 
     def _sum(self, weight: Array, values: ca.SX) -> ca.SX:
@@ -172,6 +190,9 @@ class StrainLink(ElasticLink):
         if (gamma := shears(self.basis, at.xi)) is not None:
             strain = gamma @ q / L
             x, y = x - strain * np.sin(angle), y + strain * np.cos(angle)
+        if (axial := stretches(self.basis, at.xi)) is not None:
+            strain = axial @ q / L
+            x, y = x + strain * np.cos(angle), y + strain * np.sin(angle)
         return L * at.cumulative(np.linspace(0.0, 1.0, points)) @ np.column_stack([x, y])
 
 
@@ -198,7 +219,8 @@ def _turning(basis: Basis) -> Array:
 
 def _rest_inertia(basis: Basis) -> Array:
     """The exact inertia of a straight link about its root, length and mass 1, for rates (omega, v)."""
-    return np.block([[np.full((1, 1), 1 / 3), basis.moment[None]], [basis.moment[:, None], basis.mass]])
+    mass = basis.mass if basis.along is None else basis.mass + basis.along
+    return np.block([[np.full((1, 1), 1 / 3), basis.moment[None]], [basis.moment[:, None], mass]])
 
 
 def elastic_link(kinematics: str, beam: Beam, basis: Basis) -> ElasticLink:

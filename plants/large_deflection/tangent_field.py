@@ -145,7 +145,7 @@ def rotations(root: str, kind: str, n: int, **ratios: float) -> Rotations:
         kind = "pinned-payload" if root == "hinged" else "payload"
     elif kind == "tip-force" and root == "hinged":
         kind = "hinged-tip-force"
-    return Rotations(beams.basis(kind, n, **ratios), root != "clamped")
+    return Rotations(beams.basis(kind, n, stretches=0, **ratios), root != "clamped")
 
 
 def planar_field(shapes: Rotations, at: Points) -> TangentField:

@@ -138,7 +138,7 @@ class TreeFidelity(TreeDeclaration):
         data = [b.modal for b in self.bodies if b.modal is not None]
         return max((left_out(one, turned=False) for one in data), default=super().left_out)
 
-    def estimates(self, motion: Trajectory) -> dict[str, Self]:
+    def estimates(self, motion: Trajectory) -> dict[str, tuple[Self, ...]]:
         """Stretch: each beam without shapes of it longer for good, as `PlanarArm.estimates` has it of arms."""
         if self.kinematics != "strain":
             return {}
@@ -151,7 +151,7 @@ class TreeFidelity(TreeDeclaration):
                 by, beam = 1 + strain * (1 + BENT * turn), body.beam
                 beam = dataclasses.replace(beam, length=beam.length * by, density=beam.density / by)
                 longer[k], changed = dataclasses.replace(body, beam=beam), True
-        return {STRETCH: dataclasses.replace(self, bodies=tuple(longer))} if changed else {}
+        return {STRETCH: (dataclasses.replace(self, bodies=tuple(longer)),)} if changed else {}
 
     @property
     def effects(self) -> dict[str, bool]:

@@ -41,6 +41,8 @@ MOST_SHAPES = 6  # more than physics has by itself
 FEWER = 3  # than that: where its mass matrix is lost
 RTOL = 1e-8  # of the cheap motion, and of physics where it is simulated ..
 SHARE = 0.05  # of an estimated effect: to what it is known
+SLIGHT = 0.02  # of the tolerance: an effect that is estimated to be less is not found truly
+NEARBY = 2  # parts of a control period at which it is, where physics was simulated
 ROUGHLY = 1e-6  # of the motion by which its ranges are judged
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
@@ -114,7 +116,7 @@ class _Search:
         self.first = first
         self.motions, self.scene = motions, motions.scene
         self.simple = motions.ladder[0]
-        self.within = KNOWN * tolerance
+        self.tolerance, self.within = tolerance, KNOWN * tolerance
         self.motion: CorrectedMotion | None = None
 
     def corrected(self) -> PhysicsMotion:
@@ -150,7 +152,7 @@ class _Search:
         assert motion is not None
         how = f"{motion.fine.label}, from the motion of {self.simple.label}{lost}"
         known = PhysicsMotion(found, motion.fine, passes, time, shapes, how, motion=motion)
-        return _judged(self.motions, known, motion.trajectory())
+        return _judged(self.motions, self.tolerance, known, motion.trajectory())
 
     def _poorer(self) -> Array:
         """The outputs with a shape fewer: what the last shape did bounds, as a rule, what those beyond do."""
@@ -217,15 +219,29 @@ def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion, share: float
     return found.outputs
 
 
-def _judged(motions: Motions, known: PhysicsMotion, motion: Trajectory) -> PhysicsMotion:
+def _with_effect(motions: Motions, plant: Plant, known: PhysicsMotion) -> Array:
+    """The compared outputs (nt, n) of a plant that moves nearly as physics does."""
+    try:
+        if known.motion is not None:
+            return outputs_of(motions, plant, known, SHARE)
+        nodes = MotionNodes(motions.scene.times, motions.held, NEARBY)
+        own = motions.at_nodes(known.physics, nodes.inputs, nodes.all, rtol=ROUGHLY, atol=ROUGHLY / 100)
+        columns = compared(motions, plant)
+        near = CorrectedMotion.from_simple(plant, known.physics, own, nodes, motions.start(plant), columns)
+        near.settle(KNOWN * _largest(near.outputs - known.outputs))
+        return near.outputs
+    except NotSettled:
+        return motions.outputs(plant, ROUGHLY)
+
+
+def _judged(motions: Motions, tolerance: float, known: PhysicsMotion, motion: Trajectory) -> PhysicsMotion:
     """With what the motion tells of effects that physics leaves out, and the ranges that it leaves."""
     estimated = {}
-    for name, changed in known.physics.estimates(motion).items():
-        try:
-            found = outputs_of(motions, changed, known, SHARE)
-        except NotSettled:
-            found = motions.outputs(changed, ROUGHLY)
-        estimated[name] = _largest(found - known.outputs)
+    for name, plants in known.physics.estimates(motion).items():
+        for plant in plants:
+            estimated[name] = _largest(_with_effect(motions, plant, known) - known.outputs)
+            if estimated[name] <= SLIGHT * tolerance:
+                break
     ranges = tuple(found.to_json() for found in left(known.physics, motion))
     return replace(known, estimated=estimated, left=ranges)
 
@@ -252,4 +268,4 @@ def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion
     time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
     how = f"{physics.label}, simulated: {reason}"
     known = PhysicsMotion(found, physics, 0.0, time, shapes, how)
-    return _judged(motions, known, motions.run(physics, rtol=ROUGHLY, atol=ROUGHLY / 100))
+    return _judged(motions, tolerance, known, motions.run(physics, rtol=ROUGHLY, atol=ROUGHLY / 100))
