@@ -103,8 +103,8 @@ class TreeFidelity(TreeDeclaration):
         """Every driven joint on a motion of the profile, the gears taken as stiff: what twists them is left out."""
         if not self.motors:
             return super().rest_to_rest(begin, end, time, profile=profile)
-        geared = ((f"{joint.name}_motor_torque", joint.elastic) for joint in self.moving)
-        ratios = {name: float(gear.ratio) for name, gear in geared if gear is not None}
+        geared = zip(self.freedoms[-len(self.motors) :], (self.moving[i].elastic for i in self.motors), strict=True)
+        ratios = {f.force.name: float(gear.ratio) for f, gear in geared if gear is not None}
         return GearedInputs(self, self.stiff_geared, ratios, begin, end, time, profile)
 
     def ladder(self) -> tuple[Self, ...]:
