@@ -104,6 +104,14 @@ def test_shipped_plants_keep_the_contract(name):
     check(scenes.get(name).plant, points=2)
 
 
+def test_weights_and_quaternions_keep_the_contract():
+    """Energies that are differences of large ones; states that are none unless their quaternions are of unit length."""
+    for name in ("crane-swing", "satellite-arm"):
+        tree = scenes.get(name).plant
+        found = dict(check(dataclasses.replace(tree, kinematics="rigid") if tree.attitudes else tree).found)
+        assert "put in less the power lost" in found["energy"]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Spring(Plant):
     """A cart on a spring, as plain dynamics; `gain` > 0 puts energy in."""
