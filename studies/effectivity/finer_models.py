@@ -1,10 +1,10 @@
 """What is true on a random scene: a model that is on no ladder and richer than what `choose` calls physics.
 
 Exact rotations with shear and extension, in more polynomials than physics takes, which converge fastest (of two links,
-five natural modes each were 0.1 mm off where five and six polynomials differed by 4 nm); of a spacecraft panels whose data hold
-more modes; of a beam polynomials where physics takes other shapes. Arms whose tolerance is so tight that physics takes as
-many are played by another integrator alone. Two sizes are simulated at rtol 1e-10 by CVODES, which `choose` does not
-use, and how far they are apart is how well the truth is known.
+five natural modes each were 0.1 mm off where five and six polynomials differed by 4 nm); of a spacecraft panels whose
+data hold more modes; of a beam polynomials where physics takes other shapes. Arms whose tolerance is so tight that
+physics takes as many are played by another integrator alone. Two sizes are simulated at rtol 1e-10 by CVODES, which
+`choose` does not use, and how far they are apart is how well the truth is known.
 """
 
 from __future__ import annotations
