@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.quaternions import of_matrix
+from pliant.plants.core.quaternions import of_matrix, product
 from pliant.plants.multibody_parts.spatial import AROUND
 from pliant.plants.multibody_parts.steps import Ball, Fixed, Move, Spin
 
@@ -63,18 +63,13 @@ def quaternions(walk: Walk) -> list[ca.SX]:
             if isinstance(step, Spin):
                 half = ca.SX.zeros(4)
                 half[0], half[1 + step.axis] = ca.cos(step.angle / 2), ca.sin(step.angle / 2)
-                q = _product(q, half)
+                q = product(q, half)
             elif isinstance(step, Ball):
-                q = _product(q, step.quaternion)
+                q = product(q, step.quaternion)
             elif isinstance(step, Fixed):
-                q = _product(q, ca.SX(ca.DM(of_matrix(np.array(step.R)))))
+                q = product(q, ca.SX(ca.DM(of_matrix(np.array(step.R)))))
         found.append(q)
     return found
-
-
-def _product(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Of R(a) R(b)."""
-    return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:]))
 
 
 def twists(walk: Walk) -> list[Twist]:

@@ -14,6 +14,7 @@ from pliant.plants.multibody_parts.joint import Joint
 
 AXES = ("x", "y", "z")
 TURNS = {"spherical": 0, "free": 3}  # where among the coordinates, and the speeds, of the joint its turn begins
+SHIFTS = {"planar": 2, "free": 3}  # of joints that turn as well: how many come first
 
 
 class Freedom(NamedTuple):
