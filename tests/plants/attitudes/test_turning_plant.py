@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from moved_states import moved
 
 from pliant.plants import FlexibleTree, Joint, TreeBody
 
@@ -25,13 +26,13 @@ def test_names(craft):
     assert {"base_turn_x_rate", "base_rate_x", "arm_rate"} <= set(craft.velocities)
 
 
-def test_quaternions_keep_their_length(craft, moved):
+def test_quaternions_keep_their_length(craft):
     motion = craft.simulate(moved(craft, 0), [0.5], np.linspace(0, 2, 9))
     for a in craft.attitudes:
         np.testing.assert_allclose(np.linalg.norm(motion.x[:, a.quaternion], axis=1), 1.0, atol=1e-9)
 
 
-def test_jacobians_from_the_balance_of_forces(craft, moved):
+def test_jacobians_from_the_balance_of_forces(craft):
     """Of equations as they stand, along unit vectors, against the model of the solved ones: the same along a motion,
     and at accelerations that are not the plant's own.
     """
