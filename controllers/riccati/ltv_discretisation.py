@@ -19,7 +19,7 @@ from pliant.plants.core.argument_gates import require_finite, require_instance
 from pliant.plants.core.errors import PliantError
 from pliant.plants.linear.even_units import even_units
 from pliant.plants.linear.ltv import LTVModel
-from pliant.plants.linear.magnus import exponent, halvings, with_cost
+from pliant.plants.linear.magnus import costed, exponent, halvings, reached
 
 from .checks import weight_matrix
 
@@ -57,15 +57,9 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
     F[:, :, :nx, :nx], F[:, :, :nx, nx:-1], F[:, :, :nx, -1] = A, B, c
     M = np.zeros((n, n))
     M[:nx, :nx], M[:nx, nx:-1], M[nx:-1, :nx], M[nx:-1, nx:-1] = Q, N, N.T, R
-    unit = even_units(F, np.zeros(n), np.diagonal(M))
-    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
-    F, M = F * ratio, M * weight
-    big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
-    big[:, :, :n, :n], big[:, :, :n, n:], big[:, :, n:, n:] = -F.transpose(0, 1, 3, 2), M, F
-    Omega = exponent(big, np.diff(model.t))
-    own, j = Omega[:, n:, n:], halvings(Omega[:, n:, n:])
-    step, cost = with_cost(own, Omega[:, :n, n:], Omega[:, :n, :n], j)
-    step, cost = step / ratio, _semidefinite(cost, model.t) / weight
+    step, cost, unit = costed(F, M, np.diff(model.t))
+    weight = unit[:, None] * unit
+    cost = _semidefinite(cost * weight, model.t) / weight
     x, u = slice(0, nx), slice(nx, nx + nu)
     dynamics = step[:, x, x], step[:, x, u], step[:, x, -1]
     return SampledLTV(
@@ -79,19 +73,8 @@ def noise_along(model: LTVModel, W: Any) -> Array:
     """
     require_instance("model", model, LTVModel)
     A, _, E, _ = model._gauss
-    n = A.shape[-1]
     W = weight_matrix("W", W, E.shape[-1], definite=False)
-    drive = E @ W @ E.transpose(0, 1, 3, 2)
-    reach = np.abs(np.diagonal(drive, axis1=2, axis2=3)).max(axis=(0, 1), initial=0.0)
-    unit = even_units(A, reach, np.zeros(n))
-    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
-    big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
-    big[:, :, :n, :n], big[:, :, :n, n:] = A * ratio, drive / weight
-    big[:, :, n:, n:] = -big[:, :, :n, :n].transpose(0, 1, 3, 2)
-    Omega = exponent(big, np.diff(model.t))
-    own = Omega[:, :n, :n]
-    _, found = with_cost(own.transpose(0, 2, 1), Omega[:, :n, n:], -own, halvings(own))
-    return (found + found.transpose(0, 2, 1)) / 2 * weight
+    return reached(A, E @ W @ E.transpose(0, 1, 3, 2), np.diff(model.t))
 
 
 def hamiltonian_flow(model: LTVModel, Q: Array, R: Array, lean: Array) -> tuple[Array, Array, Array, Array]:

@@ -13,14 +13,18 @@ from .stretches import Stretches
 
 Array = np.ndarray
 BLOCKS = 100  # parts between which growth is compared first
+LARGEST = 300.0  # logarithm of the growth
 NEAR = 24  # ends of stretches about the best start and the best end that are compared then
 
 
 @dataclass(frozen=True, eq=False)
 class Amplification(OwnsArrays):
-    """`value` is attained by a deviation in `direction` at `start` [s], at `end` [s]; sizes are in the scale given."""
+    """`factor` is attained by a deviation in `direction` at `start` [s], at `end` [s]; sizes are in the scale given.
 
-    value: float
+    The largest over stretches: between their ends a mode of theirs turns by no more than half a radian.
+    """
+
+    factor: float
     start: float
     end: float
     direction: Array = field(repr=False)  # (nx,) in the states' own units, of size one in the scale
@@ -31,6 +35,11 @@ def amplification(on: Stretches, sizes: Array) -> Amplification:
     """Of |x / sizes|, the largest singular value of Phi(t, s) over all s <= t."""
     Phi = on.held[0] * sizes[None, None, :] / sizes[None, :, None]
     m = len(Phi)
+    if not grows_within(Phi):
+        raise ValueError(
+            f"finite_horizon: deviations grow by more than e^{LARGEST:g} from {on.t[0]:.4g} to {on.t[-1]:.4g} s, "
+            "beyond the range of numbers: take a shorter part of the motion"
+        )
     edges = np.unique(np.linspace(0, m, min(m, BLOCKS) + 1).astype(int))
     size, begin, end = _largest(magnus.grouped(Phi, edges), edges)
     whole = float(np.linalg.norm(magnus.product(Phi), 2))
@@ -49,12 +58,23 @@ def amplification(on: Stretches, sizes: Array) -> Amplification:
 
 def _largest(blocks: Array, edges: Array) -> tuple[float, int, int]:
     """The largest norm of a product of consecutive blocks, and the edges that it runs between."""
-    best, now = (1.0, int(edges[0]), int(edges[0])), blocks
-    for length in range(1, len(blocks) + 1):
-        if length > 1:
-            now = blocks[length - 1 :] @ now[:-1]
-        sizes = np.linalg.norm(now, 2, axis=(1, 2))
+    best = (1.0, int(edges[0]), int(edges[0]))
+    for length, products, logs in magnus.consecutive(blocks):
+        sizes = np.linalg.norm(products, 2, axis=(1, 2)) * np.exp(logs)
         k = int(sizes.argmax())
         if sizes[k] > best[0]:
             best = float(sizes[k]), int(edges[k]), int(edges[k + length])
     return best
+
+
+def grows_within(Phi: Array) -> bool:
+    """Whether the product of transitions (m, n, n) stays within e^LARGEST."""
+    total, power = np.eye(Phi.shape[-1]), 0.0
+    for step in Phi:
+        total = step @ total
+        size = float(np.abs(total).max())
+        if not np.isfinite(size):
+            return False
+        if size > 1e100:
+            total, power = total / size, power + float(np.log(size))
+    return power + float(np.log(max(np.abs(total).max(), 1e-300))) <= LARGEST

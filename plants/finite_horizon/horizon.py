@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from pliant.plants.core.argument_gates import require_instance, require_mapping,
 from pliant.plants.core.signals import OwnsArrays, Signal, index, names, rows_by_name
 from pliant.plants.linear.ltv import LTVModel
 
-from . import reached
+from . import pushed_outputs
 from .amplification import Amplification, amplification
 from .energy_gain import Gain, energy_gain
 from .stretches import Stretches
@@ -21,72 +20,63 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Furthest(OwnsArrays):
-    """How far disturbances push one output: at least `lower` [its unit], which `disturbance` attains at `time`."""
-
-    output: Signal
-    lower: float
-    upper: float
-    time: float  # [s]
-    disturbance: Array = field(repr=False)  # (m + 1, nw) in units of the disturbances, held from each time to the next
-
-
-@dataclass(frozen=True, eq=False)
 class FiniteHorizon(OwnsArrays):
-    """Numbers of one motion. Rows of tubes belong to the times t (m + 1,) [s]; columns to `outputs`, in their units.
+    """Numbers of one motion, of its linear model: of the plant to first order in what disturbs it.
 
-    Disturbances are sized by `sizes`: of unit energy means that the integral of |w / size|^2 is 1 s, bounded that
-    |w| <= size at all times. All are of the linear model: of the plant to first order in the disturbance.
+    t (nt,) [s]: between these times disturbances are held. `limits` of disturbances [their units]; `scale`: sizes that
+    count as one. Gains by L2 norm are per unit sqrt(s) of the disturbances over their sizes.
     """
 
     t: Array = field(repr=False)
     outputs: tuple[Signal, ...]
     disturbances: tuple[Signal, ...]
-    sizes: dict[str, float]
-    energy: Gain  # from |w / size| to |z / size|, root of their energies
-    by_energy: Array = field(repr=False)  # (m + 1, nz) [unit of the output] the most under unit energy so far
-    by_bound: Array = field(repr=False)  # (m + 1, nz) the most under |w| <= size
-    furthest: tuple[Furthest, ...]  # by unit energy, over the motion, output by output
-    furthest_bounded: tuple[Furthest, ...]  # under |w| <= size
-    from_start: Array = field(repr=False)  # (m + 1, nz) the most from a start that is off by |x / size| <= 1
-    growth: Amplification
-    _stretches: Stretches = field(repr=False)
+    limits: dict[str, float]
+    scale: dict[str, float]
+    l2: Gain  # from the L2 norm of w / scale to that of z / scale
+    end: Mapping[str, Gain]  # from the L2 norm of w / scale to |z_i| at the end [its unit]
+    peak: Mapping[str, Gain]  # to the largest |z_i| over the motion
+    bounded: Mapping[str, Gain]  # the largest |z_i| over the motion where |w_j| <= limits
+    tube: Mapping[str, Array] = field(repr=False)  # (nt, 2) between which z_i stays where |w_j| <= limits
+    from_start: Mapping[str, Array] = field(repr=False)  # (nt,) the most |z_i| from a start off by |x / scale| <= 1
+    amplification: Amplification
+    _on: Stretches = field(repr=False)
 
     def deviation(self, intensity: Mapping[str, float], start: Mapping[str, float] | None = None) -> Array:
-        """Standard deviations (m + 1, nz) [unit of the output] under white noise and a start that is not known.
+        """Standard deviations (nt, nz) [unit of the output] under white noise and a start that is not known.
 
         intensity: of disturbances by name, the root of their power spectral density, two-sided [unit sqrt(s)]; start:
         standard deviations of states by name. Those that are not named are zero.
 
-        >>> horizon.deviation({"tip_force": 0.01}, {"theta1": 1e-3})[-1]
+        >>> horizon.deviation({"tip_force_y": 0.01}, {"theta1": 1e-3})[-1]
         """
-        on, known = self._stretches, names(self.disturbances)
+        model, known = self._on.model, names(self.disturbances)
         noise = require_mapping("deviation.intensity", intensity, known, "disturbance")
-        root = np.array([float(_not_negative("deviation.intensity", n, noise.get(n, 0.0))) for n in known])
-        states = names(on.model.states)
+        states = names(model.states)
         first = require_mapping("deviation.start", {} if start is None else start, states, "state")
-        P0 = np.diag([float(_not_negative("deviation.start", n, first.get(n, 0.0))) ** 2 for n in states])
-        weights = root / np.array([self.sizes[n] for n in known])
-        model = on.model
-        into = _columns(model, self.disturbances)[0] * root
+        root = np.array([_not_negative("deviation.intensity", n, noise.get(n, 0.0)) for n in known])
+        P0 = np.diag([_not_negative("deviation.start", n, first.get(n, 0.0)) ** 2 for n in states])
         seen = rows_by_name(model, names(self.outputs)).C
-        own = Stretches(model, into, seen, np.zeros((*seen.shape[:2], len(weights))), self.outputs)
-        W = reached.gramians(own, P0)
-        C = own.nodes[2]
+        own = Stretches(model, _into(model, self.disturbances) * root, seen, np.zeros((*seen.shape[:2], len(root))))
+        W, C = pushed_outputs.gramians(own, P0), own.nodes[2]
         return np.sqrt(np.maximum(np.einsum("kij,kjl,kil->ki", C, W, C), 0.0))
 
     @property
     def words(self) -> str:
-        """One sentence on the output that a disturbance pushes furthest beside its size."""
-        bound = [f for f in self.furthest if np.isfinite(f.upper)] or list(self.furthest)
-        worst = max(bound, key=lambda f: f.lower / self.sizes[f.output.name])
-        pushing = ", ".join(f"{n} {self.sizes[n]:g} {s.unit}" for s in self.disturbances if (n := s.name))
-        bounded = next(f for f in self.furthest_bounded if f.output == worst.output)
+        """What an engineer would write of the output that is pushed furthest beside its size."""
+        worst = max(self.outputs, key=lambda s: self.bounded[s.name].lower / self.scale[s.name])
+        held, impulse, unit = self.bounded[worst.name], self.peak[worst.name], _of(worst.unit)
+        within = ", ".join(f"|{s.name}| <= {self.limits[s.name]:g}{_of(s.unit)}" for s in self.disturbances)
+        size = ", ".join(f"{self.scale[s.name]:g}{_of(s.unit)} of {s.name}" for s in self.disturbances)
+        grown = self.amplification
+        energy = (
+            f"as much energy as {size} for one second moves it by at most {impulse.upper:.3g}{unit}"
+            if np.isfinite(impulse.upper)
+            else "what passes through to it without delay has no bound by energy"
+        )
         return (
-            f"Within {self.t[-1] - self.t[0]:g} s a disturbance of unit energy ({pushing}, for one second) moves "
-            f"{worst.output.name} by at most {worst.upper:.3g} {worst.output.unit}, at {worst.time:.3g} s; one that "
-            f"stays within these sizes by at most {bounded.upper:.3g} {worst.output.unit}. Deviations grow "
-            f"{self.growth.value:.3g}-fold at most, from {self.growth.start:.3g} to {self.growth.end:.3g} s."
+            f"Within {self.t[-1] - self.t[0]:g} s, disturbances {within} move {worst.name} by at most "
+            f"{held.upper:.3g}{unit}, at {held.time:.3g} s; {energy}. A deviation grows {grown.factor:.3g}-fold at "
+            f"most, from {grown.start:.3g} to {grown.end:.3g} s."
         )
 
 
@@ -95,14 +85,16 @@ def finite_horizon(
     *,
     outputs: Sequence[str] | None = None,
     disturbances: Sequence[str] | None = None,
+    limits: Mapping[str, float] | None = None,
     scale: Mapping[str, float] | None = None,
 ) -> FiniteHorizon:
     """How far disturbances and deviations at the start can push the outputs of a motion before it ends.
 
     outputs: names of outputs or states (None: the model's outputs); disturbances: of disturbances or inputs (None: all
-    disturbances). scale: what counts as one, by name, in its unit: tolerances of outputs, expected sizes of
-    disturbances and of states' deviations; 1 where it is not given. ValueError for names that the model does not have,
-    and where its fastest mode needs more than 40,000 stretches.
+    disturbances). limits: the largest absolute value of disturbances by name [their units], 1 where it is not given.
+    scale: what counts as one, of outputs (tolerances), disturbances and states, 1 where it is not given. ValueError for
+    names that the model does not have, where its fastest mode needs more than 40,000 stretches, and where deviations
+    grow beyond the range of numbers.
 
     Sources: Green and Limebeer, "Linear Robust Control" (1995), sections 3.7 and 4.3; Seiler, Moore, Meissen, Arcak and
     Packard, "Finite horizon robustness analysis of LTV systems using integral quadratic constraints" (2019).
@@ -110,89 +102,78 @@ def finite_horizon(
     Example
     -------
     >>> along = plant.linearize_along(motion)
-    >>> horizon = finite_horizon(along, outputs=["tip_x", "tip_y"], disturbances=["tip_force_x", "tip_force_y"])
-    >>> print(horizon.words, horizon.energy.lower, horizon.energy.upper)
+    >>> horizon = finite_horizon(along, outputs=["tip_y"], disturbances=["tip_force_y"], limits={"tip_force_y": 2.0})
+    >>> print(horizon.words, horizon.l2.lower, horizon.l2.upper, horizon.bounded["tip_y"].upper)
     """
     model = require_instance("finite_horizon.model", model, LTVModel)
     seen = names(model.outputs) if outputs is None else require_names("finite_horizon.outputs", outputs)
+    known = (*model.disturbances, *model.inputs)
     pushing = (
-        model.disturbance_names if disturbances is None else require_names("finite_horizon.disturbances", disturbances)
+        model.disturbance_names
+        if disturbances is None
+        else require_names("finite_horizon.disturbances", disturbances, names(known), "disturbance or input")
     )
-    if not seen or not pushing:
-        word = "outputs" if not seen else "disturbances"
-        raise ValueError(f"finite_horizon.{word} = () must name one or more")
-    signals = tuple(
-        (*model.disturbances, *model.inputs)[index((*model.disturbances, *model.inputs), n, "disturbance or input")]
-        for n in pushing
-    )
+    for word, given in (("outputs", seen), ("disturbances", pushing)):
+        if not given:
+            raise ValueError(f"finite_horizon.{word} = () must name one or more")
+    signals = tuple(known[index(known, n, "disturbance or input")] for n in pushing)
     rows = rows_by_name(model, seen)
     shown = tuple((model.states + model.outputs)[k] for k in rows.at)
-    known = {*names(model.states), *names(shown), *names(signals)}
-    given = require_mapping("finite_horizon.scale", {} if scale is None else scale, sorted(known), "signal")
-    given = {n: require_number(f"finite_horizon.scale[{n!r}]", v, "positive") for n, v in given.items()}
-    sizes = {n: float(given.get(n, 1.0)) for n in known}
-    size = {
-        kind: np.array([sizes[s.name] for s in of]) for kind, of in (("z", shown), ("w", signals), ("x", model.states))
-    }
-    into, passed = _columns(model, signals)
-    direct = np.concatenate([rows.F, rows.D], axis=-1)[..., passed]
-    on = Stretches(
-        model,
-        into * size["w"],
-        rows.C / size["z"][:, None],
-        direct * size["w"] / size["z"][:, None],
-        shown,
-    )
-    energy = energy_gain(on)
-    tube, upper = reached.by_energy(on, reached.gramians(on))
-    bounded = reached.by_bounded(on)
-    start = _from_start(on, size["x"])
+    sizes = _by_name("scale", scale, {*names(model.states), *names(shown), *names(signals)})
+    most = _by_name("limits", limits, set(pushing))
+    w, z, x = (np.array([sizes[s.name] for s in of]) for of in (signals, shown, model.states))
+    direct = np.concatenate([rows.F, rows.D], axis=-1)[..., [known.index(s) for s in signals]]
+    on = Stretches(model, _into(model, signals) * w, rows.C / z[:, None], direct * w / z[:, None])
+    grown = amplification(on, x)
+    l2 = energy_gain(on)
+    furthest, upper = pushed_outputs.by_energy(on, pushed_outputs.gramians(on))
+    allowed = np.array([most[s.name] for s in signals])
+    bounded = pushed_outputs.by_bounded(on, allowed / w)
+
+    def by_energy(row: int, at: int, most_of: float) -> Gain:
+        worst, lower = pushed_outputs.worst_of_energy(on, at, row)
+        return Gain(lower * z[row], max(most_of, lower) * z[row], worst * w, float(on.t[at]))
+
+    def by_bound(row: int) -> Gain:
+        at = int(bounded[:, row].argmax())
+        worst, lower = pushed_outputs.worst_bounded(on, at, row, allowed / w)
+        return Gain(lower * z[row], max(bounded[at, row], lower) * z[row], worst * w, float(on.t[at]))
+
+    y = pushed_outputs.nominal(on, rows.at)
+    last, each = len(on.h), list(enumerate(names(shown)))
     return FiniteHorizon(
         t=on.t,
         outputs=shown,
         disturbances=signals,
-        sizes=sizes,
-        energy=energy,
-        by_energy=tube * size["z"],
-        by_bound=bounded * size["z"],
-        furthest=tuple(_by_energy(on, tube, upper, i, size) for i in range(on.nz)),
-        furthest_bounded=tuple(_by_bound(on, bounded, i, size) for i in range(on.nz)),
-        from_start=start * size["z"],
-        growth=amplification(on, size["x"]),
-        _stretches=on,
+        limits=most,
+        scale=sizes,
+        l2=Gain(l2.lower, l2.upper, l2.disturbance * w),
+        end={n: by_energy(i, last, float(furthest[-1, i]) if np.isfinite(upper[-1, i]) else np.inf) for i, n in each},
+        peak={n: by_energy(i, int(furthest[:, i].argmax()), float(upper[:, i].max())) for i, n in each},
+        bounded={n: by_bound(i) for i, n in each},
+        tube={n: y[:, i, None] + bounded[:, i, None] * z[i] * [-1.0, 1.0] for i, n in each},
+        from_start={n: a * z[i] for (i, n), a in zip(each, pushed_outputs.from_start(on, x).T, strict=True)},
+        amplification=grown,
+        _on=on,
     )
 
 
-def _columns(model: LTVModel, signals: Sequence[Signal]) -> tuple[Array, list[int]]:
-    """[E, B] of the named disturbances and inputs (nt, nx, nw), and where they stand in it."""
-    at = [index((*model.disturbances, *model.inputs), s.name, "disturbance or input") for s in signals]
-    return np.concatenate([model.E, model.B], axis=-1)[..., at], at
+def _by_name(word: str, given: Mapping[str, float] | None, known: set[str]) -> dict[str, float]:
+    found = require_mapping(f"finite_horizon.{word}", {} if given is None else given, sorted(known), "signal")
+    own = {n: float(require_number(f"finite_horizon.{word}[{n!r}]", v, "positive")) for n, v in found.items()}
+    return {n: own.get(n, 1.0) for n in sorted(known)}
 
 
-def _by_energy(on: Stretches, tube: Array, upper: Array, row: int, size: Mapping[str, Array]) -> Furthest:
-    at = int(tube[:, row].argmax())
-    worst, lower = reached.worst_of_energy(on, at, row)
-    unit = float(size["z"][row])
-    return Furthest(on.named[row], lower * unit, float(upper[:, row].max()) * unit, float(on.t[at]), worst * size["w"])
+def _into(model: LTVModel, signals: Sequence[Signal]) -> Array:
+    """[E, B] of the named disturbances and inputs, (nt, nx, nw)."""
+    known = (*model.disturbances, *model.inputs)
+    return np.concatenate([model.E, model.B], axis=-1)[..., [known.index(s) for s in signals]]
 
 
-def _by_bound(on: Stretches, most: Array, row: int, size: Mapping[str, Array]) -> Furthest:
-    at = int(most[:, row].argmax())
-    worst, lower, upper = reached.worst_bounded(on, at, row)
-    unit = float(size["z"][row])
-    return Furthest(on.named[row], lower * unit, upper * unit, float(on.t[at]), worst * size["w"])
-
-
-def _from_start(on: Stretches, sizes: Array) -> Array:
-    """|c_i Phi(t, 0) X| at the ends of stretches (m + 1, nz)."""
-    Phi, C = on.held[0], on.nodes[2]
-    moved, found = np.diag(sizes), np.zeros((len(on.t), on.nz))
-    found[0] = np.linalg.norm(C[0] @ moved, axis=1)
-    for k in range(len(Phi)):
-        moved = Phi[k] @ moved
-        found[k + 1] = np.linalg.norm(C[k + 1] @ moved, axis=1)
-    return found
-
-
-def _not_negative(owner: str, name: str, value: Any) -> float:
+def _not_negative(owner: str, name: str, value: float) -> float:
     return float(require_number(f"{owner}[{name!r}]", value, "nonnegative"))
+
+
+def _of(unit: str) -> str:
+    """A unit behind a number."""
+    return f" {unit}" if unit else ""

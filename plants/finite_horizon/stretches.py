@@ -16,10 +16,10 @@ from functools import cached_property
 
 import numpy as np
 
-from pliant.plants.core.signals import GAUSS, Signal
+from pliant.plants.core.signals import GAUSS
 from pliant.plants.linear import magnus
 from pliant.plants.linear.even_units import even_expm
-from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.linear.ltv import LTVModel, held_steps, splined
 
 Array = np.ndarray
 ACROSS = 0.5  # |eigenvalue| of A times a stretch, at most
@@ -29,8 +29,8 @@ FEWEST, MOST = 400, 40_000  # stretches
 class Stretches:
     """Of `model`, from columns `into` (nt, nx, nw) and rows `seen`, `direct` (nt, nz, nx), (nt, nz, nw)."""
 
-    def __init__(self, model: LTVModel, into: Array, seen: Array, direct: Array, named: tuple[Signal, ...]) -> None:
-        self.model, self.named = model, named
+    def __init__(self, model: LTVModel, into: Array, seen: Array, direct: Array) -> None:
+        self.model = model
         parts = self._parts(model)
         t = model.t
         self.parts = parts
@@ -38,7 +38,7 @@ class Stretches:
         self.h = np.diff(self.t)
         gauss = (self.t[:-1, None] + self.h[:, None] * GAUSS).ravel()
         self._values = model.A, into, seen, direct
-        at_gauss = [_between(t, a, gauss).reshape(len(self.h), 2, *a.shape[1:]) for a in self._values]
+        at_gauss = [splined(t, a, gauss).reshape(len(self.h), 2, *a.shape[1:]) for a in self._values]
         self.A, self.E, self.C, self.F = at_gauss
         self.n, self.nw, self.nz = self.A.shape[-1], into.shape[-1], seen.shape[-2]
 
@@ -59,35 +59,26 @@ class Stretches:
     @cached_property
     def nodes(self) -> tuple[Array, Array, Array, Array]:
         """A, E, C, F at the ends of stretches, (n + 1, ..)."""
-        found = tuple(_between(self.model.t, a, self.t) for a in self._values)
+        found = tuple(splined(self.model.t, a, self.t) for a in self._values)
         return found[0], found[1], found[2], found[3]
 
     @cached_property
     def held(self) -> tuple[Array, Array]:
         """Phi (m, n, n), Gamma (m, n, nw)."""
-        N = np.concatenate([self.A, self.E], axis=-1)
-        Omega = np.zeros((len(self.h), N.shape[-1], N.shape[-1]))
-        Omega[:, : self.n] = magnus.exponent(N, self.h)
-        P = even_expm(Omega)
-        return P[:, : self.n, : self.n], P[:, : self.n, self.n :]
+        return held_steps(self.A, self.E, self.h)
 
     @cached_property
-    def reached(self) -> Array:
+    def gramians(self) -> Array:
         """W (m, n, n)."""
-        n, EE = self.n, self.E @ _t(self.E)
-        H = np.zeros((len(self.h), 2, 2 * n, 2 * n))
-        H[..., :n, :n], H[..., :n, n:], H[..., n:, n:] = -self.A, EE, _t(self.A)
-        return _cost(magnus.exponent(H, self.h), n)
+        return magnus.reached(self.A, self.E @ _t(self.E), self.h)
 
     @cached_property
-    def seen(self) -> Array:
+    def costs(self) -> Array:
         """Q (m, n + nw, n + nw)."""
         k = self.n + self.nw
         whole, out = np.zeros((len(self.h), 2, k, k)), np.concatenate([self.C, self.F], axis=-1)
         whole[..., : self.n, :] = np.concatenate([self.A, self.E], axis=-1)
-        H = np.zeros((len(self.h), 2, 2 * k, 2 * k))
-        H[..., :k, :k], H[..., :k, k:], H[..., k:, k:] = -_t(whole), _t(out) @ out, whole
-        return _cost(magnus.exponent(H, self.h), k)
+        return magnus.costed(whole, _t(out) @ out, self.h)[1]
 
     def hamiltonian(self, gain: float) -> Array:
         """Transitions (m, 2n, 2n), backward over each stretch, of the Riccati equation of the bounded real lemma."""
@@ -113,22 +104,3 @@ class Stretches:
 
 def _t(M: Array) -> Array:
     return np.swapaxes(M, -1, -2)
-
-
-def _cost(Omega: Array, n: int) -> Array:
-    """The integral that `magnus.with_cost` gives, symmetric."""
-    N, M, F = Omega[:, :n, :n], Omega[:, :n, n:], Omega[:, n:, n:]
-    _, cost = magnus.with_cost(F, M, N, magnus.halvings(F))
-    return (cost + _t(cost)) / 2
-
-
-def _between(t: Array, values: Array, at: Array) -> Array:
-    """Cubic splines of values (nt, ..) at the times; what does not vary stays as it is to the last bit."""
-    from scipy.interpolate import CubicSpline
-
-    flat = values.reshape(len(t), -1)
-    vary = np.ptp(flat, axis=0) > 0
-    found = np.repeat(flat[:1], len(at), axis=0)
-    if vary.any():
-        found[:, vary] = CubicSpline(t, flat[:, vary])(at)
-    return found.reshape(len(at), *values.shape[1:])

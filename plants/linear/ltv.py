@@ -131,7 +131,7 @@ class LTVModel(ModelSignals):
         if callable(du) or callable(dw):
             A, B, E, c = self._gauss
             c = c + np.einsum("kgij,kgj->kgi", B, ug) + np.einsum("kgij,kgj->kgi", E, wg)
-            Phi, held = _magnus(A, c[..., None], np.diff(self.t))
+            Phi, held = held_steps(A, c[..., None], np.diff(self.t))
             push = held[..., 0]
         else:
             Phi, B, E, c = self._steps[:4]
@@ -151,31 +151,22 @@ class LTVModel(ModelSignals):
     @cached_property
     def _gauss(self) -> tuple[np.ndarray, ...]:
         """A, B, E, c at the Gauss points of each interval, (nt-1, 2, ...), by cubic splines."""
-        from scipy.interpolate import CubicSpline
-
         at = (self.t[:-1, None] + np.diff(self.t)[:, None] * GAUSS).ravel()
-        found = []
-        for values in (self.A, self.B, self.E, self.c):
-            flat = values.reshape(len(self.t), -1)
-            vary = np.ptp(flat, axis=0) > 0
-            fine = np.repeat(flat[:1], len(at), axis=0)
-            if vary.any():
-                fine[:, vary] = CubicSpline(self.t, flat[:, vary])(at)
-            found.append(fine.reshape(len(self.t) - 1, 2, *values.shape[1:]))
-        return tuple(found)
+        found = (splined(self.t, values, at) for values in (self.A, self.B, self.E, self.c))
+        return tuple(a.reshape(len(self.t) - 1, 2, *a.shape[1:]) for a in found)
 
     @cached_property
     def _steps(self) -> DiscreteLTV:
         A, B, E, c = self._gauss
         m, k = B.shape[-1], E.shape[-1]
-        Phi, held = _magnus(A, np.concatenate([B, E, c[..., None]], axis=-1), np.diff(self.t))
+        Phi, held = held_steps(A, np.concatenate([B, E, c[..., None]], axis=-1), np.diff(self.t))
         parts = (Phi, held[..., :m], held[..., m : m + k], held[..., -1])
         for part in (Phi, held, *parts):
             part.setflags(write=False)
         return DiscreteLTV(*parts, self.C, self.D, self.F)
 
 
-def _magnus(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def held_steps(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """e^Omega over each step h (m,) of dx/dt = A x + G v, v constant; A (m, 2, nx, nx), G (m, 2, nx, nv).
 
     Returns Phi (m, nx, nx) and the response to v, (m, nx, nv).
@@ -186,3 +177,15 @@ def _magnus(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np
     Omega[:, :n] = exponent(N, h)
     P = even_expm(Omega)
     return P[:, :n, :n], P[:, :n, n:]
+
+
+def splined(t: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Cubic splines through values (nt, ..) at the times `at` (m,): (m, ..); what does not vary stays as it is."""
+    from scipy.interpolate import CubicSpline
+
+    flat = values.reshape(len(t), -1)
+    vary = np.ptp(flat, axis=0) > 0
+    found = np.repeat(flat[:1], len(at), axis=0)
+    if vary.any():
+        found[:, vary] = CubicSpline(t, flat[:, vary])(at)
+    return found.reshape(len(at), *values.shape[1:])

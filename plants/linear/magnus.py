@@ -9,11 +9,14 @@ steps     Magnus expansion of order six on three Gauss points (Blanes, Casas, Ot
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 from pliant.plants.core.imports import linalg
+
+from .even_units import even_units
 
 GAUSS3 = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])  # three-point Gauss-Legendre nodes on [0, 1]
 TAYLOR = [1.0 / math.factorial(k) for k in range(13)]
@@ -104,3 +107,52 @@ def with_cost(F: np.ndarray, M: np.ndarray, N: np.ndarray, j: int) -> tuple[np.n
     for _ in range(j):
         cost, step = cost + np.swapaxes(step, -1, -2) @ cost @ step, step @ step
     return step, cost
+
+
+def costed(F: np.ndarray, M: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The transitions of dz/dt = F z over steps h (m,) and the integrals of z'M z as forms of z at the start of each.
+
+    F (m, 2, n, n) at two Gauss points, M (n, n) or (m, 2, n, n), symmetric: (m, n, n) each, and the even units (n,) in
+    which they were found, so that they do not depend on those that z is in.
+    """
+    n = F.shape[-1]
+    sight = np.abs(np.diagonal(M, axis1=-2, axis2=-1)).reshape(-1, n).max(axis=0)
+    unit = even_units(F, np.zeros(n), sight)
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    big = np.zeros((*F.shape[:2], 2 * n, 2 * n))
+    big[:, :, n:, n:], big[:, :, :n, n:] = F * ratio, M * weight
+    big[:, :, :n, :n] = -big[:, :, n:, n:].swapaxes(-1, -2)
+    Omega = exponent(big, h)
+    step, cost = with_cost(Omega[:, n:, n:], Omega[:, :n, n:], Omega[:, :n, :n], halvings(Omega[:, n:, n:]))
+    return step / ratio, (cost + cost.swapaxes(-1, -2)) / 2 / weight, unit
+
+
+def reached(A: np.ndarray, drive: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """The integrals (m, n, n) of Phi(end, s) drive Phi(end, s)' over steps h (m,) of dz/dt = A z (Van Loan 1978): the
+    Gramian of what a drive E E' reaches, the covariance that white noise leaves. A, drive (m, 2, n, n) at Gauss points.
+    """
+    n = A.shape[-1]
+    reach = np.abs(np.diagonal(drive, axis1=2, axis2=3)).max(axis=(0, 1), initial=0.0)
+    unit = even_units(A, reach, np.zeros(n))
+    ratio, weight = unit[None, :] / unit[:, None], unit[:, None] * unit
+    big = np.zeros((*A.shape[:2], 2 * n, 2 * n))
+    big[:, :, :n, :n], big[:, :, :n, n:] = A * ratio, drive / weight
+    big[:, :, n:, n:] = -big[:, :, :n, :n].swapaxes(-1, -2)
+    Omega = exponent(big, h)
+    own = Omega[:, :n, :n]
+    _, found = with_cost(own.swapaxes(-1, -2), Omega[:, :n, n:], -own, halvings(own))
+    return (found + found.swapaxes(-1, -2)) / 2 * weight
+
+
+def consecutive(blocks: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """(length, products, logs) for each length from one: the products of so many consecutive blocks (m, n, n), from
+    each that has as many behind it, divided by e^logs, so that none overflows.
+    """
+    now, logs = blocks, np.zeros(len(blocks))
+    for length in range(1, len(blocks) + 1):
+        if length > 1:
+            now, logs = blocks[length - 1 :] @ now[:-1], logs[:-1]
+        size = np.abs(now).max(axis=(1, 2))
+        size = np.where(size > 0, size, 1.0)
+        now, logs = now / size[:, None, None], logs + np.log(size)
+        yield length, now, logs

@@ -136,18 +136,11 @@ def compounds(Phi: np.ndarray) -> bool:
     blocks = magnus.grouped(Phi, edges)
     count = len(blocks)
     logs = np.full((count + 1, count + 1), -np.inf)  # ln |Phi| from block a to block b
-    now, power = blocks.copy(), np.zeros(count)
-    for length in range(1, count + 1):
-        if length > 1:
-            now = blocks[length - 1 :] @ now[: count - length + 1]
-            power = power[: count - length + 1]
-        size = np.abs(now).max(axis=(1, 2))
-        size = np.where(size > 0, size, 1.0)
-        now, power = now / size[:, None, None], power + np.log(size)
-        start = np.arange(len(now))
+    for length, products, power in magnus.consecutive(blocks):
+        start = np.arange(len(products))
         with np.errstate(divide="ignore"):
-            logs[start, start + length] = np.log(np.linalg.norm(now, 2, axis=(1, 2))) + power
-    unipotent = np.abs(np.linalg.eigvals(now[0] * np.exp(min(power[0], 600.0))) - 1).max() < UNIPOTENT
+            logs[start, start + length] = np.log(np.linalg.norm(products, 2, axis=(1, 2))) + power
+    unipotent = np.abs(np.linalg.eigvals(products[0] * np.exp(min(power[0], 600.0))) - 1).max() < UNIPOTENT
     if unipotent:
         return False
     for begin in range(count - 3):

@@ -102,10 +102,11 @@ def stability_calls() -> list[Call]:
         ),
         Call(
             "stability.finite_horizon",
-            lambda **k: stability.finite_horizon(**k).energy.lower,
+            lambda **k: stability.finite_horizon(**k).l2.lower,
             model
             | {"outputs": Names(("x1", "x2"), none=True), "disturbances": Names(("u1",))}
-            | {"scale": ByName({"x1": 0.5}, low=0.0, open=True, none=True)},
+            | {"scale": ByName({"x1": 0.5}, low=0.0, open=True, none=True)}
+            | {"limits": ByName({"u1": 0.5}, low=0.0, open=True, none=True)},
             {"disturbances": ("u1",)},
             compare=False,
         ),

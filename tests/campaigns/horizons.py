@@ -29,8 +29,8 @@ def run(seed: int) -> dict[str, Any]:
         return np.asarray(model.simulate(start, None, w)[1])
 
     missed = 0.0
-    for push in (*found.furthest, *found.furthest_bounded):
-        at, row = int(np.flatnonzero(model.t == push.time)[0]), model.output_names.index(push.output.name)
+    for name, push in (*found.peak.items(), *found.end.items(), *found.bounded.items()):
+        at, row = int(np.flatnonzero(model.t == push.time)[0]), model.output_names.index(name)
         missed = max(missed, abs(played(push.disturbance)[at, row] / push.lower - 1))
     beyond = 0.0
     for k in range(20):
@@ -40,13 +40,13 @@ def run(seed: int) -> dict[str, Any]:
         small = w / np.sqrt((np.square(w[:-1]) * h).sum())
         z = played(np.vstack([small[:-1], np.zeros((1, w.shape[1]))]))
         direct = np.abs(model.F).max(axis=(0, 2)) > 0
-        for i, push in enumerate(found.furthest):
+        for i, push in enumerate(found.peak.values()):
             beyond = max(beyond, 0.0 if direct[i] else float(np.abs(z[:, i]).max() / push.upper))
         z = played(w / np.abs(w).max())
-        beyond = max(beyond, max(float(np.abs(z[:, i]).max() / p.upper) for i, p in enumerate(found.furthest_bounded)))
-    gaps = [p.upper / p.lower - 1 for p in found.furthest_bounded]
-    gaps += [p.upper / p.lower - 1 for p in found.furthest if np.isfinite(p.upper)]
-    row = {"seed": seed, "states": model.A.shape[1], "gap": found.energy.gap, "widest": max(gaps)}
+        beyond = max(beyond, max(float(np.abs(z[:, i]).max() / p.upper) for i, p in enumerate(found.bounded.values())))
+    pushed = (*found.bounded.values(), *found.peak.values(), *found.end.values())
+    gaps = [p.upper / p.lower - 1 for p in pushed if np.isfinite(p.upper)]
+    row = {"seed": seed, "states": model.A.shape[1], "gap": found.l2.gap, "widest": max(gaps)}
     wrong = missed > MET or beyond > 1.0 or not row["gap"] <= 0.01 or row["widest"] > 0.01
     seconds = round(time.perf_counter() - began, 3)
     return {**row, "missed": missed, "beyond": beyond, "wrong": bool(wrong), "seconds": seconds}

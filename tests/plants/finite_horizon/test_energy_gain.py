@@ -14,7 +14,7 @@ def test_a_first_order_lag_has_its_closed_form(a, span):
     """dx/dt = -a x + w, z = x: the worst w makes x = sin(omega t), tan(omega T) = -omega/a, g^-2 = a^2 + omega^2."""
     omega = brentq(lambda o: o * np.cos(o * span) + a * np.sin(o * span), 1e-6, np.pi / span)
     wanted = (a**2 + omega**2) ** -0.5
-    found = finite_horizon(constant([[-a]], [[1.0]], [[1.0]], span)).energy
+    found = finite_horizon(constant([[-a]], [[1.0]], [[1.0]], span)).l2
     assert found.lower <= wanted * (1 + 1e-9) <= found.upper * (1 + 1e-9)
     assert found.lower == pytest.approx(wanted, rel=1e-4) and found.gap < 0.01
 
@@ -24,7 +24,7 @@ def test_over_a_long_time_it_is_the_h_infinity_norm():
     d, omega = 0.2, 3.0
     A, E, C = [[0.0, 1.0], [-(omega**2), -2 * d * omega]], [[0.0], [omega**2]], [[1.0, 0.0]]
     wanted = 1 / (2 * d * np.sqrt(1 - d**2))
-    found = [finite_horizon(constant(A, E, C, span)).energy for span in (4.0, 16.0, 64.0)]
+    found = [finite_horizon(constant(A, E, C, span)).l2 for span in (4.0, 16.0, 64.0)]
     assert found[0].lower < found[1].lower < found[2].lower < wanted
     assert found[2].lower > 0.98 * wanted and found[2].gap < 0.01
 
@@ -32,7 +32,7 @@ def test_over_a_long_time_it_is_the_h_infinity_norm():
 def test_what_passes_through_counts():
     """z = w: the gain is one, and a static gain of two with it is three at most."""
     model = constant([[-1.0]], [[2.0]], [[1.0]], 50.0, F=[[1.0]])
-    found = finite_horizon(model).energy
+    found = finite_horizon(model).l2
     assert 2.99 < found.lower <= 3.0 + 1e-9 and found.gap < 0.01
 
 
@@ -40,8 +40,8 @@ def test_what_passes_through_counts():
 def test_bounds_meet_and_the_disturbance_attains_the_lower(seed):
     model = random_ltv(seed)
     found = finite_horizon(model)
-    w = found.energy.disturbance[:-1]
-    assert found.energy.gap < 0.01
+    w = found.l2.disturbance[:-1]
+    assert found.l2.gap < 0.01
     np.testing.assert_array_equal(found.t, model.t)
     h = np.diff(model.t)
     assert (np.square(w) * h[:, None]).sum() == pytest.approx(1.0, rel=1e-9)
@@ -50,16 +50,16 @@ def test_bounds_meet_and_the_disturbance_attains_the_lower(seed):
     jumps = np.einsum("kij,kj->ki", model.F[1:], w - np.vstack([w[1:], w[-1:]]))
     after, before = fine[:-1], fine[1:] + jumps
     energy = (h / 2 * (np.square(after).sum(axis=1) + np.square(before).sum(axis=1))).sum()
-    assert np.sqrt(energy) == pytest.approx(found.energy.lower, rel=2e-4)
+    assert np.sqrt(energy) == pytest.approx(found.l2.lower, rel=2e-4)
 
 
 def test_no_gain_below_the_lower_is_shown():
     """The Riccati equation runs away before the start where the gain is larger."""
     on = finite_horizon(random_ltv(3))
-    assert bounds(on._stretches, 1.01 * on.energy.lower)
-    assert not any(bounds(on._stretches, part * on.energy.lower) for part in (0.99, 0.9, 0.5, 0.1))
+    assert bounds(on._on, 1.01 * on.l2.lower)
+    assert not any(bounds(on._on, part * on.l2.lower) for part in (0.99, 0.9, 0.5, 0.1))
 
 
 def test_an_output_that_nothing_moves():
-    found = finite_horizon(constant([[0.0, 0.0], [0.0, -1.0]], [[1.0], [0.0]], [[0.0, 1.0]], 1.0)).energy
+    found = finite_horizon(constant([[0.0, 0.0], [0.0, -1.0]], [[1.0], [0.0]], [[0.0, 1.0]], 1.0)).l2
     assert found.lower == 0.0

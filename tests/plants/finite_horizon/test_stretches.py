@@ -13,14 +13,14 @@ C, F = np.array([[1.0, 0.3], [0.0, 2.0]]), np.array([[0.0], [0.7]])
 
 
 def stretches(model):
-    return finite_horizon(model)._stretches
+    return finite_horizon(model)._on
 
 
 def test_what_unit_energy_reaches():
     on = stretches(constant(A, E, C, 80.0, F))  # stretches of 0.2 s
     h = on.h[0]
     wanted = quad_vec(lambda s: expm(A * s) @ E @ E.T @ expm(A * s).T, 0.0, h)[0]
-    np.testing.assert_allclose(on.reached[0], wanted, rtol=1e-12)
+    np.testing.assert_allclose(on.gramians[0], wanted, rtol=1e-12)
 
 
 def test_the_energy_of_outputs_over_a_stretch():
@@ -28,7 +28,7 @@ def test_the_energy_of_outputs_over_a_stretch():
     whole, out = np.zeros((3, 3)), np.hstack([C, F])
     whole[:2] = np.hstack([A, E])
     wanted = quad_vec(lambda s: expm(whole * s).T @ out.T @ out @ expm(whole * s), 0.0, on.h[0])[0]
-    np.testing.assert_allclose(on.seen[0], wanted, rtol=1e-12)
+    np.testing.assert_allclose(on.costs[0], wanted, rtol=1e-12)
 
 
 def test_stretches_resolve_the_fastest_mode():

@@ -2,7 +2,7 @@
 
 Of unit energy       |z_i(t)| <= sqrt(c_i W(t) c_i'), W the Gramian of what is reached; the disturbance that attains it
                      is w(s) = E(s)' Phi(t, s)' c_i' / sqrt(..)
-Bounded, |w_j| <= 1  |z_i(t)| <= integral of |c_i Phi(t, s) E_j(s)| over s, attained by its signs
+Bounded, |w_j| <= l_j  |z_i(t)| <= sum of l_j times the integral of |c_i Phi(t, s) E_j(s)| over s, attained by its signs
 White, of unit intensity, and a start of covariance P0: the standard deviation sqrt(c_i (W + Phi P0 Phi') c_i')
 """
 
@@ -10,15 +10,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from pliant.plants.linear.ltv import splined
+
 from .stretches import ACROSS, Stretches
 
 Array = np.ndarray
 BETWEEN = np.linspace(0.0, 1.0, 9)  # parts of a stretch
+CURVED = ACROSS**2 / 8  # of its height, that a swing may be off the straight line between the ends of a stretch
+NEAR = 4  # stretches that hold a quarter of the fastest swing
 
 
 def gramians(on: Stretches, start: Array | None = None) -> Array:
     """W (m + 1, n, n) at the ends of stretches; `start` (n, n): its value at the first."""
-    Phi, step = on.held[0], on.reached
+    Phi, step = on.held[0], on.gramians
     W = np.zeros((len(on.h) + 1, on.n, on.n))
     if start is not None:
         W[0] = start
@@ -77,33 +81,63 @@ def worst_of_energy(on: Stretches, at: int, row: int) -> tuple[Array, float]:
     return (found / size if size > 0 else found), size
 
 
-def worst_bounded(on: Stretches, at: int, row: int) -> tuple[Array, float, float]:
-    """The disturbance (m + 1, nw), of 1 and -1, that pushes z_row furthest at t[at]; how far; at most how far.
-
-    Where the effect changes its sign within a stretch, holding loses something: the integral of the modulus, by
-    Simpson's rule, is the bound.
-    """
-    later, Gamma, E = backward(on, at, row), on.held[1], on.nodes[1]
-    found, through = np.zeros((len(on.t), on.nw)), on.nodes[3][at, row]
+def worst_bounded(on: Stretches, at: int, row: int, limits: Array) -> tuple[Array, float]:
+    """The disturbance (m + 1, nw) of +-limits (nw,) that pushes z_row furthest at t[at]; how far."""
+    later, Gamma, through = backward(on, at, row), on.held[1], on.nodes[3][at, row]
     effect = np.einsum("ki,kij->kj", later[1:], Gamma[:at])
-    found[at] = np.where(through < 0, -1.0, 1.0)
-    found[:at] = np.where(effect < 0, -1.0, 1.0)
-    ends = np.einsum("ki,kij->kj", later, E[: at + 1])  # c Phi(t, s) E(s) at the ends
-    h = on.h[:at, None]
-    change = (ends[1:] * ends[:-1]) < 0
-    crossing = (np.square(ends[1:]) + np.square(ends[:-1])) / (2 * np.maximum(np.abs(ends[1:] - ends[:-1]), 1e-300)) * h
-    most = np.where(change, np.maximum(np.abs(effect), crossing), np.abs(effect)).sum()
-    passed = np.abs(through).sum()
-    return found, float(np.abs(effect).sum() + passed), float(most + passed)
+    found = np.zeros((len(on.t), on.nw))
+    found[:at], found[at] = np.where(effect < 0, -1.0, 1.0), np.where(through < 0, -1.0, 1.0)
+    return found * limits, float((np.abs(effect).sum(axis=0) + np.abs(through)) @ limits)
 
 
-def by_bounded(on: Stretches) -> Array:
-    """The most (m + 1, nz) that |z_i| can be at each end of a stretch, |w_j| <= 1 and held over stretches."""
-    (Phi, Gamma), (_, _, C, F) = on.held, on.nodes
-    m, n, nw = len(on.h), on.n, on.nw
-    moved, found = np.zeros((n, m * nw)), np.abs(F).sum(axis=2)
+def by_bounded(on: Stretches, limits: Array) -> Array:
+    """At most how far |z_i| can be at each end of a stretch (m + 1, nz) where |w_j| <= limits (nw,).
+
+    Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the integral of its modulus is that of itself. Where it
+    does not, or may not, the straight line between its ends serves, with what the second derivative may add.
+    """
+    (Phi, Gamma), (_, E, C, F) = on.held, on.nodes
+    m, n, nw, h = len(on.h), on.n, on.nw, on.h[:, None]
+    held, ends, found = np.zeros((n, m, nw)), np.zeros((n, m + 1, nw)), np.abs(F) @ limits
+    ends[:, 0] = E[0]
     for k in range(m):
-        moved[:, : k * nw] = Phi[k] @ moved[:, : k * nw]
-        moved[:, k * nw : (k + 1) * nw] = Gamma[k]
-        found[k + 1] += np.abs(C[k + 1] @ moved[:, : (k + 1) * nw]).sum(axis=1)
+        held[:, :k] = np.tensordot(Phi[k], held[:, :k], 1)
+        ends[:, : k + 1] = np.tensordot(Phi[k], ends[:, : k + 1], 1)
+        held[:, k], ends[:, k + 1] = Gamma[k], E[k + 1]
+        whole = np.abs(np.tensordot(C[k + 1], held[:, : k + 1], 1))  # (nz, k + 1, nw)
+        f = np.tensordot(C[k + 1], ends[:, : k + 2], 1)
+        size = np.abs(f)
+        a, b, curved = size[:, :-1], size[:, 1:], CURVED * _about(size)
+        crosses = (f[:, :-1] * f[:, 1:] < 0) | (np.minimum(a, b) <= curved)
+        line = (a**2 + b**2) / (2 * np.maximum(a + b, np.finfo(float).tiny)) + curved
+        most = np.where(crosses, np.maximum(whole, h[: k + 1] * line), whole)
+        found[k + 1] += most.sum(axis=1) @ limits
     return found
+
+
+def _about(f: Array) -> Array:
+    """The largest of f (nz, k + 1, nw) within NEAR ends of a stretch, the height of its swing, (nz, k, nw)."""
+    found = np.maximum(f[:, :-1], f[:, 1:])
+    for _ in range(NEAR):
+        wider = found.copy()
+        wider[:, 1:] = np.maximum(wider[:, 1:], found[:, :-1])
+        wider[:, :-1] = np.maximum(wider[:, :-1], found[:, 1:])
+        found = wider
+    return found
+
+
+def from_start(on: Stretches, sizes: Array) -> Array:
+    """|c_i Phi(t, 0) X| at the ends of stretches (m + 1, nz), X = diag(sizes)."""
+    Phi, C = on.held[0], on.nodes[2]
+    moved, found = np.diag(sizes), np.zeros((len(on.t), on.nz))
+    found[0] = np.linalg.norm(C[0] @ moved, axis=1)
+    for k in range(len(Phi)):
+        moved = Phi[k] @ moved
+        found[k + 1] = np.linalg.norm(C[k + 1] @ moved, axis=1)
+    return found
+
+
+def nominal(on: Stretches, rows: list[int]) -> Array:
+    """The nominal's states and outputs of these rows of [x; y] at the ends of stretches, (m + 1, nz)."""
+    model = on.model
+    return splined(model.t, np.concatenate([model.x, model.y], axis=1)[:, rows], on.t)
