@@ -177,6 +177,7 @@ class MPC:
         if self._knowledge is not None:
             self._knowledge.reset()
         self.plan.forget()
+        self._shift[:] = 0.0
         self._at, self._multipliers = NEVER, self._shift
 
     def aim(self, values: Mapping[str, float]) -> None:
