@@ -20,7 +20,7 @@ FLOOR = 1e-6  # of the largest energy, below which the picture does not go
 
 @styled
 def slews_picture(slews: Sequence[Slew], way: str) -> Figure:
-    """way: the state or output that the turn brings to its goal. Time [s] along x; each slew in its own colour."""
+    """way: the state or output that the turn brings to its goal. Time [s] along x; a colour a slew, in turn."""
     found = require_all("slews_picture.slews", slews, Slew)
     if not found:
         raise ValueError("slews_picture.slews = () must hold at least one Slew")
