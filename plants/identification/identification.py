@@ -91,7 +91,7 @@ class Identification(OwnsArrays):
 
     def rows(self) -> list[tuple[str, ...]]:
         """A row a parameter, as text under COLUMNS."""
-        found = []
+        found: list[tuple[str, ...]] = []
         for name, value in self.values.items():
             low, high = self.intervals[name]
             span = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
