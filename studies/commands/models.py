@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,6 +11,7 @@ import typer
 from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Trajectory, ValidityWarning
+from pliant.plants.identification.identification import COLUMNS
 from pliant.plants.validity.ranges import in_words
 from pliant.studies.closed_loop.closed_loop import regulator
 from pliant.studies.common.operating_point import words
@@ -145,13 +145,8 @@ def identify(
     if as_json:
         print_json(scene_data.table(chosen, data, found))
         return
-    rows = []
-    for name, value in found.values.items():
-        low, high = found.intervals[name]
-        claimed = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
-        rows.append((name, found.units[name], f"{value:.6g}", f"{found.standard_errors[name]:.3g}", claimed))
     levels_found = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
     caption = f"{chosen.plant.label}; {found.samples} samples; noise {levels_found}; {found.stats['seconds']:.3g} s"
-    show(chosen.name, ("parameter", "unit", "value", "standard error", "95 % interval"), rows, caption=caption)
+    show(chosen.name, COLUMNS, found.rows(), caption=caption)
     for remark in found.remarks:
         say(f"{remark[0].upper()}{remark[1:]}.")
