@@ -116,7 +116,7 @@ def law_code(what: Any, prefix: str, precision: str) -> Law:
     if isinstance(what, NMPC):
         raise ValueError(
             "export_c: NMPC has no C form, its program is made anew from the plant at each sample; give MPC.along a "
-            "motion that it planned (NMPC.solve), or a Policy"
+            "motion of `plan` or `optimal` (MPC.for_scene(scene, nominal=..)), or a Policy"
         )
     raise ValueError(
         f"export_c: {type(what).__name__} has no C form; give LQR, LQG, TVLQR, MPC, PD, ComputedTorque, Policy, "

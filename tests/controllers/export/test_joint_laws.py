@@ -1,0 +1,42 @@
+"""PD and computed torque in C: closed loops beside `act`, and each profile of a motion beside its closed form."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from exported import answers_over_time, compiled, needs_compiler, run, same_loop
+
+from pliant.controllers import PD, ComputedTorque, Shaper
+from pliant.controllers.base.joint_reference import Follow, RestToRest, driven
+from pliant.controllers.export import export_c
+from pliant.plants.integration.minimum_jerk import PROFILES
+
+pytestmark = needs_compiler
+
+
+def test_a_shaped_pd_with_feedforward(tmp_path, reach, near_double) -> None:
+    same_loop(tmp_path, reach, PD.for_scene(reach, shape="zvd"), near_double)
+
+
+def test_computed_torque_along_samples(tmp_path, reach, near_double) -> None:
+    law = ComputedTorque.for_scene(reach)
+    samples = [law.reference(0.02 * k) for k in range(30)]  # it ends while it still moves, and goes on at that rate
+    follow = Follow(0.02, *(np.array(part) for part in zip(*samples)))
+    same_loop(tmp_path, reach, dataclasses.replace(law, reference=follow), near_double)
+
+
+@pytest.mark.parametrize("profile", sorted(PROFILES))
+def test_profiles(tmp_path, reach, profile) -> None:
+    """u is the reference's place for one joint and its rate for the other, before, within and after the motion."""
+    shaper = Shaper(np.array([0.0, 0.11]), np.array([0.6, 0.4]))
+    shaped = RestToRest([0.5, 0.0], [2.0, 1.0], 0.8, shaper, profile)
+    law = PD(
+        Kp=np.diag([1.0, 0.0]), Kd=np.diag([0.0, 1.0]), joints=driven(reach.plant), reference=shaped, u0=[0.0, 0.0]
+    )
+    times = np.linspace(-0.1, 1.1, 49)
+    files = [export_c(law, tmp_path / "law.c")[0], answers_over_time(tmp_path, law, times, np.zeros((49, 4)), 2)]
+    found = run(compiled(files, tmp_path / "answers"))
+    motion = PROFILES[profile]
+    parts = [0.6 * np.array(motion(float(t / 0.8))) + 0.4 * np.array(motion(float((t - 0.11) / 0.8))) for t in times]
+    way, rate = np.array(parts)[:, 0], np.array(parts)[:, 1] / 0.8
+    assert np.abs(found - np.stack([0.5 + 1.5 * way, rate], axis=1)).max() < 1e-13
