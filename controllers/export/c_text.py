@@ -150,9 +150,8 @@ def files(name: str, head: str, struct: str, declared: str, code: str, precision
     kind, suffix = PRECISIONS[precision]
     comment = "/* " + _printable(head.strip()).replace("\n", "\n * ") + "\n */\n"
     guard = f"{name.upper()}_H"
-    header = (
-        f"{comment}#ifndef {guard}\n#define {guard}\n\ntypedef {kind} {name}_real;\n\n{struct}{declared}\n#endif\n"
-    ).replace("REAL", f"{name}_real")
+    header = f"#ifndef {guard}\n#define {guard}\n\ntypedef {kind} {name}_real;\n\n{struct}{declared}\n#endif\n"
+    header = comment + re.sub(r"\bREAL\b", f"{name}_real", header)
     calls = "".join(f"#define {f.upper()} {f}{suffix}\n" for f in FUNCTIONS if re.search(rf"\b{f.upper()}\(", code))
     if "ADD_PRODUCT(" in code:
         code = re.sub(r"\bADD_PRODUCT\b", f"{name}_add_product", PRODUCT + "\n" + code)

@@ -142,12 +142,12 @@ def _limited(p: str, sizes: tuple[int, int, int, int], exact: bool, of: _Tables)
     m, nz, nu, size = sizes
     low, high = (of.entry(name, m) for name in ("low_rows", "high_rows"))
     body = (
-        "NAME_work *w = &s->work;\nint broken = 0, found;\n"
+        f"{p}_work *w = &s->work;\nint broken = 0, found;\n"
         + each("i", m, "w->d[i] = 0;")
         + added(m, size, "1", of.at("rows", m * size), "known", "w->d")
         + f"for (i = 0; i < {m}; i++) {{\n    w->lower[i] = {low} - w->d[i];\n    w->upper[i] = {high} - w->d[i];\n"
         "    if (w->lower[i] > 0 || w->upper[i] < 0) broken = 1;\n}\n"
-        "if (broken) {\n    found = NAME_qp(w, &q, w->lower, w->upper, 0, w->z);\n"
+        f"if (broken) {{\n    found = {p}_qp(w, &q, w->lower, w->upper, 0, w->z);\n"
     )
     if exact:
         body += f"""    for (i = 0; i < w->count && found == 1; i++)
@@ -156,13 +156,13 @@ def _limited(p: str, sizes: tuple[int, int, int, int], exact: bool, of: _Tables)
         REAL soft[{nz}];
         int hard;
         for (i = 0; i < {nz}; i++) soft[i] = w->z[i];
-        hard = NAME_qp(w, &q, w->lower, w->upper, 1, w->z);
+        hard = {p}_qp(w, &q, w->lower, w->upper, 1, w->z);
         if (hard != 1) {{
             for (i = 0; i < {m}; i++) {{
-                w->lower[i] -= {number(SLACK)} * (REAL)NAME_soft[i];
-                w->upper[i] += {number(SLACK)} * (REAL)NAME_soft[i];
+                w->lower[i] -= {number(SLACK)} * (REAL){p}_soft[i];
+                w->upper[i] += {number(SLACK)} * (REAL){p}_soft[i];
             }}
-            hard = NAME_qp(w, &q, w->lower, w->upper, 1, w->z);
+            hard = {p}_qp(w, &q, w->lower, w->upper, 1, w->z);
         }}
         if (hard != 1)
             for (i = 0; i < {nz}; i++) w->z[i] = soft[i];
@@ -171,4 +171,4 @@ def _limited(p: str, sizes: tuple[int, int, int, int], exact: bool, of: _Tables)
 """
     body += f"    if (found == 1) {added(nu, nz, '1', of.at('first', nu * nz), 'w->z', 'u').strip()}\n"
     body += "    else s->failures++;\n}\n"
-    return f"{{\n{indented(body)}}}\n".replace("NAME", p)
+    return f"{{\n{indented(body)}}}\n"

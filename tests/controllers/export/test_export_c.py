@@ -1,5 +1,6 @@
 """What is written as a whole: no warning of two compilers, no allocation, clean under sanitizers; refusals."""
 
+import numpy as np
 import pytest
 from exported import (
     SANITIZERS,
@@ -11,8 +12,22 @@ from exported import (
     strict_everywhere,
 )
 
-from pliant.controllers import LQG, LQR, MPC, NMPC, PD, TVLQR, ComputedTorque, Kalman, Policy, Predictive, plan
+from pliant.controllers import (
+    LQG,
+    LQR,
+    MPC,
+    NMPC,
+    PD,
+    TVLQR,
+    ComputedTorque,
+    Feedback,
+    Kalman,
+    Policy,
+    Predictive,
+    plan,
+)
 from pliant.controllers.export import export_c
+from pliant.plants import LinearModel
 
 LAWS = {
     "lqr": lambda s: LQR.for_scene(s, integral={"tip_x": 1.0, "tip_y": 1.0}),
@@ -93,3 +108,25 @@ def test_what_has_no_c_form_is_told(tmp_path, reach, what, options, word) -> Non
     with pytest.raises(ValueError, match=word):
         export_c(what(reach), **({"path": tmp_path / "law.c"} | options))
     assert not list(tmp_path.iterdir())
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ["REALITY", "MY_NAME_T", "SLACK"])
+def test_names_and_signals_that_templates_or_comments_could_mistake(tmp_path, name) -> None:
+    states = ("\u03b8\u2081 */ /* ??/", "b\u202e")
+    model = LinearModel.from_matrices(-np.eye(2), np.eye(2), states=states)
+    law = MPC.design(
+        model, np.eye(2), np.eye(2), dt=0.1, horizon=3, limits=(-1.0, 1.0), bounds={states[0]: (-1.0, 1.0)}
+    )
+    source, header = export_c(law, tmp_path / f"{name}.c")
+    strict_everywhere(source)
+    assert "y: \u03b8\u2081 * / / * ? ?/, b\\u202e" in header.read_text("utf-8")
+
+
+def test_a_file_that_cannot_stand_there_leaves_neither(tmp_path) -> None:
+    law = Feedback(np.eye(1), ("a",))
+    (tmp_path / "law.h").mkdir()
+    for path, said in ((tmp_path / "law.c", "a folder of this name"), (tmp_path / "no" / "law.c", "does not exist")):
+        with pytest.raises(OSError, match=said):
+            export_c(law, path)
+    assert [path.name for path in tmp_path.iterdir()] == ["law.h"]
