@@ -132,7 +132,7 @@ def _known(law: MPC, p: str, tracked: Parts) -> str:
 def _work(p: str, m: int, nz: int) -> str:
     """The struct in which programs are solved."""
     return (
-        f"typedef struct {{\n    int count, set[{m}];\n    signed char side[{m}], yields[{m}];\n"
+        f"typedef struct {{\n    int count, known, set[{m}];\n    signed char side[{m}], yields[{m}];\n"
         f"    REAL mu[{m}], d[{m}], dz[{nz}], z[{nz}], lower[{m}], upper[{m}], K[{m * (m + 1) // 2}];\n}} {p}_work;\n"
     )
 

@@ -7,7 +7,7 @@ optimum without rows. The row that is broken most joins with a growing multiplie
 their bounds; a multiplier that falls to zero leaves; that of a soft row which grows past w is that of a row which
 yields, mu = w + w c v. Each step raises the dual cost, so that no set comes again but by rounding. The method is that
 of "A numerically stable dual method for solving strictly convex quadratic programs" (Goldfarb and Idnani 1983), with
-the set's Gram matrix factorised anew at each step: the time of a step does not depend on the steps before. At the end
+the set's Gram matrix factorised row by row: rows before the first that left or yielded stay as they are. At the end
 the multipliers of the set are solved for once more, so that rounding of the steps does not add up, and every row is
 looked at: a plan that breaks one which does not yield is none.
 
@@ -25,11 +25,11 @@ PROGRAM = """typedef struct {
 } NAME_program;
 """
 
-QP = r"""/* Cholesky factor of a packed symmetric matrix, lower triangle by rows, in place; 0: it is not definite */
-static int NAME_factor(int n, REAL *K)
+QP = r"""/* Cholesky factor of a packed symmetric matrix, lower triangle by rows, in place, from row `first` on; 0: there is none */
+static int NAME_factor(int first, int n, REAL *K)
 {
     int i, j, k;
-    for (i = 0; i < n; i++) {
+    for (i = first; i < n; i++) {
         REAL *row = K + i * (i + 1) / 2;
         for (j = 0; j <= i; j++) {
             const REAL *other = K + j * (j + 1) / 2;
@@ -69,15 +69,17 @@ static REAL NAME_dot(int n, const REAL *a, const REAL *b)
 static int NAME_gram(NAME_work *w, const NAME_program *q)
 {
     const int nz = q->nz;
+    const int first = w->known;
     int i, j;
-    for (i = 0; i < w->count; i++)
+    for (i = first; i < w->count; i++)
         for (j = 0; j <= i; j++) {
             const int a = w->set[i], b = w->set[j];
             REAL sum = NAME_dot(nz, q->M + a * nz, q->M + b * nz) * (REAL)(w->side[a] * w->side[b]);
             if (i == j && w->yields[a]) sum += q->compliance;
             w->K[i * (i + 1) / 2 + j] = sum;
         }
-    return NAME_factor(w->count, w->K);
+    w->known = w->count;
+    return NAME_factor(first, w->count, w->K);
 }
 
 static void NAME_drop(NAME_work *w, int at)
@@ -88,6 +90,7 @@ static void NAME_drop(NAME_work *w, int at)
     w->mu[w->set[at]] = 0;
     for (i = at; i + 1 < w->count; i++) w->set[i] = w->set[i + 1];
     w->count--;
+    if (w->known > at) w->known = at;
 }
 
 /* z where all rows hold as far as they can; 1: found, 0: no z keeps the hard rows, -1: not found in so many rounds */
@@ -96,7 +99,7 @@ static int NAME_qp(NAME_work *w, const NAME_program *q, const REAL *lower, const
     const REAL *const M = q->M;
     const int nz = q->nz, rows = q->rows, rounds = 10 * (rows + nz);
     int i, k, round, p = -1;
-    w->count = 0;
+    w->count = w->known = 0; /* rows in the set, and of those in the factor */
     for (i = 0; i < rows; i++) {
         w->mu[i] = 0;
         w->side[i] = 0;
@@ -175,9 +178,11 @@ static int NAME_qp(NAME_work *w, const NAME_program *q, const REAL *lower, const
             w->set[w->count++] = p;
             p = -1;
         } else if (event == 1) w->yields[p] = 1;
-        else if (event == 2) w->yields[w->set[at]] = 0;
         else if (event == 3) NAME_drop(w, at);
-        else w->yields[w->set[at]] = 1;
+        else {
+            w->yields[w->set[at]] = event == 4;
+            if (w->known > at) w->known = at;
+        }
     }
     if (round == rounds || !NAME_gram(w, q)) return -1;
     for (i = 0; i < w->count; i++) {

@@ -1,6 +1,6 @@
-"""The MPC of a scene on a Cortex-M4F under qemu: the same inputs as here, how large it is, how long it takes.
+"""A controller of a scene on a Cortex-M4F under qemu: the same inputs as here, how large it is, how long it takes.
 
-    python examples/cortex_m4/deploy.py [--scene two-link-reach] [--horizon 20] [--folder FOLDER]
+    python examples/cortex_m4/deploy.py [--scene two-link-reach] [--law mpc] [--folder FOLDER]
 
 It exports the controller in single precision, records its readings in a closed loop here, builds both with `startup.c`,
 `main.c` and `cortex_m4.ld` by arm-none-eabi-gcc, runs them on qemu's MPS2 board with a Cortex-M4, and compares. qemu
@@ -18,17 +18,36 @@ from pathlib import Path
 
 import numpy as np
 
-from pliant.controllers import MPC, export_c
+from pliant.controllers import LQG, LQR, MPC, PD, ComputedTorque, Policy, export_c
 from pliant.envs import scenes
 
 HERE = Path(__file__).parent
-TOOLS = {"arm-none-eabi-gcc": "gcc-arm-none-eabi", "qemu-system-arm": "qemu-system-arm"}  # programs and their packages
+TOOLS = {  # programs and the packages that they are in
+    "arm-none-eabi-gcc": ("gcc-arm-none-eabi", "libnewlib-arm-none-eabi"),
+    "qemu-system-arm": ("qemu-system-arm",),
+}
 CPU = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
-STRICT = ("-std=gnu99", "-Wall", "-Wextra", "-Werror")  # the exported file itself is C99
+STRICT = ("-Wall", "-Wextra", "-Werror", "-O2", "-ffunction-sections", "-fdata-sections")
+OWN = (
+    "-std=c99",
+    "-pedantic",
+    "-fno-math-errno",
+    "-fstack-usage",
+)  # of the exported file; a square root is one instruction
 SHIFT = 6  # of -icount: an instruction takes 2^6 ns
 TICKS = 2**SHIFT * 25e6 / 1e9  # of the board's timer, 25 MHz, in an instruction
 LOOP = 20_000  # instructions of main.c's known loop
 PERIODS = 100
+LAWS = {
+    "mpc": lambda scene: MPC.for_scene(scene),
+    "mpc-blocks": lambda scene: MPC.for_scene(scene, blocks=(1, 1, 2, 4, 12)),
+    "mpc-track": lambda scene: MPC.for_scene(scene, track=("theta1", "theta2")),
+    "lqr": lambda scene: LQR.for_scene(scene),
+    "lqg": lambda scene: LQG.for_scene(scene),
+    "pd": lambda scene: PD.for_scene(scene),
+    "computed-torque": lambda scene: ComputedTorque.for_scene(scene),
+    "policy": lambda scene: Policy.for_scene(scene.name),
+}
 
 
 @dataclass(frozen=True)
@@ -45,7 +64,7 @@ class Run:
 
 def missing() -> str:
     """What to install, in words; nothing where all is there."""
-    lacks = [package for program, package in TOOLS.items() if not shutil.which(program)]
+    lacks = [package for program, packages in TOOLS.items() if not shutil.which(program) for package in packages]
     return f"not here: {', '.join(lacks)}; on Debian: apt-get install {' '.join(lacks)}" if lacks else ""
 
 
@@ -68,19 +87,9 @@ def built(folder: Path, law, readings: np.ndarray, nu: int) -> Path:
         f"static const law_real readings[PERIODS * READS] = {{\n    {rows}\n}};\n"
     )
     for name in ("startup.c", "main.c"):
-        flags = (*CPU, *STRICT, "-O2", "-ffreestanding", f"-I{folder}")
+        flags = (*CPU, *STRICT, "-std=gnu99", "-ffreestanding", f"-I{folder}")
         _called("arm-none-eabi-gcc", *flags, "-c", HERE / name, "-o", folder / f"{name}.o")
-    own = (
-        *CPU,
-        *STRICT[1:],
-        "-std=c99",
-        "-pedantic",
-        "-O2",
-        "-fno-math-errno",
-        "-ffunction-sections",
-        "-fdata-sections",
-    )
-    _called("arm-none-eabi-gcc", *own, "-fstack-usage", "-c", folder / "law.c", "-o", folder / "law.o")
+    _called("arm-none-eabi-gcc", *CPU, *STRICT, *OWN, "-c", folder / "law.c", "-o", folder / "law.o")
     objects = [folder / f"{name}.o" for name in ("startup.c", "main.c")] + [folder / "law.o"]
     link = (*CPU, "-nostartfiles", f"-T{HERE / 'cortex_m4.ld'}", "-Wl,--gc-sections")
     _called("arm-none-eabi-gcc", *link, *objects, "-lm", "-lc", "-o", folder / "law.elf")
@@ -135,13 +144,13 @@ def _called(*command) -> str:
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--scene", default="two-link-reach")
-    arguments.add_argument("--horizon", type=int, default=20)
+    arguments.add_argument("--law", default="mpc", choices=sorted(LAWS))
     arguments.add_argument("--folder", type=Path, default=None, help="where the files stay; none: nowhere")
     given = arguments.parse_args()
     if words := missing():
         raise SystemExit(words)
     scene = scenes.get(given.scene)
-    law = MPC.for_scene(scene, horizon=given.horizon)
+    law = LAWS[given.law](scene)
     readings, wanted = recorded(scene, law, PERIODS)
     with tempfile.TemporaryDirectory() as temporary:
         folder = given.folder or Path(temporary)
@@ -149,16 +158,15 @@ def main() -> None:
         built(folder, law, readings, wanted.shape[1])
         run = played(folder, wanted.shape[1])
     off = np.abs(run.u - wanted).max(axis=0) / np.abs(wanted).max(axis=0)
-    limited = law.record.limited
-    print(f"MPC of {scene.name}, horizon {law.horizon}, on a Cortex-M4F, single precision, {PERIODS} periods")
-    print(
-        f"inputs: within {off.max():.1e} of the largest here; {limited} programs solved, failures {law.record.failures}"
-    )
+    print(f"{given.law} of {scene.name} on a Cortex-M4F, single precision, {PERIODS} periods of {law.dt} s")
+    print(f"inputs: within {off.max():.1e} of the largest here")
+    if isinstance(law, MPC):
+        print(f"programs solved: {law.record.limited}, of which failed: {law.record.failures}")
     print(f"size: {run.code:,} bytes of flash, {run.state:,} of RAM, frames up to {run.stack:,} of stack")
     print(f"counted in a loop of {LOOP:,} instructions: {run.known:,.0f}")
-    fastest, slowest = run.instructions.min(), run.instructions.max()
-    print(f"instructions of an act: {fastest:,.0f} without a program, at most {slowest:,.0f}")
-    print(f"at 168 MHz and one instruction a cycle, the least that a core takes: {slowest / 168e6 * 1e3:.2f} ms")
+    least, median, most = run.instructions.min(), np.median(run.instructions), run.instructions.max()
+    print(f"instructions of an act: {least:,.0f} at least, {median:,.0f} in the median, {most:,.0f} at most")
+    print(f"the longest at 168 MHz, were each instruction one cycle: {most / 168e6 * 1e3:.2f} ms")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ START = """#include <math.h>
 #define P_TOLERANCE 1e-9
 #define P_DEFINITE 1e-12
 #define P_KEPT 1e-6
-typedef struct { int count, set[3]; signed char side[3], yields[3]; double mu[3], d[3], dz[2], K[6]; } P_work;
+typedef struct { int count, known, set[3]; signed char side[3], yields[3]; double mu[3], d[3], dz[2], K[6]; } P_work;
 static const double P_M[6] = {1, 1, 1, 0, -1, -1};
 static const char P_soft[3] = {0, 1, 0};
 """
