@@ -25,7 +25,7 @@ PROGRAM = """typedef struct {
 } NAME_program;
 """
 
-QP = r"""/* Cholesky factor of a packed symmetric matrix, lower triangle by rows, in place, from row `first` on; 0: there is none */
+QP = r"""/* Cholesky factor of a packed symmetric matrix by rows, in place, from row `first` on; 0: not definite */
 static int NAME_factor(int first, int n, REAL *K)
 {
     int i, j, k;
