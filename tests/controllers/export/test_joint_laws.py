@@ -18,11 +18,18 @@ def test_a_shaped_pd_with_feedforward(tmp_path, reach, near_double) -> None:
     same_loop(tmp_path, reach, PD.for_scene(reach, shape="zvd"), near_double)
 
 
-def test_computed_torque_along_samples(tmp_path, reach, near_double) -> None:
+def test_computed_torque_along_samples(tmp_path, reach) -> None:
+    """Near the motion, within the limits; it ends while it still moves, and goes on at that rate."""
     law = ComputedTorque.for_scene(reach)
-    samples = [law.reference(0.02 * k) for k in range(30)]  # it ends while it still moves, and goes on at that rate
-    follow = Follow(0.02, *(np.array(part) for part in zip(*samples)))
-    same_loop(tmp_path, reach, dataclasses.replace(law, reference=follow), near_double)
+    samples = [law.reference(0.02 * k) for k in range(30)]
+    law = dataclasses.replace(law, reference=Follow(0.02, *(np.array(part) for part in zip(*samples))))
+    times = np.array([-0.01, *(0.02 * np.arange(34) + 0.007)])
+    near = np.random.default_rng(0).standard_normal((len(times), 4)) * 0.01
+    readings = np.array([np.concatenate(law.reference(t)[:2]) for t in times]) + near
+    wanted = np.array([law.act(t, y) for t, y in zip(times, readings)])
+    assert (np.abs(wanted) < 0.99 * law.limits[1]).all()
+    files = [export_c(law, tmp_path / "law.c")[0], answers_over_time(tmp_path, law, times, readings, 2)]
+    assert np.abs(run(compiled(files, tmp_path / "answers")) - wanted).max() < 1e-12 * np.abs(wanted).max()
 
 
 @pytest.mark.parametrize("profile", sorted(PROFILES))

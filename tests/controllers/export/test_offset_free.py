@@ -20,23 +20,31 @@ def test_in_closed_loop(tmp_path, reach, near_double) -> None:
     assert law.record.limited > 2 and law.record.failures == 0
 
 
-@pytest.mark.parametrize(("kind", "tracked"), [("states", 1), ("outputs", 2)])
-def test_goals_beyond_the_limits(tmp_path, kind, tracked) -> None:
-    """Two inputs; with one signal to track they are redundant, so that cost decides. The goal moves out of reach."""
-    rng = np.random.default_rng(tracked)
-    A = rng.standard_normal((3, 3))
-    A -= (np.linalg.eigvals(A).real.max() + 0.5) * np.eye(3)
-    model = LinearModel.from_matrices(A, rng.standard_normal((3, 2)))
+COUPLED = (np.array([[-1.0, 0.4, 0], [0.2, -0.7, 0.5], [0, 0.3, -1.5]]), np.array([[1.0, 0.5], [0.3, 1.0], [0.2, 0]]))
+APART = (np.array([[-1.0, 0, 0], [0, -0.7, 0.5], [0, 0.3, -1.5]]), np.array([[1.0, 0], [0, 1.0], [0, 0.3]]))
+
+
+@pytest.mark.parametrize(
+    ("kind", "matrices", "tracked", "reached"),
+    [
+        ("states", COUPLED, 1, True),  # the other input helps, at least cost
+        ("outputs", COUPLED, 2, False),  # the least tracking error that one limited input leaves to the other
+        ("states", APART, 1, False),  # the other input has no part in the error: cost alone decides on it
+    ],
+)
+def test_goals_for_which_an_input_is_too_weak(tmp_path, kind, matrices, tracked, reached) -> None:
+    """The first input is limited to a tenth of what the goal takes, the second never meets its limit."""
+    rng = np.random.default_rng(1)
+    model = LinearModel.from_matrices(*matrices)
     names = model.state_names[:tracked]
-    law = MPC.design(
-        model, np.eye(3), np.eye(2), dt=0.1, horizon=6, limits=(-1.0, 1.0), track=names, disturbance=kind,
-        reads=None if kind == "states" else model.state_names[:2],
-    )  # fmt: skip
-    law.aim(dict.fromkeys(names, 4.0))
+    limits = {model.input_names[0]: (-0.1, 0.1), model.input_names[1]: (-50.0, 50.0)}
+    options = {"track": names, "disturbance": kind, "reads": None if kind == "states" else model.state_names[:2]}
+    law = MPC.design(model, np.eye(3), np.diag([1.0, 2.0]), dt=0.1, horizon=6, limits=limits, **options)
+    law.aim(dict.fromkeys(names, 1.0))
     readings = 0.3 * rng.standard_normal((40, len(law.reads)))
     law.reset()
     wanted = np.array([law.act(0.1 * k, y).copy() for k, y in enumerate(readings)])
-    assert law.record.unreached > 5
+    assert (law.record.unreached == 0) == reached and np.abs(wanted[:, 1]).max() < 50
     files = [export_c(law, tmp_path / "law.c")[0], answers_over_time(tmp_path, law, 0.1 * np.arange(40), readings, 2)]
     found = run(compiled(files, tmp_path / "answers"))
     assert np.abs(found - wanted).max() < 1e-8
