@@ -95,7 +95,7 @@ def _fields(what: Any, taken: set[str], prefix: str = "") -> dict[str, Any]:
             found |= {"lowest": value[0], "highest": value[1]}
         elif field.name in ("reference", "shaper") and dataclasses.is_dataclass(value):
             found |= _fields(value, taken, f"{name}_")
-        elif field.name.startswith("_") or name in taken or name == "dt":
+        elif field.name[0] == "_" or name in taken or name == "dt":
             continue
         elif isinstance(value, float) or (isinstance(value, np.ndarray) and value.dtype.kind in "fic"):
             found[name] = value
