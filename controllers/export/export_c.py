@@ -38,7 +38,7 @@ LONGEST_NAMES = 110  # characters of a line of the comment
 def export_c(what: Any, path: str | Path, *, dt: float | None = None, precision: str = "double") -> tuple[Path, Path]:
     """Write NAME.c and NAME.h for `path` = folder/NAME.c; the two paths.
 
-    what: LQR, LQG, TVLQR (by time), MPC (about a goal or along a nominal, free of offset or not), PD, ComputedTorque,
+    what: LQR, LQG, TVLQR, MPC (about a goal or along a nominal, free of offset or not), PD, ComputedTorque,
     Policy, Predictive, Feedback, Kalman, a LinearLaw, a sampled Filter, Filtered, or a plant, whose step of dt [s] by
     the classical Runge-Kutta method it is. precision: "double" or "single".
 

@@ -40,6 +40,7 @@ MORE = {  # compiled with every warning in the tests of their own
     "pd": lambda s: PD.for_scene(s, shape="zvd"),
     "computed torque": lambda s: ComputedTorque.for_scene(s),
     "policy": lambda s: Policy.for_scene(s.name),
+    "by phase": lambda s: TVLQR.for_scene(s, index="phase"),
     "late": lambda s: Predictive.for_scene(s, 2),
     "offset-free": lambda s: MPC.for_scene(s, rates=400.0, **OFFSET_FREE),
     "nominal": lambda s: MPC.for_scene(s, 5, nominal=plan(s, reserve=0.1).trajectory(s.plant)),
@@ -101,7 +102,6 @@ def test_files_say_what_they_are(tmp_path, reach) -> None:
         (lambda s: s.plant, {"dt": -1.0}, "dt = -1"),
         (lambda s: s, {}, "has no C form"),
         (lambda s: NMPC.for_scene(s, 5), {}, "NMPC has no C form.* MPC.along"),
-        (lambda s: TVLQR.for_scene(s, index="phase"), {}, "index"),
     ],
 )
 def test_what_has_no_c_form_is_told(tmp_path, reach, what, options, word) -> None:
