@@ -111,7 +111,7 @@ def test_what_has_no_c_form_is_told(tmp_path, reach, what, options, word) -> Non
 
 
 @needs_compiler
-@pytest.mark.parametrize("name", ["REALITY", "MY_NAME_T", "SLACK"])
+@pytest.mark.parametrize("name", ["REALITY", "MY_NAME_T"])
 def test_names_and_signals_that_templates_or_comments_could_mistake(tmp_path, name) -> None:
     states = ("\u03b8\u2081 */ /* ??/", "b\u202e")
     model = LinearModel.from_matrices(-np.eye(2), np.eye(2), states=states)
