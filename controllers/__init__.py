@@ -8,6 +8,7 @@ from pliant.controllers import riccati
 from pliant.controllers.analysis.loops import loop
 from pliant.controllers.analysis.margins import Margins, margins
 from pliant.controllers.analysis.spillover import Spillover, spillover
+from pliant.controllers.analytic_gradients.training import learn as _by_gradients
 from pliant.controllers.base.controller import Controller, Feedback
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.estimation import sensors
@@ -28,6 +29,8 @@ from pliant.controllers.nmpc.nmpc import NMPC
 from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
 from pliant.plants.core import imports
+
+rl.settings.LEARNERS["apg"] = _by_gradients
 
 __all__ = [
     "LQG",

@@ -114,7 +114,7 @@ class Rollouts:
         return Played(x, before, u, seen, S)
 
     def frames(self, read: Array, commands: Array) -> Array:
-        """What the network reads (steps, lanes, ny), of readings over std (steps, lanes, no) and commands over limits."""
+        """What the network reads (steps, lanes, ny): of readings over std (steps, lanes, no), commands over limits."""
         found, memory = [], self._first_memory(read[0])
         for now, command in zip(read, commands):
             found.append(np.hstack([now, memory]))

@@ -40,7 +40,7 @@ def begin(rollouts: Rollouts, law: Controller | None, episodes: Episodes, rng: n
     scene, network = rollouts.scene, rollouts.network
     theta = network.start(rng)
     network.layers(theta).b3[:] = scene.target[1] / rollouts.limits
-    x, read, u = _played(rollouts, law, episodes)
+    _, read, u = _played(rollouts, law, episodes)
     rollouts.std = _spreads(read, _units(scene))
     if law is None:
         return theta
@@ -77,7 +77,7 @@ def _played(rollouts: Rollouts, law: Controller | None, episodes: Episodes) -> t
 
 
 def _spreads(read: Array, units: list[str]) -> Array:
-    """What readings are divided by (no,): their root mean square, and no less than LEAST of the largest of their unit."""
+    """What readings are divided by (no,): their root mean square, at least LEAST of the largest of their unit."""
     size = np.sqrt(np.mean(read.reshape(-1, read.shape[-1]) ** 2, axis=0))
     same = [max(b for b, other in zip(size, units) if other == unit) for unit in units]
     found: Array = np.maximum(size, LEAST * np.array(same))

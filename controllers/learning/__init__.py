@@ -2,12 +2,13 @@
 
 from .evaluation import Evaluation, Training, evaluate, read_curve
 from .policy import Policy
-from .settings import CURVE, POLICY, PPOSettings, SACSettings
+from .settings import CURVE, POLICY, APGSettings, PPOSettings, SACSettings
 from .train import train
 
 __all__ = [
     "CURVE",
     "POLICY",
+    "APGSettings",
     "Evaluation",
     "PPOSettings",
     "Policy",

@@ -4,6 +4,8 @@ Law    u = limits * clip(net(z), -1, 1), or limits * tanh(net(z)) where `squash`
        z = clip((y - goal - mean) / std, -clip, clip),
        net = W_n a(.. a(W_1 z + b_1) ..) + b_n with a = tanh or relu.
 
+With a `history` of h, z is followed by the h former ones, newest first, and by the h former commands over the limits.
+
 A policy is NAME.npz (W1, b1, .., mean, std and all words) and NAME.json (the words once more). Neither can run code.
 """
 
@@ -22,6 +24,7 @@ from pliant.plants.core.argument_gates import (
     as_tuple,
     real_array,
     require_choice,
+    require_count,
     require_finite,
     require_flag,
     require_mapping,
@@ -38,6 +41,7 @@ from . import policy_files
 ACTIVATIONS = ("tanh", "relu")
 FOLDER = Path(__file__).parent / "policies"
 MOST_LAYERS = 100
+MOST_HISTORY = 100
 
 
 @final
@@ -58,11 +62,14 @@ class Policy(OwnsArrays):
     clip: float = np.inf  # largest |normalised observation|
     activation: str = "tanh"
     squash: bool = False  # the output through tanh instead of being cut off
+    history: int = 0  # former readings and commands that are read too
     made: Mapping[str, Any] = field(default_factory=dict)  # how: command, seed, steps, cost, versions
     _shift: np.ndarray = field(init=False, repr=False)
     _factor: np.ndarray = field(init=False, repr=False)
-    _z: np.ndarray = field(init=False, repr=False)  # room for the normalised observation ..
+    _z: np.ndarray = field(init=False, repr=False)  # room for the normalised observation, and the memory behind it ..
     _layers: tuple[Any, ...] = field(init=False, repr=False)  # .. and for each layer's output
+    _newest: np.ndarray = field(init=False, repr=False)  # (nu,) the last command over the limits
+    _begun: bool = field(init=False, repr=False)  # whether the memory holds this episode's
 
     def __post_init__(self) -> None:
         own = f"Policy of {require_text('Policy.scene', self.scene, empty=True)!r}"
@@ -75,9 +82,14 @@ class Policy(OwnsArrays):
                 f"{own}: weights and biases of {layers} and {len(given[1])} layers must be as many, 1 to {MOST_LAYERS}"
             )
         seen = real_array(f"{own}: weights", given[0][0]).shape
-        if len(seen) == 2 and seen[1] != ny:
-            raise ValueError(f"{own}: weights, W1 has shape {seen}, must have a column for each of reads = {reads}")
-        width, weights, biases = ny, [], []
+        history = require_count(own, "history", self.history, 0, MOST_HISTORY)
+        width = ny + history * (ny + nu)
+        if len(seen) == 2 and seen[1] != width:
+            told = f", and {history} former ones and commands" if history else ""
+            raise ValueError(
+                f"{own}: weights, W1 has shape {seen}, must have a column for each of reads = {reads}{told}"
+            )
+        weights, biases = [], []
         for k, (W, b) in enumerate(zip(*given), 1):
             W = require_finite(f"{own}: weights, W{k}", W, (nu if k == layers else -1, width))
             width = len(W)
@@ -96,23 +108,36 @@ class Policy(OwnsArrays):
         )
         values |= {"squash": require_flag(f"{own}: squash", self.squash)}
         values["made"] = require_mapping(f"{own}: made", self.made)
-        values |= {"_shift": values["goal"] + values["mean"], "_factor": 1 / values["std"], "_z": np.empty(ny)}
+        values |= {
+            "history": history,
+            "_z": np.zeros(ny + history * (ny + nu)),
+            "_begun": False,
+            "_newest": np.zeros(nu),
+        }
+        values |= {"_shift": values["goal"] + values["mean"], "_factor": 1 / values["std"]}
         values["_layers"] = tuple((W, b, np.empty(len(b))) for W, b in zip(weights, biases))
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def reset(self) -> None:
-        """Nothing to forget."""
+        """Forget what was read and commanded."""
+        object.__setattr__(self, "_begun", False)
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) within the limits, from y (len(reads),)."""
-        z = self._z
+        whole = self._z
+        z = whole[: len(self.reads)] if self.history else whole
         if type(y) is not np.ndarray or y.dtype != float or y.shape != z.shape or not np.dot(y, y) < np.inf:
             y = require_finite("Policy.y", y, z.shape)
+        if self.history and self._begun:
+            self._shift_memory()
         np.subtract(y, self._shift, out=z)
         np.multiply(z, self._factor, out=z)
         np.maximum(z, -self.clip, out=z)
         np.minimum(z, self.clip, out=z)
+        if self.history and not self._begun:  # as if it had always been read, and nothing commanded
+            self._fill_memory(z)
+        z = whole
         last = len(self._layers) - 1
         for k, (W, b, h) in enumerate(self._layers):
             np.dot(W, z, out=h)
@@ -124,7 +149,23 @@ class Policy(OwnsArrays):
                     np.maximum(h, 0.0, out=h)
             z = h
         action = np.tanh(z) if self.squash else np.minimum(np.maximum(z, -1.0), 1.0)
+        if self.history:
+            self._newest[:] = action
         return self.limits * action
+
+    def _fill_memory(self, z: np.ndarray) -> None:
+        ny, h = len(self.reads), self.history
+        self._z[ny : (h + 1) * ny] = np.tile(z, h)
+        self._z[(h + 1) * ny :] = 0.0
+        object.__setattr__(self, "_begun", True)
+
+    def _shift_memory(self) -> None:
+        """Every frame one place on: the last reading and the last command become the newest former ones."""
+        ny, nu, h = len(self.reads), len(self.inputs), self.history
+        readings, commands = self._z[: (h + 1) * ny], self._z[(h + 1) * ny :]
+        readings[ny:] = readings[:-ny].copy()
+        commands[nu:] = commands[:-nu].copy()
+        commands[:nu] = self._newest
 
     def save(self, path: str | Path) -> None:
         """Write `path` with the endings .npz and .json: the former policy or this one, whenever the process is killed.

@@ -21,7 +21,8 @@ from pliant.plants.files.atomic_files import Together, require_path
 
 FORMAT = 2
 OWNER, KIND = "Policy.load", "policy"
-WORDS = ("scene", "reads", "goal", "inputs", "limits", "dt", "clip", "activation", "squash", "made")
+WORDS = ("scene", "reads", "goal", "inputs", "limits", "dt", "clip", "activation", "squash", "history", "made")
+LATER = {"history": 0}  # words that older files lack, and what they then are
 Parts = tuple[dict[str, Any], dict[str, np.ndarray]]  # words as JSON knows them, arrays by name
 
 
@@ -39,6 +40,7 @@ def parts_of(policy: Any) -> Parts:
 def fields_of(words: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """Policy's keywords from its parts. ValueError where something is missing or unknown."""
     layers = sum(name.startswith("W") for name in arrays)
+    words = {**LATER, **words}
     wanted = {"mean", "std", *(f"{kind}{k}" for kind in "Wb" for k in range(1, layers + 1))}
     for what, have, must in (("arrays", set(arrays), wanted), ("words", set(words), set(WORDS))):
         if have != must:
@@ -46,7 +48,7 @@ def fields_of(words: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> dic
     for name in ("reads", "inputs"):
         if not isinstance(words[name], list) or not all(isinstance(word, str) for word in words[name]):
             raise ValueError(f"{name} = {words[name]!r} must be names")
-    for name, kind in (("scene", str), ("activation", str), ("squash", bool), ("made", dict)):
+    for name, kind in (("scene", str), ("activation", str), ("squash", bool), ("history", int), ("made", dict)):
         if not isinstance(words[name], kind):
             raise ValueError(f"{name} = {words[name]!r} must be a {kind.__name__}")
     return {
@@ -84,7 +86,7 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
             raise ValueError(f"{OWNER}: {str(arrays_path)!r} lacks the words that format {words['format']} has")
     elif words_path.exists():
         beside = sealed_json.load(OWNER, words_path, FORMAT)
-        if set(beside) != {*WORDS, "format"}:
+        if set(beside) | set(LATER) != {*WORDS, "format"}:
             raise ValueError(f"{OWNER}: {str(words_path)!r} holds {sorted(beside)[:9]}, which are no policy's words")
         if {k: v for k, v in words.items() if k != "kind"} != beside:
             warnings.warn(

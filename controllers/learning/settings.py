@@ -9,7 +9,7 @@ from typing import Any
 from pliant.plants.core.argument_gates import require_count, require_number
 
 Progress = Callable[[float, str], None]
-SECONDS = 300.0  # what a run may take where nothing is said
+SECONDS = {"apg": 60.0, "ppo": 300.0, "sac": 300.0}  # what a run may take where nothing is said
 CURVE, POLICY = "curve.json", "policy"
 CURVE_FORMAT = 2  # format 1, of version 0.1, has no checksum
 FLOOR = 0.02  # share of the learning rate that is left at the end
@@ -22,9 +22,11 @@ COUNTS = {  # least and most
     "gradient_steps": (1, 1_000_000),
     "learning_starts": (0, 1_000_000_000_000),
     "width": (1, 1_000_000),
+    "history": (0, 100),
+    "delay": (0, 1000),
 }
 MOST = {"gamma": 1.0, "gae_lambda": 1.0, "tau": 1.0}  # of numbers > 0
-MAY_BE_ZERO = ("gamma", "gae_lambda", "spread")
+MAY_BE_ZERO = ("gamma", "gae_lambda", "spread", "noise")
 
 
 def _check(settings: Any) -> None:
@@ -81,4 +83,25 @@ class SACSettings:
         _check(self)
 
 
-SETTINGS: dict[str, type[PPOSettings] | type[SACSettings]] = {"ppo": PPOSettings, "sac": SACSettings}
+@dataclass(frozen=True, kw_only=True)
+class APGSettings:
+    """Analytic policy gradients: whole episodes differentiated through the plant's native step.
+
+    Lane 0 always plays the scene as it is, without delay and noise; the others draw starts, parameters, delay and noise
+    anew for each gradient.
+    """
+
+    num_envs: int = 16
+    learning_rate: float = 1e-3  # at first, after some steps of rising; it falls as a cosine to FLOOR of it
+    width: int = 64  # units of each of two tanh layers
+    history: int = 0  # former readings and commands that the policy reads too
+    delay: int = 0  # most [control periods] from reading to acting; each lane draws 0, 1, .. or this
+    noise: float = 0.0  # standard deviation of readings, over their own spread in the scene
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+
+LEARNERS: dict[str, Callable[..., Any]] = {}  # "apg": what learns by it, of a room that imports this one
+Settings = APGSettings | PPOSettings | SACSettings
+SETTINGS: dict[str, type[Settings]] = {"apg": APGSettings, "ppo": PPOSettings, "sac": SACSettings}

@@ -56,9 +56,12 @@ def table(found: Training, lqr: float | None) -> dict[str, Any]:
 def command(
     scene: SceneName,
     settings: Settings = None,
-    algorithm: Annotated[Literal["ppo", "sac"], typer.Option(help="Who learns.")] = "ppo",
+    algorithm: Annotated[
+        Literal["apg", "ppo", "sac"] | None,
+        typer.Option(help="Who learns: exact gradients (apg), or reinforcement learning.", show_default="apg"),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Of everything drawn at random.")] = 0,
-    seconds: Annotated[float | None, typer.Option(help="Time it may take; 300 if nothing is said.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="Time it may take; if nothing is said 60 (apg) or 300.")] = None,
     steps: Annotated[int | None, typer.Option(help="Environment steps, in place of a time.")] = None,
     num_envs: Annotated[int | None, typer.Option(help="Lanes; the algorithm's own number if not given.")] = None,
     threads: Annotated[int | None, typer.Option(help="Of torch; measured if not given.")] = None,
@@ -70,8 +73,15 @@ def command(
     chosen = with_settings(scene, settings or [])
     folder = Path("trained") / chosen.name if out is None else out
     writable_folder("--out", folder)
-    words = ["pliant", "train", scene, *(w for s in settings or [] for w in ("--set", s)), "--algorithm", algorithm]
-    given = {"--seed": seed, "--seconds": seconds, "--steps": steps, "--num-envs": num_envs, "--threads": threads}
+    words = ["pliant", "train", scene, *(w for s in settings or [] for w in ("--set", s))]
+    given = {
+        "--algorithm": algorithm,
+        "--seed": seed,
+        "--seconds": seconds,
+        "--steps": steps,
+        "--num-envs": num_envs,
+        "--threads": threads,
+    }
     words += [w for key, value in given.items() if value is not None for w in (key, str(value))]
     try:
         with bar(f"train {chosen.name}") as tell:
@@ -91,7 +101,7 @@ def command(
     except ImportError as error:
         complain(str(error))
         raise typer.Exit(1) from None
-    draw(chosen, algorithm, found, folder)
+    draw(chosen, str(found.policy.made["algorithm"]), found, folder)
     lqr = lqr_cost(chosen)
     if as_json:
         print_json(table(found, lqr))

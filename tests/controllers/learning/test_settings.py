@@ -5,11 +5,11 @@ import dataclasses
 import pytest
 
 from pliant.controllers import rl
-from pliant.controllers.learning.settings import SETTINGS, PPOSettings, SACSettings
+from pliant.controllers.learning.settings import SETTINGS, APGSettings, PPOSettings, SACSettings
 
 
 def test_names():
-    assert {"ppo": PPOSettings, "sac": SACSettings} == SETTINGS and rl.PPOSettings is PPOSettings
+    assert {"apg": APGSettings, "ppo": PPOSettings, "sac": SACSettings} == SETTINGS and rl.PPOSettings is PPOSettings
     assert PPOSettings().num_envs * PPOSettings().n_steps % PPOSettings().batch_size == 0  # batches leave no rest
     with pytest.raises(dataclasses.FrozenInstanceError):
         PPOSettings().gamma = 0.5

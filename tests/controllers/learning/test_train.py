@@ -19,7 +19,7 @@ NAMES = {"policy.npz", "policy.json", "curve.json", "checkpoint.npz"}
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"algorithm": "dqn"}, "algorithm = 'dqn' must be one of 'ppo', 'sac'"),
+        ({"algorithm": "dqn"}, "algorithm = 'dqn' must be one of 'apg', 'ppo', 'sac'"),
         ({"seed": -1}, "seed = -1 must be an integer"),
         ({"seconds": 0.0}, "seconds = 0.0 must be > 0"),
         ({"seconds": float("nan")}, "seconds = nan"),
@@ -28,7 +28,7 @@ NAMES = {"policy.npz", "policy.json", "curve.json", "checkpoint.npz"}
         ({"num_envs": 0}, "num_envs = 0"),
         ({"threads": 0}, "threads = 0"),
         ({"resume": True}, "needs the folder"),
-        ({"settings": SMALL_SAC}, "settings = SACSettings must be PPOSettings"),
+        ({"settings": SMALL_SAC, "algorithm": "ppo"}, "settings = SACSettings must be PPOSettings"),
     ],
 )
 def test_bad_input_is_named(changes, words):
@@ -39,7 +39,7 @@ def test_bad_input_is_named(changes, words):
 def test_without_stable_baselines_it_says_what_to_install(monkeypatch):
     monkeypatch.setattr(sys.modules["pliant.controllers.learning.train"], "_installed", lambda: False)
     with pytest.raises(ImportError, match=r"pliant\[rl\]"):
-        rl.train(SCENE, steps=1)
+        rl.train(SCENE, "ppo", steps=1)
 
 
 def test_evaluation_charges_what_the_scene_charges():

@@ -1,0 +1,40 @@
+"""The method: it comes down a valley, and back where a step was too long."""
+
+import numpy as np
+
+from pliant.controllers.analytic_gradients.adam import Adam
+
+CURVATURE = np.array([1.0, 100.0])
+
+
+def value(theta: np.ndarray) -> float:
+    return 1.0 + 0.5 * float((CURVATURE * theta**2).sum())
+
+
+def test_down_a_valley() -> None:
+    adam = Adam.start(np.array([1.0, -1.0]))
+    for k in range(600):
+        adam.step(value(adam.theta), CURVATURE * adam.theta, 0.05 * (1 - k / 600))
+    assert value(adam.theta) < 1.0 + 1e-4
+
+
+def test_what_got_worse_is_taken_back() -> None:
+    adam = Adam.start(np.array([1.0, -1.0]))
+    adam.step(2.0, np.array([1.0, 0.0]), 0.1)
+    good = adam.good.copy()
+    adam.step(5.0, np.array([1.0, 0.0]), 0.1)
+    assert adam.returns == 1 and adam.scale == 0.5 and adam.count == 0
+    np.testing.assert_array_equal(adam.theta, good)
+    adam.step(np.nan, np.array([np.nan, 0.0]), 0.1)
+    assert adam.returns == 2 and np.isfinite(adam.theta).all()
+
+
+def test_it_goes_on_from_what_it_says_of_itself() -> None:
+    adam = Adam.start(np.array([1.0, -1.0]))
+    for _ in range(5):
+        adam.step(value(adam.theta), CURVATURE * adam.theta, 0.05)
+    other = Adam.again({k: v.copy() for k, v in adam.arrays().items()}, adam.words())
+    for one in (adam, other):
+        one.step(value(one.theta), CURVATURE * one.theta, 0.05)
+    np.testing.assert_array_equal(adam.theta, other.theta)
+    assert Adam.again(Adam.start(np.zeros(2)).arrays(), Adam.start(np.zeros(2)).words()).smooth == np.inf
