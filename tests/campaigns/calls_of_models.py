@@ -12,6 +12,7 @@ from kinds_of_numbers import POSITIVE, Array, Count, Counts, Number
 
 from pliant.plants import LinearModel, LTVModel, ModalData, ModalNode, Payload, beams, stability
 from pliant.plants.beams import OffsetPayload
+from pliant.plants.exponents import slow_dichotomy, spectrum
 
 T = np.linspace(0.0, 2.0, 9)
 A = np.array([[0.0, 1.0], [-4.0, -0.5]])
@@ -117,6 +118,29 @@ def stability_calls() -> list[Call]:
             compare=False,
         ),
         Call("stability.slow_variation", stability.slow_variation, model, compare=False),
+        Call(
+            "exponents.spectrum",
+            spectrum,
+            model
+            | {"window": Number(0.5, none=True, **POSITIVE), "settle": Number(0.5, none=True, **POSITIVE)}
+            | {"beyond": Choice("persists")}
+            | states,
+            compare=False,
+        ),
+        Call(
+            "exponents.spectrum.tends",
+            spectrum,
+            model | {"limit": Array(A, none=True), "within": Number(0.5, low=0.0)},
+            {"beyond": "tends"},
+            compare=False,
+        ),
+        Call("exponents.spectrum.periodic", spectrum, model | period, {"beyond": "periodic"}, compare=False),
+        Call(
+            "exponents.slow_dichotomy",
+            slow_dichotomy,
+            model | {"shift": Number(0.5), "samples": Count(16, none=True)} | states,
+            compare=False,
+        ),
     ]
 
 
