@@ -150,8 +150,8 @@ def _of_record(model: Model, states: Sequence[str] | None, window: float | None,
     found = np.array(intervals).reshape(-1, 2) + np.array([-hidden, hidden])
     Q = flow.Q[-1] * flow.scale[:, None]
     assumption = f"averages over {length:.4g} s go on to lie between those of the record"
-    own, before = tuple(names[k] for k in keep), grown(*steps)
-    return from_intervals(own, mean, found, groups, gaps, Q, averages, _rests(flow), before, assumption, length)
+    named, before = tuple(names[k] for k in keep), grown(*steps)
+    return from_intervals(named, mean, found, groups, gaps, Q, averages, _rests(flow), before, assumption, length)
 
 
 def _rests(flow: TriangularFlow) -> bool:

@@ -1,5 +1,6 @@
 """Exponents and dichotomy intervals, held against spectra that are known in closed form."""
 
+import long_run
 import numpy as np
 import pytest
 
@@ -116,3 +117,10 @@ def test_a_sampled_model_and_options_of_other_answers_are_refused(still, along):
     ):
         with pytest.raises(ValueError, match=r"spectrum\."):
             spectrum(model, **options)
+
+
+def test_a_sample_of_the_campaign():
+    """Whose whole is tests/campaigns/long_run.py: kinds that a record alone leaves undecided."""
+    rows = [long_run.run(seed) for seed in (100_000, 100_001, 100_003, 100_005, 100_008, 100_011)]
+    assert not [row for row in rows if row["wrong"]]
+    assert all(row["decided"] for row in rows)
