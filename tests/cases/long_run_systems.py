@@ -53,7 +53,7 @@ def _skew(rng: np.random.Generator, n: int, size: float) -> np.ndarray:
 
 
 def _with_rate(rng: np.random.Generator, n: int, rate: float) -> np.ndarray:
-    """A random A0 whose rightmost root has that real part, the others at least 0.3 1/s to its left, well conditioned."""
+    """A random A0 whose rightmost root has that real part, the others 0.3 1/s or more to its left; well conditioned."""
     while True:
         M = rng.standard_normal((n, n))
         lam, V = np.linalg.eig(M)
