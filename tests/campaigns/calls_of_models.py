@@ -13,7 +13,7 @@ from kinds_of_numbers import POSITIVE, Array, Count, Counts, Number
 from pliant.plants import LinearModel, LTVModel, ModalData, ModalNode, Payload, beams, stability
 from pliant.plants.beams import OffsetPayload
 from pliant.plants.exponents import slow_dichotomy, spectrum
-from pliant.plants.periodic import campbell, multi_blade, multi_blade_model
+from pliant.plants.periodic import campbell, multi_blade, multi_blade_model, output_mode
 
 T = np.linspace(0.0, 2.0, 9)
 A = np.array([[0.0, 1.0], [-4.0, -0.5]])
@@ -145,6 +145,9 @@ def stability_calls() -> list[Call]:
             },
             {"plant": lambda speed: LinearModel.from_matrices(A * (1.0 + speed), [[0.0], [1.0]])},
             compare=False,
+        ),
+        Call(
+            "periodic.output_mode", output_mode, {"k": Count(1, low=0)}, {"model": LTV, "cycle": stability.floquet(LTV)}
         ),
         Call("periodic.multi_blade", multi_blade, {"blades": Count(3), "angle": Number(0.5)}),
         Call(

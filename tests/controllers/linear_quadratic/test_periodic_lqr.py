@@ -65,6 +65,7 @@ def test_a_deviation_decays_on_the_plant_as_the_multipliers_say(scene, law):
     assert abs(left) < 3 * law.multipliers[0]
 
 
+@pytest.mark.campaign
 def test_its_mean_cost_is_below_that_of_the_free_cycle(scene, law):
     """By what second order predicts of the orbit that it settles to, within 5 %."""
     start = law.x[0]
