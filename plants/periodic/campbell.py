@@ -101,7 +101,7 @@ def campbell(
     places, found, worst = track(at, speeds, least, HALVINGS)
     values = np.array([m.values for m in found]).reshape(len(places), -1)
     crossings = [
-        _crossing(at, order, j, places, found, k)
+        _crossing(at, order, j, places, found, int(k))
         for order in orders
         for j in range(values.shape[1])
         for k in np.flatnonzero(_changes(values[:, j].imag - order * np.array(places)))

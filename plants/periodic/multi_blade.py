@@ -24,13 +24,14 @@ def multi_blade(blades: int, angle: float) -> tuple[Array, Array]:
     """
     N = require_count("multi_blade", "blades", blades, 1, 1000)
     psi = require_number("multi_blade.angle", angle, unit="rad") + 2 * np.pi * np.arange(N) / N
-    columns, slopes = [np.ones(N)], [np.zeros(N)]
+    columns: list[Array] = [np.ones(N)]
+    slopes: list[Array] = [np.zeros(N)]
     for n in range(1, (N - 1) // 2 + 1):
         columns += [np.cos(n * psi), np.sin(n * psi)]
         slopes += [-n * np.sin(n * psi), n * np.cos(n * psi)]
     if N % 2 == 0:
-        columns.append((-1.0) ** np.arange(N))
-        slopes.append(np.zeros(N))
+        columns += [(-1.0) ** np.arange(N)]
+        slopes += [np.zeros(N)]
     return np.column_stack(columns), np.column_stack(slopes)
 
 
