@@ -46,5 +46,6 @@ def test_why_there_is_none_in_one_line():
 def test_a_goal_that_is_a_cycle_has_its_regulator():
     cycle = dataclasses.replace(scenes.get("slider-crank-run"), dt=5 / 192, substeps=100)  # a turn is 16 periods
     assert isinstance(designed(cycle, CONTESTANTS["LQR"]), PeriodicLQR)
+    assert isinstance(designed(cycle, CONTESTANTS["LQR, delay known"]).law, PeriodicLQR)
     off = dataclasses.replace(cycle, dt=0.0123)
     assert "no equilibrium" in designed(off, CONTESTANTS["LQR"])
