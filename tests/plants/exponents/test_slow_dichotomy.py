@@ -71,3 +71,9 @@ def test_wrong_numbers_are_refused(still):
         slow_dichotomy(still([[-1.0]]), shift=np.nan)
     with pytest.raises(ValueError, match="samples"):
         slow_dichotomy(still([[-1.0]]), samples=1)
+
+
+def test_what_the_motion_of_a_eats(along):
+    """Scalar a = 1 + t/2: H = 1/(2 a), dH/dt = -a'/(2 a^2), so that the share is a'/(2 a^2), a quarter at the start."""
+    found = slow_dichotomy(along(np.linspace(0, 2, 201), lambda t: np.array([[1 + t / 2]])))
+    assert found.used == pytest.approx(0.25, rel=0.02) and found.verdict == "unstable"

@@ -60,3 +60,14 @@ def test_schur_vectors_come_in_order(seed):
         if wanted[k - 1] - wanted[k] > 1e-6:
             assert np.abs(found[k:, :k]).max() < 1e-10
             assert np.sort(np.linalg.eigvals(found[:k, :k]).real)[::-1] == pytest.approx(wanted[:k], abs=1e-8)
+
+
+def test_a_block_of_all_is_the_transition_matrix(along):
+    """Its least and largest rate over the record are those of the product of all steps."""
+    M, N = np.random.default_rng(4).standard_normal((2, 3, 3))
+    flow = triangular_flow(along(np.linspace(0, 2, 101), lambda t: M + np.sin(3 * t) * N))
+    total = np.eye(3)
+    for R in flow.R:
+        total = R @ total
+    sizes = np.log(np.linalg.svd(total, compute_uv=False)) / 2
+    assert flow.block(0, 3, 2.0) == pytest.approx((sizes[-1], sizes[0]), abs=1e-9)

@@ -35,7 +35,7 @@ def held(I):
 
 def test_debra_and_delp():
     rng, seen = np.random.default_rng(5), []
-    while len(seen) < 16:
+    while len(seen) < 24:
         I = 10.0 * rng.uniform(0.2, 1.0, 3)
         if 2 * I.max() >= I.sum():  # no body has such moments
             continue
