@@ -23,6 +23,7 @@ from pliant.controllers.learning.policy import Policy
 from pliant.controllers.linear_quadratic.delay import Predictive, delayed
 from pliant.controllers.linear_quadratic.lqg import LQG
 from pliant.controllers.linear_quadratic.lqr import LQR
+from pliant.controllers.linear_quadratic.periodic_lqr import PeriodicLQR
 from pliant.controllers.linear_quadratic.tvlqr import TVLQR
 from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.nmpc.nmpc import NMPC
@@ -48,6 +49,7 @@ __all__ = [
     "Margins",
     "Motion",
     "Objective",
+    "PeriodicLQR",
     "Policy",
     "Predictive",
     "Sensor",
@@ -85,7 +87,7 @@ imports.serve(
         "hinf=hinf_norm",
         "optimal_control": "optimal plan transcription=multiple_shooting shooting=shooting_derivatives "
         "stage_terms=stage_derivatives nominals=nominal_motions",
-        "linear_quadratic": "lqr lqg tvlqr funnel period_cost delay",
+        "linear_quadratic": "lqr lqg tvlqr funnel period_cost periodic_lqr delay",
         "analysis": "loops margins spillover",
         "joint_control": "pd computed_torque collocated=collocation shaping=input_shaping",
         "learning": "run=training_callback lanes=training_env policy actor=sb3_export checkpoint torch_threads",

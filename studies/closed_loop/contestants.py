@@ -14,7 +14,7 @@ from pliant.controllers import Controller, Policy
 from pliant.envs import scenes
 from pliant.envs.scenes.registry import is_file
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import PliantError
+from pliant.plants import EquilibriumError, PliantError
 from pliant.plants.core.argument_gates import require_names
 
 MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
@@ -32,14 +32,30 @@ class Designed:
         return getattr(controllers, self.name).for_scene(scene, **dict(self.options))
 
 
+def regulator(scene: Scene) -> Controller:
+    """LQR about the goal; where that is no point but a cycle, about the cycle."""
+    try:
+        return controllers.LQR.for_scene(scene)
+    except EquilibriumError as failure:
+        try:
+            return controllers.PeriodicLQR.for_scene(scene)
+        except PliantError:
+            raise failure from None
+
+
+def predictive(scene: Scene) -> Controller:
+    """That law for inputs that act late."""
+    return controllers.Predictive.for_scene(scene, law=regulator(scene))
+
+
 def trained(scene: Scene) -> Controller:
     """The policy that is shipped for the scene. ValueError for a scene without one."""
     return Policy.for_scene(scene.name)
 
 
 CONTESTANTS: Mapping[str, Maker] = {
-    "LQR": Designed("LQR"),
-    "LQR, delay known": Designed("Predictive"),
+    "LQR": regulator,
+    "LQR, delay known": predictive,
     "TVLQR": Designed("TVLQR"),
     "MPC": Designed("MPC"),
     "NMPC": Designed("NMPC"),

@@ -50,6 +50,11 @@ def riccati_calls() -> list[Call]:
             riccati.dkalman,
             noise | {"A": sampled["A"], "names": NAMES, "dt": Number(DT, **POSITIVE)},
         ),
+        Call(
+            "riccati.dplqr",
+            riccati.dplqr,
+            steps | {"Q": Array(Q), "R": Array(R), "N": N} | {name: each[name] for name in ("c", "q", "s")},
+        ),
         Call("riccati.dtvlqr", riccati.dtvlqr, steps | {"Q": Array(Q), "R": Array(R), "N": N} | each | ends),
         Call("riccati.tvlqr", riccati.tvlqr, along | {"end": Array(Q, none=True)}),
         Call("riccati.sampled_along", riccati.sampled_along, along),

@@ -12,6 +12,8 @@ from kinds_of_numbers import POSITIVE, Array, Count, Counts, Number
 
 from pliant.plants import LinearModel, LTVModel, ModalData, ModalNode, Payload, beams, stability
 from pliant.plants.beams import OffsetPayload
+from pliant.plants.exponents import slow_dichotomy, spectrum
+from pliant.plants.periodic import campbell, multi_blade, multi_blade_model, output_mode
 
 T = np.linspace(0.0, 2.0, 9)
 A = np.array([[0.0, 1.0], [-4.0, -0.5]])
@@ -117,6 +119,50 @@ def stability_calls() -> list[Call]:
             compare=False,
         ),
         Call("stability.slow_variation", stability.slow_variation, model, compare=False),
+        Call(
+            "exponents.spectrum",
+            spectrum,
+            model
+            | {"window": Number(0.5, none=True, **POSITIVE), "settle": Number(0.5, none=True, **POSITIVE)}
+            | {"beyond": Choice("persists")}
+            | states,
+            compare=False,
+        ),
+        Call(
+            "exponents.spectrum.tends",
+            spectrum,
+            model | {"limit": Array(A, none=True), "within": Number(0.5, low=0.0)},
+            {"beyond": "tends"},
+            compare=False,
+        ),
+        Call(
+            "periodic.campbell",
+            campbell,
+            {
+                "speeds": Array((0.0, 1.0)),
+                "orders": Counts((1, 2), wrong=False),
+                "least": Number(0.5, low=0.0, high=1.0),
+            },
+            {"plant": lambda speed: LinearModel.from_matrices(A * (1.0 + speed), [[0.0], [1.0]])},
+            compare=False,
+        ),
+        Call(
+            "periodic.output_mode", output_mode, {"k": Count(1, low=0)}, {"model": LTV, "cycle": stability.floquet(LTV)}
+        ),
+        Call("periodic.multi_blade", multi_blade, {"blades": Count(3), "angle": Number(0.5)}),
+        Call(
+            "periodic.multi_blade_model",
+            multi_blade_model,
+            {"M": Array(np.eye(3)), "D": Array(np.eye(3)), "K": Array(np.eye(3))}
+            | {"blades": Count(3), "angle": Number(0.5), "speed": Number(0.5)},
+        ),
+        Call("exponents.spectrum.periodic", spectrum, model | period, {"beyond": "periodic"}, compare=False),
+        Call(
+            "exponents.slow_dichotomy",
+            slow_dichotomy,
+            model | {"shift": Number(0.5), "samples": Count(16, none=True)} | states,
+            compare=False,
+        ),
     ]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from argument_kinds import Call, Choice, Names, Object, Objects
 from further_kinds import ByName, Function, Text
 from kinds_of_numbers import POSITIVE, Array, Count, Number
-from laws_at_hand import ARM, DT, GAIN, LIMITS, MODEL, SCENE, SCENES, SHARE, STATES, law
+from laws_at_hand import ARM, CYCLE, DT, GAIN, LIMITS, MODEL, SCENE, SCENES, SHARE, STATES, law
 
 from pliant import controllers
 from pliant.controllers import (
@@ -19,6 +19,7 @@ from pliant.controllers import (
     ComputedTorque,
     Kalman,
     Objective,
+    PeriodicLQR,
     Predictive,
     loop,
     margins,
@@ -54,6 +55,12 @@ def for_scene_calls() -> list[Call]:
     own = LQR.for_scene(SCENE)
     return [
         Call("LQR.for_scene", LQR.for_scene, SCENES | effort | integral),
+        Call(
+            "PeriodicLQR.for_scene",
+            PeriodicLQR.for_scene,
+            {"scene": Object(CYCLE), "effort": effort["effort"]},
+            compare=False,
+        ),
         Call("Kalman.for_scene", Kalman.for_scene, SCENES | seen),
         Call("LQG.for_scene", LQG.for_scene, SCENES | seen | effort),
         Call("TVLQR.for_scene", TVLQR.for_scene, SCENES | {"effort": effort["effort"]} | follow),

@@ -56,6 +56,7 @@ LTV = LTVModel(
 SENSOR = Sensor("encoder", "place", "m", noise=0.5, quantum=0.25)
 GAIN = Feedback(np.array([[2.0, 1.0]]), ("s", "v"))
 SLEW = scenes.get("single-link-slew")
+CYCLE = dataclasses.replace(scenes.get("slider-crank-run"), dt=5 / 192, substeps=100)  # a turn is 16 periods
 SCENE = dataclasses.replace(
     SLEW,
     name="short",

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.controllers import LQR, MPC, Policy
+from pliant.controllers import LQR, MPC, PeriodicLQR, Policy
 from pliant.envs import scenes
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.contestants import CONTESTANTS, MARGIN, designed, playable
@@ -41,3 +41,11 @@ def test_why_there_is_none_in_one_line():
     assert designed(fast, lambda scene: LQR.for_scene(SLEW)).endswith("acts every 0.02 s, the scene's period is 0.01 s")
     policy = designed(SLEW, CONTESTANTS["trained policy"])
     assert isinstance(policy, Policy) and np.array_equal(policy.limits, [40.0])
+
+
+def test_a_goal_that_is_a_cycle_has_its_regulator():
+    cycle = dataclasses.replace(scenes.get("slider-crank-run"), dt=5 / 192, substeps=100)  # a turn is 16 periods
+    assert isinstance(designed(cycle, CONTESTANTS["LQR"]), PeriodicLQR)
+    assert isinstance(designed(cycle, CONTESTANTS["LQR, delay known"]).law, PeriodicLQR)
+    off = dataclasses.replace(cycle, dt=0.0123)
+    assert "no equilibrium" in designed(off, CONTESTANTS["LQR"])

@@ -51,5 +51,5 @@ def test_bad_input_is_one_line(tmp_path, words, message):
 
 def test_without_stable_baselines_it_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setattr(sys.modules["pliant.controllers.learning.train"], "_installed", lambda: False)
-    done = run(SCENE, "--out", str(tmp_path / "out"))
+    done = run(SCENE, "--algorithm", "ppo", "--out", str(tmp_path / "out"))
     assert done.exit_code == 1 and "pliant[rl]" in done.stderr
