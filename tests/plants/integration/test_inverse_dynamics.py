@@ -1,11 +1,13 @@
 """Inputs by inverse dynamics: what they do to the plant they were made for, one time and many at once."""
 
 import dataclasses
+from dataclasses import dataclass
 
+import casadi as ca
 import numpy as np
 import pytest
 
-from pliant.plants import LargeDeflectionBeam, TwoLinkArm
+from pliant.plants import LagrangianPlant, LargeDeflectionBeam, Signal, TwoLinkArm
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
@@ -53,3 +55,84 @@ def test_inputs_that_reach_no_coordinate_are_refused():
     beam = LargeDeflectionBeam.textbook()
     with pytest.raises(ValueError, match=r"one coordinate each: the 2 of LargeDeflectionBeam .* drive none"):
         dataclasses.replace(beam, modes=3).rest_to_rest(np.zeros(6), np.zeros(6), 1.0)
+
+
+UPRIGHT = pytest.mark.filterwarnings("ignore::pliant.plants.core.errors.UnstableRestWarning")  # the link stands up
+ROTOR, LINK, SPRING, WEIGHT = 0.5, 2.5, 800.0, 30.0  # kg m^2, kg m^2, N m/rad, N m
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElasticJoint(LagrangianPlant):
+    """A motor that carries a link against its weight through a spring; `loose`: a wheel on it that nothing ties."""
+
+    spring: float = SPRING
+    loose: bool = False
+    coordinates = property(
+        lambda self: (Signal("motor", "rad"), Signal("link", "rad"), *([Signal("wheel", "rad")] * self.loose))
+    )
+    inputs = (Signal("torque", "N m"),)
+    disturbances = ()
+    outputs = (Signal("height", "1"),)
+    label = "elastic joint"
+
+    def kinetic_energy(self, q, v):
+        wheel = 0.1 * (v[1] + v[2]) ** 2 if self.loose else 0.0
+        return 0.5 * ROTOR * v[0] ** 2 + 0.5 * LINK * v[1] ** 2 + wheel
+
+    def potential_energy(self, q):
+        return 0.5 * self.spring * (q[0] - q[1]) ** 2 + WEIGHT * ca.sin(q[1])
+
+    def dissipation(self, q, v):
+        return 0.5 * 2.0 * (v[0] - v[1]) ** 2
+
+    def generalized_force(self, t, q, v, u, w):
+        return ca.vertcat(u, *[0] * (len(self.coordinates) - 1))
+
+    def output(self, t, x, u, w):
+        return ca.sin(x[1])
+
+
+def moved(plant, time):
+    """(rest at motor = 0, at 1, inputs, samples of them over the motion)."""
+    held = {"wheel": 0.0} if plant.loose else {}
+    begin, end = (plant.equilibrium(motor=value, **held)[0] for value in (0.0, 1.0))
+    u = plant.rest_to_rest(begin, end, time)
+    return begin, end, u, u.at_times(np.linspace(0, time, 101))[:, 0]
+
+
+@UPRIGHT
+def test_a_link_behind_a_spring_is_carried_with_its_weight():
+    """A stiff spring: (J_m + J_l) theta'' + W cos(theta) at the wanted angle."""
+    s, _, dds = minimum_jerk(np.linspace(0, 1, 101))
+    _, _, _, torque = moved(ElasticJoint(spring=1e7), 1.5)
+    np.testing.assert_allclose(torque, (ROTOR + LINK) * dds / 1.5**2 + WEIGHT * np.cos(s), atol=1e-3)
+
+
+@UPRIGHT
+def test_an_elastic_joint_arrives_with_little_swing():
+    """The spring twists by (J_l theta'' + W cos) / k, not by the whole way."""
+    plant = ElasticJoint()
+    begin, end, u, torque = moved(plant, 1.5)
+    assert np.abs(torque).max() < 1.2 * (WEIGHT + (ROTOR + LINK) * 5.78 / 1.5**2)  # 10 / sqrt(3), the largest s''
+    motion = plant.simulate(begin, u, np.linspace(0, 1.5, 4))
+    np.testing.assert_allclose(motion.x[-1], end, atol=0.05)
+    np.testing.assert_allclose(u(2.0), [WEIGHT * np.cos(end[1])], rtol=1e-9)  # rests there
+
+
+@UPRIGHT
+def test_what_nothing_ties_is_left_to_its_bearing():
+    """A wheel without friction on the link (0.2 kg m^2) stays behind as the link turns: the same torque without it."""
+    (*_, alone), (*_, carrying) = moved(ElasticJoint(), 1.5), moved(ElasticJoint(loose=True), 1.5)
+    np.testing.assert_allclose(carrying, alone, rtol=1e-9)
+
+
+def test_no_rest_along_the_way_is_told():
+    """W sin(link) holds what the motor pulls with, 40 N m/rad, up to 0.75 rad of it."""
+
+    class Torn(ElasticJoint):
+        def potential_energy(self, q):
+            return -WEIGHT * ca.cos(q[1]) - 40.0 * q[0] * q[1]
+
+    with pytest.raises(ValueError, match=r"link of Torn .*, which no input drives, has none at 0\.7\d of it"):
+        Torn().rest_to_rest(np.zeros(4), np.array([1.0, 0, 0, 0]), 1.0)
+    assert Torn().rest_to_rest(np.zeros(4), np.array([0.6, 0, 0, 0]), 1.0)(1.0).shape == (1,)
