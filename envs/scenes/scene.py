@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property, partial, wraps
+from functools import cached_property, wraps
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -29,7 +29,7 @@ from pliant.plants.linear.quadratic_cost import (
 
 from . import cost
 from .checks import checked, rows
-from .nominal_inputs import minimum_jerk_input, steady_motion
+from .nominal_inputs import nominal_input, steady_motion, told
 
 if TYPE_CHECKING:
     kept_property = property  # what checkers compare with the properties of a protocol
@@ -262,19 +262,20 @@ class Scene(Manoeuvre):
     def nominal_input(self) -> Callable[[float], np.ndarray]:
         """Inputs u(t) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
 
-        The same inputs drive every fidelity in the speed-accuracy chart.
+        The same inputs drive every fidelity in the speed-accuracy chart. Warns (NominalWarning) beyond `limits`.
         """
-        if self.drive is not None:
-            return partial(self.drive, self.plant)
-        return minimum_jerk_input(self)
+        return nominal_input(self)
 
     def open_loop(self, **options: Any) -> Trajectory:
-        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate."""
-        return self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options)
+        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate.
+
+        Warns (NominalWarning) where it is to arrive at the goal and ends far from it.
+        """
+        return told(self, self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options))
 
     def nominal_motion(self, **options: Any) -> Trajectory:
         """As `open_loop`, from `nominal_start`."""
-        return self.plant.simulate(self.nominal_initial[0], self.nominal_input, self.times, **options)
+        return told(self, self.plant.simulate(self.nominal_initial[0], self.nominal_input, self.times, **options))
 
     def goal_motion(self) -> Trajectory:
         """The goal as a motion: over one turn where it turns steadily, else at the control times."""

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from typing import Any
 
 import numpy as np
+
+PASSED = ("pliant.", "functools", "contextlib")  # modules between a warning and the line that is warned
 
 
 class PliantError(Exception):
@@ -75,6 +79,18 @@ class UnstableRestWarning(UserWarning):
 
 class ValidityWarning(UserWarning):
     """A motion leaves the range in which the plant's kinematics hold."""
+
+
+class NominalWarning(UserWarning):
+    """Nominal inputs beyond a scene's limits, or an open-loop motion that does not arrive."""
+
+
+def warn_caller(message: str, kind: type[Warning]) -> None:
+    """Warn of the first line outside the library that led here; inside, which line it is depends on the way taken."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(PASSED):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, kind, stacklevel=level)
 
 
 class InfeasibleError(PliantError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
+from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning, warn_caller
 from pliant.plants.core.signals import index
 
 if TYPE_CHECKING:
@@ -185,9 +184,8 @@ def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
     error = len(A) * np.finfo(float).eps * np.linalg.norm(A) * size
     if roots[k].real > 10 * error:
         most = plant.states[int(np.argmax(np.abs(right[:, k])))]
-        warnings.warn(
+        warn_caller(
             f"the rest point of {plant.label} is unstable: with the inputs held, small deviations grow by "
             f"exp({roots[k].real:.3g} t), most in {most.name}; a feedback must hold it, or another guess finds another",
             UnstableRestWarning,
-            stacklevel=4,
         )
