@@ -1,4 +1,4 @@
-"""What a scene's fields must be: names that its plant knows, numbers within their ranges."""
+"""What a scene's fields must be: names that its plant knows, numbers within their ranges, rests that there are."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants import Plant
+from pliant.plants import EquilibriumError, Plant
 from pliant.plants.core.argument_gates import (
     as_number,
     as_tuple,
@@ -21,6 +21,7 @@ from pliant.plants.core.argument_gates import (
     shown,
 )
 from pliant.plants.core.parameters import unit_of
+from pliant.plants.dynamics.equilibrium import with_joints
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -73,6 +74,28 @@ def checked(scene: Scene) -> dict[str, Any]:
     found["randomise"] = _randomised(owner, scene)
     _on_every_rung(owner, plant, found)
     return found
+
+
+def rest_point(scene: Scene, field: str) -> tuple[np.ndarray, np.ndarray]:
+    """(x, u) at the rest that the field "start" or "goal" names: joints that it does not name at zero, what no input
+    drives in equilibrium. EquilibriumError, which names the field, where there is none.
+    """
+    plant, named = scene.plant, dict(getattr(scene, field))
+    try:
+        return plant.equilibrium(with_joints(plant, named))
+    except EquilibriumError as none:
+        held, n = [name for name in named if name in plant.rates], plant.nu
+        joints = ", ".join(joint.position for joint in plant.joints)
+        advice = f"name {n} at most" + (f", as {joints}" if joints else "")
+        if len(held) <= n:
+            advice = f"name others, or say {field}_at_rest = false"
+        remains = str(none).partition(";")[0]
+        raise EquilibriumError(
+            f"scene {scene.name!r}: [{field}] names {len(held)} {'coordinate' if len(held) == 1 else 'coordinates'} "
+            f"({', '.join(held) or 'none'}), of a plant with {n} {'input' if n == 1 else 'inputs'}: "
+            f"{advice}; {remains}",
+            none.residual,
+        ) from none
 
 
 def _on_every_rung(owner: str, plant: Plant, found: dict[str, Any]) -> None:

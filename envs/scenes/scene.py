@@ -28,7 +28,7 @@ from pliant.plants.linear.quadratic_cost import (
 )
 
 from . import cost
-from .checks import checked, rows
+from .checks import checked, rest_point, rows
 from .nominal_inputs import nominal_input, steady_motion, told
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class Manoeuvre:
     @kept_property
     def initial(self) -> tuple[np.ndarray, np.ndarray]:
         """(x, u) at the start: at rest, deflections in equilibrium, or as given."""
-        return self.plant.equilibrium(dict(self.start)) if self.start_at_rest else self._given(self.start)
+        return rest_point(self, "start") if self.start_at_rest else self._given(self.start)
 
     @cached_property
     def nominal_initial(self) -> tuple[np.ndarray, np.ndarray]:
@@ -142,7 +142,7 @@ class Manoeuvre:
     @kept_property
     def target(self) -> tuple[np.ndarray, np.ndarray]:
         """(x, u) at the goal: at rest, deflections in equilibrium, or as given."""
-        return self.plant.equilibrium(dict(self.goal)) if self.goal_at_rest else self._given(self.goal)
+        return rest_point(self, "goal") if self.goal_at_rest else self._given(self.goal)
 
     def _given(self, values: Pairs) -> tuple[np.ndarray, np.ndarray]:
         return self.plant.consistent(self._by_state(values)), np.zeros(self.plant.nu)
@@ -189,8 +189,8 @@ class Manoeuvre:
 class Scene(Manoeuvre):
     """Drive `plant` from `start` to `goal`, at least cost, within limits.
 
-    Start and goal name coordinates of rest points, the rest of the state in equilibrium; or, not `at rest`, they name
-    states, the others zero: a beam that is let go, a hub that spins, a crank at its speed. Quaternions are made unit.
+    Start and goal name coordinates of rest points; joints not named are at zero, what no input drives in equilibrium.
+    Or, not `at rest`, they name states, the others zero: a beam let go, a hub that spins. Quaternions are made unit.
     A goal may move steadily: `goal_rates` of its states, from their values at t = 0.
 
     Cost [-]  sum over control periods of

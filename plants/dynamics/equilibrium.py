@@ -20,6 +20,7 @@ Array = np.ndarray
 TOLERANCE = 1e-10  # relative to the rates that each unknown can cause
 STEP = 1e-6  # of an unknown or of SMALL: a Newton step beyond it means that very stiff terms hide the others' residual
 SMALL = 1e-3
+FOLLOWS = 1e-6  # of what a coordinate follows most: less is nothing but rounding
 
 
 class RestConditions:
@@ -163,6 +164,36 @@ def find(
             float(np.max(np.abs(rate))),
         )
     return z[:nx], z[nx:]
+
+
+def with_joints(plant: Plant, named: Mapping[str, float]) -> dict[str, float]:
+    """The named states, and at zero the driven coordinates that they leave open.
+
+    A coordinate without an input that is named (a link behind its gear) decides the driven one that it follows most.
+    """
+    driven = [joint.position for joint in plant.joints if joint.position in plant.rates]
+    left = [name for name in driven if name not in named]
+    given = [name for name in named if name in plant.rates and name not in driven]
+    if left and given:
+        others = [name for name in plant.rates if name not in driven]
+        follows = np.abs(_follows(plant, driven, others))
+        for name in given:
+            row = follows[others.index(name)]
+            most = max(left, key=lambda one: float(row[driven.index(one)]), default=None)
+            if most is not None and row[driven.index(most)] > FOLLOWS * row.max():
+                left.remove(most)
+    return {**dict.fromkeys(left, 0.0), **named}
+
+
+def _follows(plant: Plant, driven: list[str], others: list[str]) -> Array:
+    """d(others)/d(driven) from rest to rest, (others, driven): zero where nothing ties them."""
+    A, B = plant.jacobians(plant.rest_state)[:2]
+    at = {s.name: k for k, s in enumerate(plant.states)}
+    q, p = ([at[name] for name in names] for names in (driven, others))
+    dq, dp = ([at[plant.rates[name]] for name in names] for names in (driven, others))
+    slopes = A[dp] - B[dp] @ np.linalg.pinv(B[dq]) @ A[dq]
+    found: Array = -np.linalg.pinv(slopes[:, p], rcond=TOLERANCE) @ slopes[:, q]
+    return found
 
 
 def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:

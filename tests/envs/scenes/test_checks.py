@@ -5,8 +5,11 @@ import re
 
 import numpy as np
 import pytest
+from users_plants import LIFT
 
 from pliant.envs import scenes
+from pliant.envs.simulation.episode_start import initial_states
+from pliant.plants import EquilibriumError
 
 
 @pytest.mark.parametrize(
@@ -45,3 +48,32 @@ def test_every_rung_of_the_ladder_must_have_the_names():
     for field in ({"goal": (("eta1", 0.1),)}, {"weights": (("eta1", 1.0),)}):
         with pytest.raises(ValueError, match=r"'eta1' is no signal of 'rigid' on the ladder of SingleLinkArm, must be"):
             dataclasses.replace(scene, **field)
+
+
+def test_a_rest_that_is_not_there_names_its_field():
+    """A load that leans by 0.5 rad hangs still nowhere: one input, and two coordinates that are chosen."""
+    leaning = dataclasses.replace(LIFT, goal=(("place", 1.0), ("lean", 0.5)))
+    with pytest.raises(
+        EquilibriumError, match=r"scene 'crane': \[goal\] names 2 coordinates \(place, lean\), of a plant"
+    ) as told:
+        _ = leaning.target
+    assert (
+        "with 1 input: name 1 at most, as place; no equilibrium of crane" in str(told.value) and told.value.residual > 1
+    )
+    with pytest.raises(EquilibriumError, match=r"\[start\] names 1 coordinate \(lean\).* or say start_at_rest = false"):
+        _ = dataclasses.replace(LIFT, start=(("lean", 0.5),)).initial
+
+
+def test_joints_that_are_not_named_are_held_at_zero():
+    """Under gravity: m g a of the bodies beyond each joint, by the hands of `equilibrium` with all of them named."""
+    scene = scenes.get("six-axis-pick")
+    rigid = scene.plant.ladder()[0]
+    few = dataclasses.replace(scene, plant=rigid, start=(("lift", -1.0),), goal=())
+    x, u = few.initial
+    held = {joint.position: 0.0 for joint in rigid.joints} | {"lift": -1.0}
+    assert dict(zip((s.name for s in rigid.states), x)) | held == dict(zip((s.name for s in rigid.states), x))
+    np.testing.assert_allclose(u, rigid.equilibrium(held)[1], atol=1e-9)
+    assert np.abs(u[1]) > 10 and not few.target[0].any() and np.abs(few.target[1]).max() > 10
+    starts = initial_states(dataclasses.replace(few, randomise=()), np.array([[-1.0], [-0.9]]), np.zeros((2, 0)))
+    np.testing.assert_allclose(starts[:, 1], [-1.0, -0.9])
+    assert not starts[:, [0, 2, 3, 4, 5]].any()
