@@ -134,11 +134,10 @@ def clipped(p: str, count: int, low: np.ndarray, high: np.ndarray) -> tuple[str,
 def files(name: str, head: str, struct: str, declared: str, code: str, precision: str) -> tuple[str, str]:
     """(header, source) of a part in `precision`; `head` is the comment that says what it is."""
     kind, suffix = PRECISIONS[precision]
-    comment = "/* " + head.strip().replace("*/", "* /").replace("\n", "\n * ") + "\n */\n"
+    comment = "/* " + _said(head.strip()).replace("\n", "\n * ") + "\n */\n"
     guard = f"{name.upper()}_H"
-    header = (
-        f"{comment}#ifndef {guard}\n#define {guard}\n\ntypedef {kind} {name}_real;\n\n{struct}{declared}\n#endif\n"
-    ).replace("REAL", f"{name}_real")
+    declared = re.sub(r"\bREAL\b", f"{name}_real", f"{struct}{declared}")  # the word: names may hold it
+    header = f"{comment}#ifndef {guard}\n#define {guard}\n\ntypedef {kind} {name}_real;\n\n{declared}\n#endif\n"
     calls = "".join(f"#define {f.upper()} {f}{suffix}\n" for f in FUNCTIONS if re.search(rf"\b{f.upper()}\(", code))
     if "_add_product(" in code:
         code = PRODUCT.replace("NAME", name) + "\n" + code
@@ -149,6 +148,11 @@ def files(name: str, head: str, struct: str, declared: str, code: str, precision
     if precision == "single":
         code = re.sub(rf"\({name}_real\)(-?[0-9.]+(?:e[+-]?[0-9]+)?)", _single, code)
     return header, f'{comment}#include "{name}.h"\n{maths}{calls}\n{code}'
+
+
+def _said(text: str) -> str:
+    """Text of a comment: nothing that ends it or begins another, no trigraph."""
+    return re.sub(r"\*(?=/)|/(?=\*)|\?(?=\?)", r"\g<0> ", text)
 
 
 def _single(found: re.Match[str]) -> str:

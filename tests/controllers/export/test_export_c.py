@@ -1,5 +1,6 @@
 """What is written as a whole: no warning of two compilers, no allocation, clean under sanitizers; refusals."""
 
+import numpy as np
 import pytest
 from exported import (
     SANITIZERS,
@@ -11,8 +12,9 @@ from exported import (
     strict_everywhere,
 )
 
-from pliant.controllers import LQG, LQR, MPC, TVLQR, Kalman
+from pliant.controllers import LQG, LQR, MPC, TVLQR, Feedback, Kalman
 from pliant.controllers.export import export_c
+from pliant.controllers.export.c_text import files
 
 
 def laws(scene):
@@ -81,3 +83,24 @@ def test_what_has_no_c_form_is_told(tmp_path, reach, what, options, word) -> Non
     with pytest.raises(ValueError, match=word):
         export_c(what(reach), **({"path": tmp_path / "law.c"} | options))
     assert not list(tmp_path.iterdir())
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ["REAL", "aREALb", "NAME", "SIN", "INFINITY", "SLACK_REAL"])
+def test_a_name_may_hold_the_words_of_the_text(tmp_path, name) -> None:
+    law = Feedback(np.array([[2.0, -1.0]]), ("a", "b"))
+    strict_everywhere(export_c(law, tmp_path / f"{name}.c")[0])
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    "signal", ["a*/ int x;", "a/*b", "a/*/", "tri??/", "????/", "back\\", "line\nbreak", "REAL", '"']
+)
+def test_signals_may_be_called_anything_in_comments(tmp_path, signal) -> None:
+    strict_everywhere(export_c(Feedback(np.eye(1), (signal,)), tmp_path / "law.c")[0])
+
+
+def test_comments_say_what_ends_them_in_other_words() -> None:
+    header, _ = files("law", "y: a*/, /*b*/, c?????/d, /*/", "", "", "", "double")
+    inside = header.partition("/* ")[2].partition("\n */")[0]
+    assert not any(mark in inside for mark in ("*/", "/*", "??"))
