@@ -10,6 +10,7 @@ import typer
 from pliant.envs import environment_id
 from pliant.envs import scenes as known
 from pliant.envs.environments.scene_check import check_scene
+from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scene_files.starts import plant_start, scene_start
 from pliant.envs.scenes.registry import is_file
 from pliant.envs.scenes.scene import Scene
@@ -19,7 +20,7 @@ from pliant.plants.tables.plant_types import named
 from pliant.studies.common.formatting import measured
 from pliant.studies.report.json_tables import scene_table
 
-from .console import complain, listed, print_json, scene_with
+from .console import complain, listed, print_json
 from .options import AsJson, Settings
 
 
@@ -74,6 +75,6 @@ def check(
             raise ValueError("check: --set must follow a scene's name or file")
         print(checked(named("check: plant", plant)()))
         return
-    scene = scene_with(plant, settings or [])
+    scene = with_settings(plant, settings or [])
     print(checked(scene.plant))
     print(check_scene(scene))

@@ -7,6 +7,7 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import ElasticJoint, FlexibleTree, Joint, LagrangianPlant, Payload, Plant, Signal, TreeBody, check
+from pliant.plants.contract import equations
 from pliant.plants.contract.check import ContractError
 
 
@@ -157,6 +158,15 @@ def test_a_base_that_is_turned_needs_no_mass_of_its_own():
     turned = FlexibleTree.serial(bodies, base="driven", base_freedoms=("turn_x", "turn_y", "turn_z"))
     assert np.linalg.eigvalsh(turned.mass_matrix(turned.rest_state))[0] < 1e-12  # about the arm's own line ..
     assert dict(check(turned).found)["mass matrix"] == "symmetric, positive definite"  # .. but not in the joint
+
+
+def test_an_energy_is_known_to_its_rounding_and_at_states():
+    """Of weights about their places at rest it is a difference of large ones, and quaternions are of unit length."""
+    for name, kinematics in (("crane-swing", "stiffened"), ("satellite-arm", "rigid")):
+        tree = dataclasses.replace(scenes.get(name).plant, kinematics=kinematics)
+        _, wrong = equations.energy_balance(tree, equations.points(tree, 4, 0))
+        assert not wrong
+        assert not list(equations.wrong_outline(tree, equations.points(tree, 4, 0)))
 
 
 @dataclass(frozen=True, kw_only=True)
