@@ -12,6 +12,7 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import NominalWarning, PliantError
 from pliant.plants.contract.check import Checked, ContractError
 from pliant.plants.core.argument_gates import require_instance
+from pliant.plants.dynamics.equilibrium import growth_at_rest
 
 from .env import PlantEnv
 
@@ -62,7 +63,10 @@ def _rest(scene: Scene, field: str) -> str:
         raise ValueError(f"its rest takes {', '.join(more)}")
     held = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v, _ in signals if abs(v) > 1e-9)
     at_rest = scene.start_at_rest if field == "start" else scene.goal_at_rest
-    return (f"at rest with {held}" if held else "at rest without inputs") if at_rest else "as given"
+    if not at_rest:
+        return "as given"
+    grows = growth_at_rest(scene.plant, x, u)
+    return (f"at rest with {held}" if held else "at rest without inputs") + (f"; unstable: {grows}" if grows else "")
 
 
 def _rungs(scene: Scene) -> str:

@@ -21,6 +21,7 @@ from pliant.plants.core.argument_gates import (
     require_text,
     shown,
 )
+from pliant.plants.core.errors import unstable_rests_untold
 from pliant.plants.core.parameters import unit_of
 from pliant.plants.dynamics.equilibrium import with_joints
 
@@ -82,7 +83,8 @@ def rest_point(scene: Scene, field: str) -> tuple[np.ndarray, np.ndarray]:
     """
     plant, named = scene.plant, dict(getattr(scene, field))
     try:
-        return plant.equilibrium(with_joints(plant, named))
+        with unstable_rests_untold():  # a controller is to hold it
+            return plant.equilibrium(with_joints(plant, named))
     except EquilibriumError as none:
         held, n = [name for name in named if name in plant.rates], plant.nu
         joints = ", ".join(joint.position for joint in plant.joints)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
 
+_RESTS_TOLD = ContextVar("_RESTS_TOLD", default=True)
 PASSED = ("pliant.", "functools", "contextlib")  # modules between a warning and the line that is warned
 
 
@@ -74,7 +78,9 @@ class DivergenceWarning(RuntimeWarning):
 
 
 class UnstableRestWarning(UserWarning):
-    """A rest point that a motion leaves, however close it starts."""
+    """A rest point that a motion leaves, however close it starts. Told where `equilibrium` is asked for it, not of the
+    start and goal of scenes: `pliant check` and `pliant stability` say it of those.
+    """
 
 
 class ValidityWarning(UserWarning):
@@ -83,6 +89,21 @@ class ValidityWarning(UserWarning):
 
 class NominalWarning(UserWarning):
     """Nominal inputs beyond a scene's limits, or an open-loop motion that does not arrive."""
+
+
+@contextmanager
+def unstable_rests_untold() -> Iterator[None]:
+    """No UnstableRestWarning within: of rests that a controller is to hold, or that are one of many."""
+    before = _RESTS_TOLD.set(False)
+    try:
+        yield
+    finally:
+        _RESTS_TOLD.reset(before)
+
+
+def rests_told() -> bool:
+    """Whether unstable rests are warned of here."""
+    return _RESTS_TOLD.get()
 
 
 def warn_caller(message: str, kind: type[Warning]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning, warn_caller
+from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning, rests_told, warn_caller
 from pliant.plants.core.signals import index
 
 if TYPE_CHECKING:
@@ -196,8 +196,8 @@ def _follows(plant: Plant, driven: list[str], others: list[str]) -> Array:
     return found
 
 
-def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
-    """Warn (UnstableRestWarning) where an eigenvalue at rest has a positive real part beyond its own error.
+def growth_at_rest(plant: Plant, x0: Array, u0: Array, p: Any = None) -> str:
+    """How fast small deviations from a rest grow, "" where no eigenvalue there has a real part > 0 beyond its own error.
 
     The error is what rounding of A can do to a simple eigenvalue, n eps |A| / |y^H x| with the left and right vectors y
     and x of length one (Golub and Van Loan, "Matrix Computations", 7.2.2). Roots that are nearly multiple have large
@@ -208,15 +208,22 @@ def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
     try:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
-        return
+        return ""
     k = int(np.argmax(roots.real))
     with np.errstate(over="ignore"):  # a vector beside a nearly equal one
         size = np.linalg.norm(right[:, k]) * np.linalg.norm(left[k])
     error = len(A) * np.finfo(float).eps * np.linalg.norm(A) * size
-    if roots[k].real > 10 * error:
-        most = plant.states[int(np.argmax(np.abs(right[:, k])))]
+    if roots[k].real <= 10 * error:
+        return ""
+    most = plant.states[int(np.argmax(np.abs(right[:, k])))]
+    return f"with the inputs held, small deviations grow by exp({roots[k].real:.3g} t), most in {most.name}"
+
+
+def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
+    """Warn (UnstableRestWarning) where small deviations from a rest grow."""
+    if rests_told() and (grows := growth_at_rest(plant, x0, u0, p)):
         warn_caller(
-            f"the rest point of {plant.label} is unstable: with the inputs held, small deviations grow by "
-            f"exp({roots[k].real:.3g} t), most in {most.name}; a feedback must hold it, or another guess finds another",
+            f"the rest point of {plant.label} is unstable: {grows}; a feedback must hold it, or another guess finds "
+            "another",
             UnstableRestWarning,
         )

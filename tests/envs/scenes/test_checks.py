@@ -2,14 +2,17 @@
 
 import dataclasses
 import re
+import warnings
 
 import numpy as np
 import pytest
 from users_plants import LIFT
 
 from pliant.envs import scenes
+from pliant.envs.environments.scene_check import check_scene
 from pliant.envs.simulation.episode_start import initial_states
 from pliant.plants import EquilibriumError
+from pliant.plants.core.errors import UnstableRestWarning
 
 
 @pytest.mark.parametrize(
@@ -77,3 +80,21 @@ def test_joints_that_are_not_named_are_held_at_zero():
     starts = initial_states(dataclasses.replace(few, randomise=()), np.array([[-1.0], [-0.9]]), np.zeros((2, 0)))
     np.testing.assert_allclose(starts[:, 1], [-1.0, -0.9])
     assert not starts[:, [0, 2, 3, 4, 5]].any()
+
+
+def test_rests_of_scenes_are_a_controllers_to_hold():
+    """A rod that stands up: of it as a start and goal nothing is warned, on no rung and in no random episode."""
+    slew = scenes.get("single-link-slew")
+    rod = dataclasses.replace(slew.plant, gravity=9.81)
+    up = (("hub_angle", np.pi / 2),)
+    with pytest.warns(UnstableRestWarning):
+        rod.equilibrium(dict(up))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UnstableRestWarning)
+        for rung in rod.ladder()[:2]:
+            standing = dataclasses.replace(slew, plant=rung, start=up, goal=up, randomise=(), limits=(500.0,))
+            assert standing.initial[0][0] == standing.target[0][0] == np.pi / 2
+        several = dataclasses.replace(LIFT, start=(("lean", np.pi), ("place", 0.0)), randomise=())
+        initial_states(several, np.array([[np.pi, 0.0], [np.pi, 0.1]]), np.zeros((2, 0)))
+    found = dict(check_scene(dataclasses.replace(standing, duration=0.1, move_time=0.05)).found)
+    assert re.search(r"unstable: with the inputs held, small deviations grow by exp\([\d.]+ t\)", found["goal"])
