@@ -197,7 +197,7 @@ def _follows(plant: Plant, driven: list[str], others: list[str]) -> Array:
 
 
 def growth_at_rest(plant: Plant, x0: Array, u0: Array, p: Any = None) -> str:
-    """How fast small deviations from a rest grow, "" where no eigenvalue there has a real part > 0 beyond its own error.
+    """How fast small deviations from a rest grow; "" where no eigenvalue there has a real part > 0 beyond its error.
 
     The error is what rounding of A can do to a simple eigenvalue, n eps |A| / |y^H x| with the left and right vectors y
     and x of length one (Golub and Van Loan, "Matrix Computations", 7.2.2). Roots that are nearly multiple have large
