@@ -101,6 +101,11 @@ def _motion(scene: Scene) -> str:
         motion = scene.open_loop(method="rk4", step=scene.dt / scene.substeps)
     if far := far_from_goal(scene, motion):
         raise ValueError(f"does not arrive: {far}; a longer move_time, or [motion] of its own")
+    if scene.drive is None and scene.duration < scene.move_time and scene.start != scene.goal:
+        raise ValueError(
+            f"duration = {scene.duration:g} s ends it before it arrives, must be at least move_time = "
+            f"{scene.move_time:g} s"
+        )
     left = [
         f"{n} = {np.abs(motion[n]).max():.4g} (bound {b:g})" for n, b in scene.bounds if np.abs(motion[n]).max() > b
     ]

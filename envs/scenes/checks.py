@@ -40,6 +40,7 @@ ALLOWED = {  # of the numbers in pairs (name, number)
     "gusts": "nonnegative",
 }
 NUMBERS = ("duration", "dt", "move_time", "start_spread", "tolerance")
+OF_STATES = ("start", "goal", "nominal_start", "goal_rates")
 OF_INPUTS = ("effort", "gusts")  # which all variants share
 LARGEST = 10_000_000  # control periods of an episode
 
@@ -64,7 +65,7 @@ def checked(scene: Scene) -> dict[str, Any]:
     found["limits"] = _limits(owner, scene)
     states, known = (tuple(s.name for s in signals) for signals in (plant.states, scene.signals))
     inputs, disturbances = (tuple(s.name for s in signals) for signals in (plant.inputs, plant.disturbances))
-    of = {"goal_rates": states, "nominal_start": states, "effort": inputs, "gusts": disturbances}
+    of = dict.fromkeys(OF_STATES, states) | {"effort": inputs, "gusts": disturbances}
     for group in ALLOWED:
         if group != "nominal_start" or scene.nominal_start is not None:
             found[group] = _pairs(owner, group, getattr(scene, group), of.get(group, known))
@@ -82,6 +83,13 @@ def rest_point(scene: Scene, field: str) -> tuple[np.ndarray, np.ndarray]:
     drives in equilibrium. EquilibriumError, which names the field, where there is none.
     """
     plant, named = scene.plant, dict(getattr(scene, field))
+    moving = {name: value for name, value in named.items() if name in plant.rates.values() and value}
+    if moving:
+        raise EquilibriumError(
+            f"scene {scene.name!r}: [{field}] has {', '.join(f'{name} = {value:g}' for name, value in moving.items())}: "
+            f"rates are zero at rest, or say {field}_at_rest = false",
+            max(map(abs, moving.values())),
+        )
     try:
         with unstable_rests_untold():  # a controller is to hold it
             return plant.equilibrium(with_joints(plant, named))
@@ -119,7 +127,7 @@ def _on_every_rung(owner: str, plant: Plant, found: dict[str, Any]) -> None:
                 if name not in known:
                     raise ValueError(
                         f"{owner}: {group} {name!r} is no signal of {label!r} on the ladder of {type(plant).__name__}, "
-                        f"must be one of {', '.join(known)}"
+                        f"must be one of {', '.join(dict.fromkeys(known))}"
                     )
 
 
@@ -165,7 +173,7 @@ def _pairs(owner: str, group: str, value: Any, known: tuple[str, ...]) -> tuple[
             raise ValueError(f"{owner}: {group}[{i}] = {shown(pair)} must be a pair (name, number)")
         name, number = pair
         if not isinstance(name, str) or name not in known:
-            listed = ", ".join(known) or "(there are none)"
+            listed = ", ".join(dict.fromkeys(known)) or "(there are none)"
             raise ValueError(f"{owner}: {group} {shown(name)} must be one of {listed}")
         found.append((str(name), _kept(number, require_number(f"{owner}: {group} {name}", number, ALLOWED[group]))))
     if len({name for name, _ in found}) != len(found):

@@ -92,7 +92,7 @@ class Manoeuvre:
 
     @property
     def signals(self) -> tuple[Signal, ...]:
-        """What goal, bounds, weights and observe may name: the plant's states, then its outputs."""
+        """What bounds, weights, observe and compare may name: the plant's states, then its outputs."""
         return self.plant.states + self.plant.outputs
 
     @property

@@ -27,6 +27,8 @@ from pliant.plants.core.errors import UnstableRestWarning
         ({"bounds": (("theta9", 1.0),)}, "theta9"),
         ({"weights": (("theta1", -1.0),)}, "weights theta1 = -1.0"),
         ({"start": (("theta1", np.nan),)}, "start theta1 = nan"),
+        ({"start": (("tip_x", 1.0),)}, "start 'tip_x' must be one of theta1, theta2, q11"),
+        ({"goal": (("tip_x", 1.0),)}, "goal 'tip_x' must be one of theta1"),
         ({"effort": (("tau1", 0.0),)}, "effort tau1"),
         ({"observe": ("tip_z",)}, "tip_z"),
         ({"randomise": (("payload.colour", 0.5, 2.0),)}, "colour"),
@@ -65,6 +67,14 @@ def test_a_rest_that_is_not_there_names_its_field():
     )
     with pytest.raises(EquilibriumError, match=r"\[start\] names 1 coordinate \(lean\).* or say start_at_rest = false"):
         _ = dataclasses.replace(LIFT, start=(("lean", 0.5),)).initial
+
+
+def test_rates_are_zero_at_rest():
+    going = dataclasses.replace(LIFT, start=(("place", 0.0), ("going", 0.2)))
+    with pytest.raises(EquilibriumError, match=r"\[start\] has going = 0\.2: rates are zero at rest, or say start_at_r"):
+        _ = going.initial
+    assert dataclasses.replace(going, start_at_rest=False).initial[0].tolist() == [0.0, 0.0, 0.0, 0.2]
+    assert dataclasses.replace(LIFT, start=(("going", 0.0),)).initial[0].tolist() == [0.0] * 4
 
 
 def test_joints_that_are_not_named_are_held_at_zero():
