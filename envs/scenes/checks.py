@@ -85,9 +85,9 @@ def rest_point(scene: Scene, field: str) -> tuple[np.ndarray, np.ndarray]:
     plant, named = scene.plant, dict(getattr(scene, field))
     moving = {name: value for name, value in named.items() if name in plant.rates.values() and value}
     if moving:
+        told = ", ".join(f"{name} = {value:g}" for name, value in moving.items())
         raise EquilibriumError(
-            f"scene {scene.name!r}: [{field}] has {', '.join(f'{name} = {value:g}' for name, value in moving.items())}: "
-            f"rates are zero at rest, or say {field}_at_rest = false",
+            f"scene {scene.name!r}: [{field}] has {told}: rates are zero at rest, or say {field}_at_rest = false",
             max(map(abs, moving.values())),
         )
     try:

@@ -24,7 +24,7 @@ def test_a_sound_scene_is_told_what_was_found():
     [
         ({"goal": (("place", 1.0), ("lean", 0.5))}, r"goal: scene 'crane': \[goal\] names 2 coordinates"),
         ({"limits": (1.0,)}, r"nominal: inputs beyond the limits: pull = -?28\.\d+ N at 0\.\d+ s \(limit 1\)"),
-        ({"duration": 0.5}, r"open loop: duration = 0\.5 s ends it before it arrives, must be at least move_time = 1 s"),
+        ({"duration": 0.5}, r"open loop: duration = 0\.5 s ends it before it arrives, must be at least move_time"),
         ({"drive": lambda plant, t: [0.0, 0.0]}, "open loop: .*"),
         ({"substeps": 1, "dt": 1.0, "move_time": 0.1}, "nominal: .*|open loop: .*"),
     ],

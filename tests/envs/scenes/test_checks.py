@@ -71,7 +71,7 @@ def test_a_rest_that_is_not_there_names_its_field():
 
 def test_rates_are_zero_at_rest():
     going = dataclasses.replace(LIFT, start=(("place", 0.0), ("going", 0.2)))
-    with pytest.raises(EquilibriumError, match=r"\[start\] has going = 0\.2: rates are zero at rest, or say start_at_r"):
+    with pytest.raises(EquilibriumError, match=r"\[start\] has going = 0\.2: rates are zero at rest, or say start"):
         _ = going.initial
     assert dataclasses.replace(going, start_at_rest=False).initial[0].tolist() == [0.0, 0.0, 0.0, 0.2]
     assert dataclasses.replace(LIFT, start=(("going", 0.0),)).initial[0].tolist() == [0.0] * 4
