@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from trolleys import trolley
 from typer.testing import CliRunner
+from users_plants import LIFT
 
 from pliant.controllers import LQR
 from pliant.envs import scenes
@@ -145,6 +146,8 @@ def test_variations_change_what_there_is():
     """A payload of zero is not varied; the first randomised parameter is."""
     assert [name for name, _ in variations(scenes.get("spin-up"))][1:3] == ["link.E -50%", "link.E +50%"]
     assert [name for name, _ in variations(scenes.get("single-link-slew"))][1] == "payload.mass -50%"
+    lift = dataclasses.replace(LIFT, randomise=())  # one rung: no plant counts twice
+    assert [name for name, _ in variations(lift)] == ["the design plant", "load -50%", "load +50%"]
 
 
 def test_linearize_says_where():
