@@ -21,6 +21,7 @@ from pliant.plants.core.errors import (
     PliantError,
     StabilityLimitError,
     UncontrollableError,
+    UnstableRestWarning,
     ValidityWarning,
 )
 from pliant.plants.core.signals import Signal
@@ -91,6 +92,7 @@ __all__ = [
     "TreeBody",
     "TwoLinkArm",
     "UncontrollableError",
+    "UnstableRestWarning",
     "ValidityWarning",
     "Wheel",
     "beams",
