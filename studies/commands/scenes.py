@@ -73,7 +73,11 @@ def check(
     if not (is_file(plant) or plant in known.names()):
         if settings:
             raise ValueError("check: --set must follow a scene's name or file")
-        print(checked(named("check: plant", plant)()))
+        try:
+            kind = named("check: plant", plant)
+        except ValueError as unknown:
+            raise ValueError(f"{unknown}; or a scene's file, or its name as `pliant scenes` lists it") from None
+        print(checked(kind()))
         return
     scene = with_settings(plant, settings or [])
     print(checked(scene.plant))
