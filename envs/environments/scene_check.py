@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pliant.envs.scenes.nominal_inputs import beyond_limits, far_from_goal
+from pliant.envs.scenes.nominal_inputs import beyond_limits, far_from_goal, unheld
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import NominalWarning, PliantError
 from pliant.plants.contract.check import Checked, ContractError
@@ -99,7 +99,10 @@ def _motion(scene: Scene) -> str:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NominalWarning)
         motion = scene.open_loop(method="rk4", step=scene.dt / scene.substeps)
-    if far := far_from_goal(scene, motion):
+    far = far_from_goal(scene, motion)
+    if far and (held := unheld(scene)):
+        return f"does not arrive: {far}; {held}"
+    if far:
         raise ValueError(f"does not arrive: {far}; a longer move_time, or [motion] of its own")
     if scene.drive is None and scene.duration < scene.move_time and scene.start != scene.goal:
         raise ValueError(

@@ -11,6 +11,7 @@ import numpy as np
 
 from pliant.plants import NominalWarning, Plant, Trajectory
 from pliant.plants.core.errors import warn_caller
+from pliant.plants.dynamics.equilibrium import growth_at_rest
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -52,8 +53,16 @@ def beyond_limits(scene: Scene, inputs: Input) -> str:
 def told(scene: Scene, motion: Trajectory) -> Trajectory:
     """The open-loop motion itself. Warns (NominalWarning) where it ends far from the goal that it was made for."""
     if words := far_from_goal(scene, motion):
-        warn_caller(f"the open-loop motion of scene {scene.name!r} does not arrive: {words}", NominalWarning)
+        held = f"; {unheld(scene)}" if unheld(scene) else ""
+        warn_caller(f"the open-loop motion of scene {scene.name!r} does not arrive: {words}{held}", NominalWarning)
     return motion
+
+
+def unheld(scene: Scene) -> str:
+    """Which of start and goal are rests that only a feedback holds, in words; "" where none is."""
+    ends = (("start", scene.start_at_rest, scene.initial), ("goal", scene.goal_at_rest, scene.target))
+    left = [name for name, at_rest, (x, u) in ends if at_rest and growth_at_rest(scene.plant, x, u)]
+    return f"its {' and '.join(left)} must be held by a feedback" if left else ""
 
 
 def far_from_goal(scene: Scene, motion: Trajectory) -> str:

@@ -34,7 +34,8 @@ def rest_to_rest_ends(plant: Any, begin: Any, end: Any, time: Any) -> tuple[Arra
 class InverseDynamics(OwnsArrays):
     """u(t) (nu,) along x(t) (nx,) whose moved coordinates go from `begin` to `end` (nx,) in `time` [s].
 
-    Moved are all coordinates where there are as many inputs, else those of the joints. What else forces tie to those
+    Moved are all coordinates where there are as many inputs, else those of the joints, or, where no input drives one
+    coordinate alone, as many coordinates as there are inputs that differ at the end. What else forces tie to those
     (a link behind a spring, a load that hangs, a beam's shapes) follows: it is accelerated as the rests along the way
     are, and bent as far as that acceleration takes. Its vibration about this is left out. Coordinates that nothing
     ties stay at `begin`, free to be accelerated. ValueError where the inputs and the moved do not match, or where what
@@ -47,23 +48,51 @@ class InverseDynamics(OwnsArrays):
 
     def __init__(self, plant: Any, begin: Array, end: Array, time: float, profile: str = "minimum-jerk") -> None:
         known = names(plant.states)
-        moved = tuple(plant.rates) if len(plant.rates) == plant.nu else tuple(j.position for j in plant.joints)
-        if len(moved) != plant.nu or not set(moved) <= set(plant.rates):
-            raise ValueError(
-                f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) "
-                f"drive {', '.join(moved) or 'none'}; give the inputs as functions of time instead"
-            )
         self.plant, self.profile = plant, profile
         self._motion = profile_of("rest_to_rest", profile)
         self._start, last, self.time = rest_to_rest_ends(plant, begin, end, time)
+        moved = self._moved(last)
         self._q = [known.index(name) for name in moved]
         self._v = [known.index(plant.rates[name]) for name in moved]
         self._way = last[self._q] - self._start[self._q]
         others = [name for name in plant.rates if name not in moved]
         self._others = [known.index(name) for name in others], [known.index(plant.rates[name]) for name in others]
+        self._require_reach()
         self._tied = self._ties()
         self._rests = self._along_the_way() if self._tied.size else np.zeros((1, 0))
         self._held: Array | None = None  # the input at the end, once it is known
+
+    def _moved(self, last: Array) -> tuple[str, ...]:
+        """One coordinate for each input; ValueError where there are none."""
+        plant, known = self.plant, names(self.plant.states)
+        moved = tuple(plant.rates) if len(plant.rates) == plant.nu else tuple(j.position for j in plant.joints)
+        alone = ", ".join(moved) or "none"
+        if len(moved) != plant.nu or not set(moved) <= set(plant.rates):
+            moved = tuple(n for n in plant.rates if last[known.index(n)] != self._start[known.index(n)])
+        if len(moved) != plant.nu:
+            raise ValueError(
+                f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) "
+                f"drive {alone}; move {plant.nu} coordinates instead of {len(moved)}, name those driven in `joints`, "
+                "or give the inputs as functions of time instead"
+            )
+        return moved
+
+    def _require_reach(self) -> None:
+        """ValueError where along the way the inputs do not accelerate the moved coordinates each as it is wanted."""
+        at = np.linspace(0.0, 1.0, NODES)
+        x = np.tile(self._start, (NODES, 1))
+        x[:, self._q] += np.multiply.outer(at, self._way)
+        B = self.plant.jacobians(self._carried(x), np.zeros((NODES, self.plant.nu)))[1][:, self._v]
+        rows = np.maximum(np.abs(B).max(axis=2, keepdims=True), np.finfo(float).tiny)  # of their own units
+        sign = np.linalg.slogdet(B)[0]
+        lost = (np.linalg.matrix_rank(B / rows) < len(self._v)) | (sign != sign[0])
+        if lost.any():
+            moved = ", ".join(names(self.plant.states)[k] for k in self._q)
+            raise ValueError(
+                f"inputs that accelerate {moved}, each as is wanted, all along the way: those of "
+                f"{type(self.plant).__name__} ({self.plant.label}) do not at {at[np.argmax(lost)]:.2g} of it; give the "
+                "inputs as functions of time instead"
+            )
 
     def __call__(self, t: float) -> Array:
         """The inputs (nu,) at one time; those of the end from then on."""

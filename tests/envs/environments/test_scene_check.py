@@ -1,12 +1,15 @@
 """A scene is played once before anything long is done with it."""
 
 import dataclasses
+import re
 
+import numpy as np
 import pytest
 from users_plants import LIFT
 
 from pliant.envs import scenes
 from pliant.envs.environments.scene_check import check_scene
+from pliant.plants import NominalWarning
 from pliant.plants.contract.check import ContractError
 
 
@@ -40,6 +43,16 @@ def test_a_rest_that_takes_more_than_the_limits_is_a_fault():
     weak = dataclasses.replace(scenes.get("two-link-reach"), limits=(20.0, 50.0))
     with pytest.raises(ContractError, match=r"goal: its rest takes tau1 = 23\.\d+ N m \(limit 20\)"):
         check_scene(weak)
+
+
+def test_a_motion_that_only_a_feedback_brings_there_is_no_fault():
+    """A load that stands on its trolley falls as that goes."""
+    over = {"start": (("place", 0.0), ("lean", np.pi)), "goal": (("place", 1.0), ("lean", np.pi))}
+    upside = dataclasses.replace(LIFT, **over, duration=4.0, weights=(("lean", 1.0), ("place", 1.0)))
+    found = dict(check_scene(upside).found)
+    assert re.search(r"does not arrive: .*; its start and goal must be held by a feedback", found["open loop"])
+    with pytest.warns(NominalWarning, match="its start and goal must be held by a feedback"):
+        upside.open_loop(method="rk4", step=0.01)
 
 
 def test_a_scene_without_observations_has_no_environment():

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from pliant.plants import LagrangianPlant, LargeDeflectionBeam, Signal, TwoLinkArm
+from pliant.plants import LagrangianPlant, LargeDeflectionBeam, Plant, Signal, TwoLinkArm
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
@@ -136,3 +136,52 @@ def test_no_rest_along_the_way_is_told():
     with pytest.raises(ValueError, match=r"link of Torn .*, which no input drives, has none at 0\.7\d of it"):
         Torn().rest_to_rest(np.zeros(4), np.array([1.0, 0, 0, 0]), 1.0)
     assert Torn().rest_to_rest(np.zeros(4), np.array([0.6, 0, 0, 0]), 1.0)(1.0).shape == (1,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoleOnCart(Plant):
+    """A cart of 2 kg and a point of 0.5 kg on a pole of 1 m from upright, solved for the accelerations: the push is in
+    both of them, and no joint can be read. `late`: the push comes through an amplifier of first order.
+    """
+
+    late: bool = False
+    states = property(
+        lambda self: (
+            *(Signal(n, u) for n, u in (("pole", "rad"), ("cart", "m"), ("pole_w", "rad/s"), ("cart_v", "m/s"))),
+            *([Signal("amplified", "N")] * self.late),
+        )
+    )
+    inputs = (Signal("push", "N"),)
+    disturbances = ()
+    outputs = (Signal("tip", "m"),)
+    label = "pole"
+
+    def ode(self, t, x, u, w):
+        sine, cosine = ca.sin(x[0]), ca.cos(x[0])
+        force = x[4] if self.late else u
+        a = (force + 0.5 * sine * (x[2] ** 2 - 9.81 * cosine)) / (2 + 0.5 * sine**2)
+        return ca.vertcat(x[2], x[3], 9.81 * sine - a * cosine, a, *([(u - force) / 0.01] * self.late))
+
+    def output(self, t, x, u, w):
+        return x[1] + ca.sin(x[0])
+
+
+def test_what_changes_is_moved_where_no_joint_can_be_read():
+    """The pole leans so that it is carried, tan(lean) = x''/g up to its own lean's acceleration: push = 2.5 x''."""
+    plant, time = PoleOnCart(), 20.0
+    u = plant.rest_to_rest(np.zeros(4), np.array([0.0, 1.0, 0.0, 0.0]), time)
+    s = np.linspace(0, 1, 21)
+    wanted = 2.5 * minimum_jerk(s)[2] / time**2
+    np.testing.assert_allclose(u.at_times(time * s)[:, 0], wanted, rtol=2e-2, atol=1e-3 * np.abs(wanted).max())
+    with pytest.raises(ValueError, match=r"drive none; move 1 coordinates instead of 2, name those driven in `joints`"):
+        plant.rest_to_rest(np.zeros(4), np.array([0.1, 1.0, 0.0, 0.0]), time)
+
+
+def test_inputs_that_lose_what_they_move_are_told():
+    """A push does not turn a level pole, and at once nothing through an amplifier."""
+    with pytest.raises(
+        ValueError, match=r"inputs that accelerate pole, .* of PoleOnCart \(pole\) do not at 0\.5 of it"
+    ):
+        PoleOnCart().rest_to_rest(np.array([np.pi, 0.0, 0.0, 0.0]), np.zeros(4), 1.0)
+    with pytest.raises(ValueError, match=r"accelerate cart, each as is wanted, .* do not at 0 of it"):
+        PoleOnCart(late=True).rest_to_rest(np.zeros(5), np.array([0.0, 1.0, 0.0, 0.0, 0.0]), 1.0)
