@@ -121,7 +121,7 @@ def _step(scene: Scene) -> str:
         return "none: observe names nothing"
     env = PlantEnv(scene)
     seen, _ = env.reset(seed=0)
-    after, reward, *_ = env.step(np.zeros(env.action_space.shape, np.float32))
+    after, reward, *_ = env.step(np.zeros(scene.plant.nu, np.float32))
     if not (np.isfinite(seen).all() and np.isfinite(after).all() and np.isfinite(float(reward))):
         raise ValueError("one step without inputs gives no numbers")
     return f"{len(seen)} observations, one step runs"

@@ -26,7 +26,7 @@ from pliant.plants.core.parameters import unit_of
 from pliant.plants.dynamics.equilibrium import with_joints
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from .scene import Manoeuvre, Scene
 
 ALLOWED = {  # of the numbers in pairs (name, number)
     "start": "finite",
@@ -78,7 +78,7 @@ def checked(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def rest_point(scene: Scene, field: str) -> tuple[np.ndarray, np.ndarray]:
+def rest_point(scene: Manoeuvre, field: str) -> tuple[np.ndarray, np.ndarray]:
     """(x, u) at the rest that the field "start" or "goal" names: joints that it does not name at zero, what no input
     drives in equilibrium. EquilibriumError, which names the field, where there is none.
     """
