@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 Input = Callable[[float], Array]
 FAR = 0.25  # of the way: what bends swings by a tenth about where its rigid model arrives
+SLOW = 1e-6  # [the state's unit/s] of a start that is given, and at rest
 MOST = 2000  # control times at which inputs are held against their limits
 
 
@@ -59,7 +60,11 @@ def told(scene: Scene, motion: Trajectory) -> Trajectory:
 
 
 def unheld(scene: Scene) -> str:
-    """Which of start and goal are rests that only a feedback holds, in words; "" where none is."""
+    """Why a motion made from rest to rest does not arrive by itself, in words: start or goal are rests that only a
+    feedback holds, or the start is none. "" where there is no such reason.
+    """
+    if not scene.start_at_rest and np.abs(scene.plant.dynamics(*scene.initial)).max() > SLOW:
+        return "it does not start at rest"
     ends = (("start", scene.start_at_rest, scene.initial), ("goal", scene.goal_at_rest, scene.target))
     left = [name for name, at_rest, (x, u) in ends if at_rest and growth_at_rest(scene.plant, x, u)]
     return f"its {' and '.join(left)} must be held by a feedback" if left else ""

@@ -55,6 +55,13 @@ def test_a_motion_that_only_a_feedback_brings_there_is_no_fault():
         upside.open_loop(method="rk4", step=0.01)
 
 
+def test_a_start_that_moves_is_no_fault():
+    """The inputs are made as from rest: what was on its way goes on, without friction by 1.2 m."""
+    going = dataclasses.replace(LIFT, start=(("going", 0.6),), start_at_rest=False, duration=2.0)
+    words = dict(check_scene(going).found)["open loop"]
+    assert re.fullmatch(r"does not arrive: place ends at \d\.\d+ m, not at 1; it does not start at rest", words)
+
+
 def test_a_scene_without_observations_has_no_environment():
     assert (
         dict(check_scene(dataclasses.replace(LIFT, observe=())).found)["environment"] == "none: observe names nothing"
