@@ -40,9 +40,15 @@ def nominal_input(scene: Scene) -> Input:
 def beyond_limits(scene: Scene, inputs: Input) -> str:
     """Which inputs leave the scene's limits at its control times: by name, value and limit; "" where none does."""
     times = scene.times[:: math.ceil(len(scene.times) / MOST)]
-    u = np.array([inputs(float(t)) for t in times])
+    at_once: Callable[[Array], Array] | None = getattr(inputs, "at_times", None)
+    u = at_once(times) if at_once else np.array([inputs(float(t)) for t in times])
     if u.shape != (len(times), scene.plant.nu):
         return ""  # a drive that gives something else is refused where it is played
+    return largest_beyond(scene, times, u)
+
+
+def largest_beyond(scene: Scene, times: Array, u: Array) -> str:
+    """Which inputs u (n, nu) at times (n,) leave the scene's limits, the largest of each; "" where none does."""
     at = np.abs(u).argmax(axis=0)
     return ", ".join(
         f"{s.name} = {u[k, i]:.4g} {s.unit} at {times[k]:.3g} s (limit {limit:g})"

@@ -2,6 +2,8 @@
 
 import dataclasses
 import json
+import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -140,6 +142,19 @@ def test_simulate_under_the_lqr_of_a_scene_whose_angle_runs_on():
     assert pytest.approx(LQR.for_scene(scene).K, abs=0) == regulator(scene).K
     result = CliRunner().invoke(app, ["simulate", "spin-up", "--lqr", "--json"])
     assert result.exit_code == 0, result.stderr
+
+
+def test_inputs_beyond_the_limits_are_said_with_the_motion():
+    motion = LIFT.open_loop(rtol=1e-6)
+    for limit, words in (
+        (100.0, None),
+        (5.0, r"limits, .*: pull = -?28\.\d+ N at 0\.\d+ s \(limit 5\)"),
+    ):
+        found = SimpleNamespace(
+            scene=dataclasses.replace(LIFT, limits=(limit,)), open_loop=motion, nominal=motion, loops=()
+        )
+        text = sections._motion(found)
+        assert re.search(words, text) if words else "limits" not in text
 
 
 def test_variations_change_what_there_is():
