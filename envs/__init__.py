@@ -5,12 +5,13 @@ if __name__ != "pliant.envs":
 
 from pliant.envs import scene_files, scenes
 from pliant.envs.environments import PlantEnv, environment_id, register
+from pliant.envs.environments.scene_check import check_scene
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core import imports
 
 register()
 
-__all__ = ["PlantEnv", "Scene", "environment_id", "scene_files", "scenes"]
+__all__ = ["PlantEnv", "Scene", "check_scene", "environment_id", "scene_files", "scenes"]
 
 imports.serve(
     __name__,

@@ -17,9 +17,11 @@ from pliant.plants.core.errors import (
     InfeasibleError,
     IntegrationError,
     MassMatrixError,
+    NominalWarning,
     PliantError,
     StabilityLimitError,
     UncontrollableError,
+    UnstableRestWarning,
     ValidityWarning,
 )
 from pliant.plants.core.signals import Signal
@@ -71,6 +73,7 @@ __all__ = [
     "Material",
     "ModalData",
     "ModalNode",
+    "NominalWarning",
     "Orbit",
     "Payload",
     "Plant",
@@ -89,6 +92,7 @@ __all__ = [
     "TreeBody",
     "TwoLinkArm",
     "UncontrollableError",
+    "UnstableRestWarning",
     "ValidityWarning",
     "Wheel",
     "beams",

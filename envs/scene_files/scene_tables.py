@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from pliant.envs.scenes import registry
-from pliant.envs.scenes.checks import ALLOWED
+from pliant.envs.scenes.checks import ALLOWED, OF_STATES
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import (
@@ -160,8 +160,7 @@ def _value(plant: Plant, key: str, value: Any) -> Any:
 
 def _numbers(plant: Plant, key: str, value: Any) -> dict[str, Any]:
     """Numbers by the names of signals, each within its range."""
-    kinds = {"effort": plant.inputs, "gusts": plant.disturbances, "goal_rates": plant.states}
-    kinds["nominal_start"] = plant.states
+    kinds = dict.fromkeys(OF_STATES, plant.states) | {"effort": plant.inputs, "gusts": plant.disturbances}
     given = _known(key, value, names(kinds.get(key, plant.states + plant.outputs)), "signal")
     for name, number in given.items():
         require_number(f"{key}.{name}", number, ALLOWED[key])
@@ -172,6 +171,6 @@ def _known(key: str, value: Any, known: tuple[str, ...], kind: str) -> dict[str,
     given = require_mapping(key, value)
     for name, number in given.items():
         if name not in known:
-            listed = ", ".join(known) or "(there are none)"
+            listed = ", ".join(dict.fromkeys(known)) or "(there are none)"
             raise ValueError(f"{key}.{name} = {shown(number)}: no such {kind}, must be one of {listed}")
     return given

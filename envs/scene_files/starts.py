@@ -91,7 +91,7 @@ load = 5.0
 [limits]  # largest |input|, for each
 force = 100.0
 
-[start]  # coordinates of a rest; what is not named is found in equilibrium
+[start]  # coordinates of a rest; joints that are not named are at 0, what no input drives (sway) is in equilibrium
 trolley_x = 0.0
 
 [goal]

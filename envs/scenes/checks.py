@@ -1,4 +1,4 @@
-"""What a scene's fields must be: names that its plant knows, numbers within their ranges."""
+"""What a scene's fields must be: names that its plant knows, numbers within their ranges, rests that there are."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pliant.plants import Plant
+from pliant.plants import EquilibriumError, Plant
 from pliant.plants.core.argument_gates import (
     as_number,
     as_tuple,
@@ -21,10 +21,12 @@ from pliant.plants.core.argument_gates import (
     require_text,
     shown,
 )
+from pliant.plants.core.errors import unstable_rests_untold
 from pliant.plants.core.parameters import unit_of
+from pliant.plants.dynamics.equilibrium import with_joints
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from .scene import Manoeuvre, Scene
 
 ALLOWED = {  # of the numbers in pairs (name, number)
     "start": "finite",
@@ -38,6 +40,7 @@ ALLOWED = {  # of the numbers in pairs (name, number)
     "gusts": "nonnegative",
 }
 NUMBERS = ("duration", "dt", "move_time", "start_spread", "tolerance")
+OF_STATES = ("start", "goal", "nominal_start", "goal_rates")
 OF_INPUTS = ("effort", "gusts")  # which all variants share
 LARGEST = 10_000_000  # control periods of an episode
 
@@ -62,7 +65,7 @@ def checked(scene: Scene) -> dict[str, Any]:
     found["limits"] = _limits(owner, scene)
     states, known = (tuple(s.name for s in signals) for signals in (plant.states, scene.signals))
     inputs, disturbances = (tuple(s.name for s in signals) for signals in (plant.inputs, plant.disturbances))
-    of = {"goal_rates": states, "nominal_start": states, "effort": inputs, "gusts": disturbances}
+    of = dict.fromkeys(OF_STATES, states) | {"effort": inputs, "gusts": disturbances}
     for group in ALLOWED:
         if group != "nominal_start" or scene.nominal_start is not None:
             found[group] = _pairs(owner, group, getattr(scene, group), of.get(group, known))
@@ -73,6 +76,36 @@ def checked(scene: Scene) -> dict[str, Any]:
     found["randomise"] = _randomised(owner, scene)
     _on_every_rung(owner, plant, found)
     return found
+
+
+def rest_point(scene: Manoeuvre, field: str) -> tuple[np.ndarray, np.ndarray]:
+    """(x, u) at the rest that the field "start" or "goal" names: joints that it does not name at zero, what no input
+    drives in equilibrium. EquilibriumError, which names the field, where there is none.
+    """
+    plant, named = scene.plant, dict(getattr(scene, field))
+    moving = {name: value for name, value in named.items() if name in plant.rates.values() and value}
+    if moving:
+        told = ", ".join(f"{name} = {value:g}" for name, value in moving.items())
+        raise EquilibriumError(
+            f"scene {scene.name!r}: [{field}] has {told}: rates are zero at rest, or say {field}_at_rest = false",
+            max(map(abs, moving.values())),
+        )
+    try:
+        with unstable_rests_untold():  # a controller is to hold it
+            return plant.equilibrium(with_joints(plant, named))
+    except EquilibriumError as none:
+        held, n = [name for name in named if name in plant.rates], plant.nu
+        joints = ", ".join(joint.position for joint in plant.joints)
+        advice = f"name {n} at most" + (f", as {joints}" if joints else "")
+        if len(held) <= n:
+            advice = f"name others, or say {field}_at_rest = false"
+        remains = str(none).partition(";")[0]
+        raise EquilibriumError(
+            f"scene {scene.name!r}: [{field}] names {len(held)} {'coordinate' if len(held) == 1 else 'coordinates'} "
+            f"({', '.join(held) or 'none'}), of a plant with {n} {'input' if n == 1 else 'inputs'}: "
+            f"{advice}; {remains}",
+            none.residual,
+        ) from none
 
 
 @lru_cache(maxsize=64)  # making a ladder takes longer than a scene's other checks
@@ -94,7 +127,7 @@ def _on_every_rung(owner: str, plant: Plant, found: dict[str, Any]) -> None:
                 if name not in known:
                     raise ValueError(
                         f"{owner}: {group} {name!r} is no signal of {label!r} on the ladder of {type(plant).__name__}, "
-                        f"must be one of {', '.join(known)}"
+                        f"must be one of {', '.join(dict.fromkeys(known))}"
                     )
 
 
@@ -140,7 +173,7 @@ def _pairs(owner: str, group: str, value: Any, known: tuple[str, ...]) -> tuple[
             raise ValueError(f"{owner}: {group}[{i}] = {shown(pair)} must be a pair (name, number)")
         name, number = pair
         if not isinstance(name, str) or name not in known:
-            listed = ", ".join(known) or "(there are none)"
+            listed = ", ".join(dict.fromkeys(known)) or "(there are none)"
             raise ValueError(f"{owner}: {group} {shown(name)} must be one of {listed}")
         found.append((str(name), _kept(number, require_number(f"{owner}: {group} {name}", number, ALLOWED[group]))))
     if len({name for name, _ in found}) != len(found):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property, partial, wraps
+from functools import cached_property, wraps
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -28,8 +28,8 @@ from pliant.plants.linear.quadratic_cost import (
 )
 
 from . import cost
-from .checks import checked, rows
-from .nominal_inputs import minimum_jerk_input, steady_motion
+from .checks import checked, rest_point, rows
+from .nominal_inputs import nominal_input, steady_motion, told
 
 if TYPE_CHECKING:
     kept_property = property  # what checkers compare with the properties of a protocol
@@ -92,7 +92,7 @@ class Manoeuvre:
 
     @property
     def signals(self) -> tuple[Signal, ...]:
-        """What goal, bounds, weights and observe may name: the plant's states, then its outputs."""
+        """What bounds, weights, observe and compare may name: the plant's states, then its outputs."""
         return self.plant.states + self.plant.outputs
 
     @property
@@ -132,7 +132,7 @@ class Manoeuvre:
     @kept_property
     def initial(self) -> tuple[np.ndarray, np.ndarray]:
         """(x, u) at the start: at rest, deflections in equilibrium, or as given."""
-        return self.plant.equilibrium(dict(self.start)) if self.start_at_rest else self._given(self.start)
+        return rest_point(self, "start") if self.start_at_rest else self._given(self.start)
 
     @cached_property
     def nominal_initial(self) -> tuple[np.ndarray, np.ndarray]:
@@ -142,7 +142,7 @@ class Manoeuvre:
     @kept_property
     def target(self) -> tuple[np.ndarray, np.ndarray]:
         """(x, u) at the goal: at rest, deflections in equilibrium, or as given."""
-        return self.plant.equilibrium(dict(self.goal)) if self.goal_at_rest else self._given(self.goal)
+        return rest_point(self, "goal") if self.goal_at_rest else self._given(self.goal)
 
     def _given(self, values: Pairs) -> tuple[np.ndarray, np.ndarray]:
         return self.plant.consistent(self._by_state(values)), np.zeros(self.plant.nu)
@@ -189,8 +189,8 @@ class Manoeuvre:
 class Scene(Manoeuvre):
     """Drive `plant` from `start` to `goal`, at least cost, within limits.
 
-    Start and goal name coordinates of rest points, the rest of the state in equilibrium; or, not `at rest`, they name
-    states, the others zero: a beam that is let go, a hub that spins, a crank at its speed. Quaternions are made unit.
+    Start and goal name coordinates of rest points; joints not named are at zero, what no input drives in equilibrium.
+    Or, not `at rest`, they name states, the others zero: a beam let go, a hub that spins. Quaternions are made unit.
     A goal may move steadily: `goal_rates` of its states, from their values at t = 0.
 
     Cost [-]  sum over control periods of
@@ -262,19 +262,20 @@ class Scene(Manoeuvre):
     def nominal_input(self) -> Callable[[float], np.ndarray]:
         """Inputs u(t) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
 
-        The same inputs drive every fidelity in the speed-accuracy chart.
+        The same inputs drive every fidelity in the speed-accuracy chart. Warns (NominalWarning) beyond `limits`.
         """
-        if self.drive is not None:
-            return partial(self.drive, self.plant)
-        return minimum_jerk_input(self)
+        return nominal_input(self)
 
     def open_loop(self, **options: Any) -> Trajectory:
-        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate."""
-        return self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options)
+        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate.
+
+        Warns (NominalWarning) where it is to arrive at the goal and ends far from it.
+        """
+        return told(self, self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options))
 
     def nominal_motion(self, **options: Any) -> Trajectory:
         """As `open_loop`, from `nominal_start`."""
-        return self.plant.simulate(self.nominal_initial[0], self.nominal_input, self.times, **options)
+        return told(self, self.plant.simulate(self.nominal_initial[0], self.nominal_input, self.times, **options))
 
     def goal_motion(self) -> Trajectory:
         """The goal as a motion: over one turn where it turns steadily, else at the control times."""

@@ -11,6 +11,8 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene, once_per_scene
 from pliant.plants import EquilibriumError
+from pliant.plants.core.errors import unstable_rests_untold
+from pliant.plants.dynamics.equilibrium import with_joints
 from pliant.plants.native.batch_kernels import CHECKED, random_points
 
 from .control_period import observe_function, reference
@@ -96,7 +98,9 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
         return plant.consistent(x)
     if plant.statics() is None or plant.prescribed or len(scene.start) != plant.nu:
         given = ({name: v for (name, _), v in zip(scene.start, row)} for row in starts)
-        return np.array([plant.equilibrium(row, p=q)[0] for row, q in zip(given, p)]).reshape(-1, plant.nx)
+        with unstable_rests_untold():
+            found = [plant.equilibrium(with_joints(plant, row), p=q)[0] for row, q in zip(given, p)]
+        return np.array(found).reshape(-1, plant.nx)
 
     columns, free = _split(scene)
     x0, u0 = scene.initial

@@ -20,7 +20,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
+from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning, rests_told
 from pliant.plants.core.signals import index, names
 
 Array = np.ndarray
@@ -102,6 +102,8 @@ def _corrected(forces: Forces, q: Array, J: Array, share: float) -> Array | None
 
 def tell_unstable(M: Array, J: Array, told: str, names: tuple[str, ...]) -> None:
     """Warn (UnstableRestWarning) where undamped small deviations q'' = M^-1 J q grow; follower forces may make them."""
+    if not rests_told():
+        return
     squares, shapes = np.linalg.eig(np.linalg.solve(M, J))
     rates = np.sqrt(squares.astype(complex))
     rates = np.where(rates.real < 0, -rates, rates)

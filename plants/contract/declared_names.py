@@ -35,7 +35,7 @@ def wrong_names(plant: Plant) -> Iterator[str]:
     signals = (*states, *outputs)
     asked: list[tuple[str, Any, tuple[str, ...], str]] = [
         ("rates", [*plant.rates, *plant.rates.values()], states, "state"),
-        ("prescribed", plant.prescribed, tuple(plant.rates), "coordinate"),
+        ("prescribed", plant.prescribed, (*plant.rates, *plant.attitude_states), "coordinate"),
         ("lockable", plant.lockable, tuple(plant.rates), "coordinate"),
         ("output_rates", [*plant.output_rates, *plant.output_rates.values()], signals, "state or output"),
         ("deflections", plant.deflections, outputs, "output"),

@@ -159,15 +159,19 @@ def _rounding(energy: Callable[..., Any], point: dict[str, Any], rate: Array, h:
 
 
 def wrong_masses(plant: Plant, at: list[dict[str, Any]]) -> Iterator[str]:
-    """A mass matrix that is not symmetric and positive definite, a kinetic energy that is no form in the rates."""
+    """A mass matrix that is not symmetric, and positive definite in the coordinates that no input accelerates as it
+    likes; a kinetic energy that is no form in the rates.
+    """
     own: Any = plant
     if not hasattr(plant, "mass_matrix"):
         return
+    given: Any = getattr(plant, "driven", {})
     for point in at:
         M = own.mass_matrix(point["x"], p=point["p"])
         if np.abs(M - M.T).max() > 1e-9 * np.abs(M).max():
             yield f"mass_matrix at x = {point['x']} must be symmetric"
-        least = float(np.linalg.eigvalsh((M + M.T) / 2)[0])
+        free = [i for i in range(len(M)) if i not in given]
+        least = float(np.linalg.eigvalsh((M + M.T)[np.ix_(free, free)] / 2)[0]) if free else np.inf
         if not least > 0:
             yield f"mass_matrix has the eigenvalue {least:.3g} at x = {point['x']}, must be > 0: something has no mass"
         if hasattr(plant, "kinetic"):

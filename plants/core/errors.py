@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
+
+_RESTS_TOLD = ContextVar("_RESTS_TOLD", default=True)
+PASSED = ("pliant.", "functools", "contextlib")  # modules between a warning and the line that is warned
 
 
 class PliantError(Exception):
@@ -70,11 +78,40 @@ class DivergenceWarning(RuntimeWarning):
 
 
 class UnstableRestWarning(UserWarning):
-    """A rest point that a motion leaves, however close it starts."""
+    """A rest point that a motion leaves, however close it starts. Told where `equilibrium` is asked for it, not of the
+    start and goal of scenes: `pliant check` and `pliant stability` say it of those.
+    """
 
 
 class ValidityWarning(UserWarning):
     """A motion leaves the range in which the plant's kinematics hold."""
+
+
+class NominalWarning(UserWarning):
+    """Nominal inputs beyond a scene's limits, or an open-loop motion that does not arrive."""
+
+
+@contextmanager
+def unstable_rests_untold() -> Iterator[None]:
+    """No UnstableRestWarning within: of rests that a controller is to hold, or that are one of many."""
+    before = _RESTS_TOLD.set(False)
+    try:
+        yield
+    finally:
+        _RESTS_TOLD.reset(before)
+
+
+def rests_told() -> bool:
+    """Whether unstable rests are warned of here."""
+    return _RESTS_TOLD.get()
+
+
+def warn_caller(message: str, kind: type[Warning]) -> None:
+    """Warn of the first line outside the library that led here; inside, which line it is depends on the way taken."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(PASSED):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, kind, stacklevel=level)
 
 
 class InfeasibleError(PliantError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.casadi_functions import NumericFunction, function
-from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning
+from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning, rests_told, warn_caller
 from pliant.plants.core.signals import index
 
 if TYPE_CHECKING:
@@ -21,6 +20,7 @@ Array = np.ndarray
 TOLERANCE = 1e-10  # relative to the rates that each unknown can cause
 STEP = 1e-6  # of an unknown or of SMALL: a Newton step beyond it means that very stiff terms hide the others' residual
 SMALL = 1e-3
+FOLLOWS = 1e-6  # of what a coordinate follows most: less is nothing but rounding
 
 
 class RestConditions:
@@ -166,8 +166,38 @@ def find(
     return z[:nx], z[nx:]
 
 
-def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
-    """Warn (UnstableRestWarning) where an eigenvalue at rest has a positive real part beyond its own error.
+def with_joints(plant: Plant, named: Mapping[str, float]) -> dict[str, float]:
+    """The named states, and at zero the driven coordinates that they leave open.
+
+    A coordinate without an input that is named (a link behind its gear) decides the driven one that it follows most.
+    """
+    driven = [joint.position for joint in plant.joints if joint.position in plant.rates]
+    left = [name for name in driven if name not in named]
+    given = [name for name in named if name in plant.rates and name not in driven]
+    if left and given:
+        others = [name for name in plant.rates if name not in driven]
+        follows = np.abs(_follows(plant, driven, others))
+        for name in given:
+            row = follows[others.index(name)]
+            most = max(left, key=lambda one: float(row[driven.index(one)]), default=None)
+            if most is not None and row[driven.index(most)] > FOLLOWS * row.max():
+                left.remove(most)
+    return {**dict.fromkeys(left, 0.0), **named}
+
+
+def _follows(plant: Plant, driven: list[str], others: list[str]) -> Array:
+    """d(others)/d(driven) from rest to rest, (others, driven): zero where nothing ties them."""
+    A, B = plant.jacobians(plant.rest_state)[:2]
+    at = {s.name: k for k, s in enumerate(plant.states)}
+    q, p = ([at[name] for name in names] for names in (driven, others))
+    dq, dp = ([at[plant.rates[name]] for name in names] for names in (driven, others))
+    slopes = A[dp] - B[dp] @ np.linalg.pinv(B[dq]) @ A[dq]
+    found: Array = -np.linalg.pinv(slopes[:, p], rcond=TOLERANCE) @ slopes[:, q]
+    return found
+
+
+def growth_at_rest(plant: Plant, x0: Array, u0: Array, p: Any = None) -> str:
+    """How fast small deviations from a rest grow; "" where no eigenvalue there has a real part > 0 beyond its error.
 
     The error is what rounding of A can do to a simple eigenvalue, n eps |A| / |y^H x| with the left and right vectors y
     and x of length one (Golub and Van Loan, "Matrix Computations", 7.2.2). Roots that are nearly multiple have large
@@ -178,16 +208,22 @@ def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
     try:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
-        return
+        return ""
     k = int(np.argmax(roots.real))
     with np.errstate(over="ignore"):  # a vector beside a nearly equal one
         size = np.linalg.norm(right[:, k]) * np.linalg.norm(left[k])
     error = len(A) * np.finfo(float).eps * np.linalg.norm(A) * size
-    if roots[k].real > 10 * error:
-        most = plant.states[int(np.argmax(np.abs(right[:, k])))]
-        warnings.warn(
-            f"the rest point of {plant.label} is unstable: with the inputs held, small deviations grow by "
-            f"exp({roots[k].real:.3g} t), most in {most.name}; a feedback must hold it, or another guess finds another",
+    if roots[k].real <= 10 * error:
+        return ""
+    most = plant.states[int(np.argmax(np.abs(right[:, k])))]
+    return f"with the inputs held, small deviations grow by exp({roots[k].real:.3g} t), most in {most.name}"
+
+
+def tell_unstable(plant: Plant, x0: Array, u0: Array, p: Any) -> None:
+    """Warn (UnstableRestWarning) where small deviations from a rest grow."""
+    if rests_told() and (grows := growth_at_rest(plant, x0, u0, p)):
+        warn_caller(
+            f"the rest point of {plant.label} is unstable: {grows}; a feedback must hold it, or another guess finds "
+            "another",
             UnstableRestWarning,
-            stacklevel=4,
         )

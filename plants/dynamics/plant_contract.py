@@ -206,8 +206,8 @@ class PlantContract(PhysicsContract):
     ) -> Callable[[float], Array]:
         """u(t) (nu,) that takes this plant from the rest state `begin` (nx,) to `end` (nx,) in `time` [s].
 
-        Default: every coordinate (where there are fewer inputs, every joint, the rest standing still) moves by the same
-        profile, "minimum-jerk", "jerk-limited" or "bang-bang". ValueError where the inputs do not reach them.
+        Default: every coordinate (where there are fewer inputs, every joint, and what is tied to it follows) moves by
+        the same profile, "minimum-jerk", "jerk-limited" or "bang-bang". ValueError where the inputs do not reach them.
         """
         return InverseDynamics(self, begin, end, time, profile)
 

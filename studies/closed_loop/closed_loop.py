@@ -77,17 +77,20 @@ def driven_to_goal(scene: Scene) -> tuple[str, ...]:
 
 
 def variations(scene: Scene) -> list[tuple[str, Plant]]:
-    """The scene's plant, with other payloads (without one: the first randomised parameter), and with more modes."""
+    """The scene's plant, with other payloads (without one: the first randomised parameter, or that is uncertain), and
+    with more modes where there are more.
+    """
     plant = scene.plant
     found: list[tuple[str, Plant]] = [("the design plant", plant)]
     loaded = PAYLOAD in parameters.quantities(plant) and parameters.get(plant, PAYLOAD)
-    path = PAYLOAD if loaded else next(iter(scene.randomise), (None,))[0]
+    others = (*(path for path, _, _ in scene.randomise), *plant.uncertain)
+    path = PAYLOAD if loaded else next(iter(others), None)
     if path is not None and parameters.get(plant, path):
         for factor in FACTORS:
             changed = parameters.put(plant, path, factor * parameters.get(plant, path))
             found.append((f"{path} {factor - 1:+.0%}", changed))
-    dear = dearer(plant)
-    found.append((f"{dear.label}", dear))
+    if (dear := dearer(plant)) != plant:
+        found.append((f"{dear.label}", dear))
     return found
 
 

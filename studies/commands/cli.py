@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +13,7 @@ from pliant.envs.scene_files.own_modules import import_file
 from pliant.studies.common.machine import version as version_of
 
 from . import doctor, fidelity, models, train
-from .console import Commands
+from .console import Commands, in_words
 from .report import figures, report
 from .scenes import check, new, scenes
 from .scoreboard import scoreboard
@@ -72,4 +73,5 @@ for name, function in COMMANDS.items():
 
 def main() -> None:
     """The console script."""
+    warnings.formatwarning = in_words(warnings.formatwarning)
     app()

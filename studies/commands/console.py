@@ -7,7 +7,7 @@ import shutil
 import sys
 import tempfile
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -52,6 +52,17 @@ def print_json(value: Any) -> None:
 def complain(message: str) -> None:
     """One line on stderr."""
     print(f"error: {' '.join(message.split())}", file=sys.stderr)
+
+
+def in_words(plain: Callable[..., str]) -> Callable[..., str]:
+    """How warnings are printed: those of this library in one line, as errors are, all others as by `plain`."""
+
+    def line(message: Warning | str, category: type[Warning], *where: Any) -> str:
+        if not category.__module__.startswith("pliant."):
+            return plain(message, category, *where)
+        return f"warning: {' '.join(str(message).split())}\n"
+
+    return line
 
 
 def writable(option: str, path: Path | None) -> None:

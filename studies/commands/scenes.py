@@ -9,6 +9,7 @@ import typer
 
 from pliant.envs import environment_id
 from pliant.envs import scenes as known
+from pliant.envs.environments.scene_check import check_scene
 from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scene_files.starts import plant_start, scene_start
 from pliant.envs.scenes.registry import is_file
@@ -95,9 +96,16 @@ def check(
     plant: Annotated[str, typer.Argument(help="A plant's type (Crane), a scene's name or its file.")],
     settings: Settings = None,
 ) -> None:
-    """Hold a plant's word against its equations: names, ladder, derivatives, energy, outline."""
-    known_scene = is_file(plant) or plant in known.names()
-    if not known_scene and settings:
-        raise ValueError("check: --set must follow a scene's name or file")
-    made = with_settings(plant, settings or []).plant if known_scene else named("check: plant", plant)()
-    print(checked(made))
+    """Hold a plant's word against its equations: names, ladder, derivatives, energy, outline; and play a scene once."""
+    if not (is_file(plant) or plant in known.names()):
+        if settings:
+            raise ValueError("check: --set must follow a scene's name or file")
+        try:
+            kind = named("check: plant", plant)
+        except ValueError as unknown:
+            raise ValueError(f"{unknown}; or a scene's file, or its name as `pliant scenes` lists it") from None
+        print(checked(kind()))
+        return
+    scene = with_settings(plant, settings or [])
+    print(checked(scene.plant))
+    print(check_scene(scene))

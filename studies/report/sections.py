@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 
+from pliant.envs.scenes.nominal_inputs import largest_beyond
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.validity.ranges import in_words
 from pliant.studies.charts import page as chart_page
@@ -84,6 +85,8 @@ def _motion(found: Findings) -> str:
     if scene.drive is not None:
         inputs = "the scene's own inputs" if np.any(found.open_loop.u) else "all inputs zero"
     text = paragraph(f"Open loop: {inputs}, played on {scene.plant.label} ({scene.plant.nx} states).")
+    if beyond := largest_beyond(scene, found.open_loop.t, found.open_loop.u):
+        text += paragraph(f"They are beyond the limits, which controllers keep: {beyond}.", "warning")
     motions = [("Open loop", found.nominal)]
     motions += [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
     for name, motion in motions:

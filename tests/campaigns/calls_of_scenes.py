@@ -13,7 +13,7 @@ from further_kinds import Function, Place, Text, Valued
 from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import ARM, SCENE
 
-from pliant.envs import scene_files, scenes
+from pliant.envs import check_scene, scene_files, scenes
 from pliant.envs.scenes.scene import Scene
 
 FIELDS = {f.name: getattr(SCENE, f.name) for f in dataclasses.fields(SCENE)}
@@ -139,6 +139,7 @@ def get_calls() -> list[Call]:
         Call("scenes.get, axis", scenes.get, {"axis": Choice("x")}, {"name": "spacecraft-spin"}),
         Call("scenes.get, rpm", scenes.get, {"rpm": Number(128.0, **POSITIVE)}, {"name": "slider-crank-run"}),
         Call("scenes.register", scenes.register, {"scene": Object(OWN), "replace": Flag(True)}, {"replace": True}),
+        Call("check_scene", lambda **k: str(check_scene(**k)), {"scene": Object(OWN)}),
         Call("scenes.load", scenes.load, {"path": Place(FILE)}),
         Call("minimum_jerk", scenes.minimum_jerk, {"s": Array(np.array([0.0, 0.5, 1.0]), wrong=False, infinite=True)}),
         Call("minimum_jerk, a number", scenes.minimum_jerk, {"s": Number(0.5, infinite=True, array=True)}),

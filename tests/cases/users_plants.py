@@ -1,8 +1,6 @@
 """Two plants of a user that answer none of a plant's questions themselves, and a scene of each.
 
-The crane's numbers are of a load on a massless rope under a trolley: (M + m) x'' + m L lean'' = pull at lean = 0, so
-that a trolley that moves with the load hanging straight needs (M + m) x'' less the load's share, which is M x'' as
-a load that hangs free is not accelerated along the trolley's way at that instant.
+The crane's numbers are of a load on a massless rope under a trolley: (M + m) x'' + m L lean'' = pull at lean = 0.
 """
 
 from dataclasses import dataclass

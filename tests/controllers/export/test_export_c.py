@@ -123,6 +123,22 @@ def test_names_and_signals_that_templates_or_comments_could_mistake(tmp_path, na
     assert "y: \u03b8\u2081 * / / * ? ?/, b\\u202e" in header.read_text("utf-8")
 
 
+@needs_compiler
+@pytest.mark.parametrize(
+    ("name", "signal"),
+    [
+        ("REAL", "a*/ int x;"),
+        ("aREALb", "a/*b"),
+        ("NAME", "a/*/"),
+        ("SIN", "????/"),
+        ("INFINITY", "back\\"),
+        ("law", "REAL"),
+    ],
+)
+def test_words_of_the_templates_may_be_names(tmp_path, name, signal) -> None:
+    strict_everywhere(export_c(Feedback(np.eye(1), (signal,)), tmp_path / f"{name}.c")[0])
+
+
 def test_a_file_that_cannot_stand_there_leaves_neither(tmp_path) -> None:
     law = Feedback(np.eye(1), ("a",))
     (tmp_path / "law.h").mkdir()

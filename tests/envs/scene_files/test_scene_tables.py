@@ -89,6 +89,7 @@ BASE = {"name": "a-scene", "base": "two-link-reach"}
         (BASE | {"duration": -1.0}, "duration = -1.0 must be > 0"),
         (BASE | {"duration": "long"}, "duration = 'long' must be a number > 0"),
         (BASE | {"goal": {"theta3": 1}}, "goal.theta3 = 1: no such signal, must be one of theta1"),
+        (BASE | {"start": {"tip_x": 1}}, "start.tip_x = 1: no such signal, must be one of theta1"),
         (BASE | {"goal": 3}, "goal = 3 must be values by name"),
         (BASE | {"weights": {"theta1": -1}}, "weights.theta1 = -1 must be >= 0"),
         (BASE | {"limits": {"tau1": 1}}, "limits = .* lacks tau2"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.plants import LagrangianPlant, Plant, Signal, check
+from pliant.plants import ElasticJoint, FlexibleTree, Joint, LagrangianPlant, Payload, Plant, Signal, TreeBody, check
 from pliant.plants.contract import equations
 from pliant.plants.contract.check import ContractError
 
@@ -103,6 +103,61 @@ def test_a_sound_plant_is_told_what_was_found():
 @pytest.mark.every(4)
 def test_shipped_plants_keep_the_contract(name):
     check(scenes.get(name).plant, points=2)
+
+
+KINDS, BASES = ("revolute", "spherical", "prismatic", "planar", "free"), ("fixed", "free", "driven")
+
+
+def jointed(seed):
+    """Two bodies; over the seeds every kind of joint, drive and base, with springs, gears and weight by chance."""
+    rng = np.random.default_rng(seed)
+    bodies = []
+    for k in range(2):
+        kind = KINDS[(seed + k * (1 + seed // 5)) % len(KINDS)]
+        axis, offset = rng.normal(size=3), rng.uniform(-0.3, 0.3, 3)
+        single = kind in ("revolute", "prismatic")
+        drive = ("torque", "none" if kind == "free" else "acceleration", "none")[(seed + 2 * k) % 3]
+        gear = ElasticJoint(stiffness=50.0, damping=0.1, ratio=5.0, rotor_inertia=1e-3)
+        joint = Joint(
+            name=f"j{k}",
+            kind=kind,
+            axis=tuple(axis / np.linalg.norm(axis)),
+            position=tuple(offset),
+            rotation=tuple(rng.uniform(-1, 1, 3)),
+            stiffness=float(rng.choice([0.0, 7.0])),
+            damping=float(rng.choice([0.0, 0.3])),
+            drive=drive,
+            elastic=gear if single and drive == "torque" and rng.random() < 0.5 else None,
+        )
+        inertia = np.diag(rng.uniform(0.05, 0.09, 3)) + 0.005
+        bodies.append(
+            TreeBody(
+                name=f"b{k}",
+                joint=joint,
+                mass=float(rng.uniform(0.5, 2)),
+                centre=tuple(rng.uniform(-0.3, 0.3, 3)),
+                inertia=tuple(map(tuple, inertia.tolist())),
+            )
+        )
+    base = BASES[seed % 3]
+    given = {"platform": Payload(mass=3.0, inertia=0.4, offset=(0.1, 0.0, -0.05))} if base != "fixed" else {}
+    if base == "driven":
+        given["base_freedoms"] = [("turn_x", "turn_y", "turn_z"), ("x", "turn_z"), ("x", "y", "z")][seed % 5 % 3]
+    weight = tuple(rng.choice([0.0, 1.0]) * np.array([0.5, -1.0, -9.0]))
+    return FlexibleTree.serial(bodies, base=base, gravity=weight, **given)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_trees_of_every_joint_and_base_keep_the_contract(seed):
+    """Quaternions are states of unit length alone; a base whose motion is given needs no mass."""
+    check(jointed(seed), points=2, seed=seed)
+
+
+def test_a_base_that_is_turned_needs_no_mass_of_its_own():
+    bodies = [TreeBody(name="a", joint=Joint(name="a"), mass=1.0, centre=(0.4, 0, 0), inertia=0.05)]
+    turned = FlexibleTree.serial(bodies, base="driven", base_freedoms=("turn_x", "turn_y", "turn_z"))
+    assert np.linalg.eigvalsh(turned.mass_matrix(turned.rest_state))[0] < 1e-12  # about the arm's own line ..
+    assert dict(check(turned).found)["mass matrix"] == "symmetric, positive definite"  # .. but not in the joint
 
 
 def test_an_energy_is_known_to_its_rounding_and_at_states():

@@ -6,8 +6,18 @@ import warnings
 import numpy as np
 import pytest
 
-from pliant.plants import EquilibriumError, SingleLinkArm, TwoLinkArm
+from pliant.plants import (
+    ElasticJoint,
+    EquilibriumError,
+    FlexibleTree,
+    Joint,
+    Payload,
+    SingleLinkArm,
+    TreeBody,
+    TwoLinkArm,
+)
 from pliant.plants.core.errors import UnstableRestWarning
+from pliant.plants.dynamics.equilibrium import with_joints
 
 ARM = TwoLinkArm.textbook()
 
@@ -108,3 +118,20 @@ def test_a_rest_that_nothing_holds_is_told_with_the_rate_at_which_it_is_left():
         rod.equilibrium(hub_angle=-np.pi / 2)
         ARM.equilibrium(theta1=-np.pi / 2, theta2=0.0)
         dataclasses.replace(ARM, gravity=0.0).equilibrium(theta1=0.3, theta2=0.4)  # roots near a double one at zero
+
+
+def test_a_link_that_is_named_decides_its_motor():
+    """Two geared joints in a row: of those that are not named the motors are held at zero, but not of a named link."""
+    gear = ElasticJoint(stiffness=500.0, ratio=10.0, rotor_inertia=1e-3)
+    arm = FlexibleTree.serial(
+        [
+            TreeBody(name=n, joint=Joint(name=n, axis=(0, 1, 0), position=(0.4 * k, 0, 0), elastic=gear), mass=1.0)
+            for k, n in enumerate("ab")
+        ],
+        payload=Payload(mass=1.0, inertia=0.1, offset=(0.3, 0, 0)),
+    )
+    assert with_joints(arm, {}) == {"a_motor": 0.0, "b_motor": 0.0}
+    assert with_joints(arm, {"b": 0.5}) == {"a_motor": 0.0, "b": 0.5}
+    assert with_joints(arm, {"a": 0.2, "b_motor": 1.0}) == {"a": 0.2, "b_motor": 1.0}
+    x, u = arm.equilibrium(with_joints(arm, {"b": 0.5}))
+    assert np.abs(arm.dynamics(x, u)).max() < 1e-8 and dict(zip((s.name for s in arm.states), x))["b"] == 0.5

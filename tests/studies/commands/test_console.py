@@ -1,11 +1,13 @@
 """What the commands share: names that never break, settings by name, JSON."""
 
+import warnings
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from pliant.envs import environment_id, scenes
+from pliant.plants import NominalWarning
 from pliant.studies.commands import console
 from pliant.studies.commands.cli import app
 from pliant.studies.commands.console import BORDERS, column_widths, listed, say, show
@@ -84,3 +86,10 @@ def test_a_name_that_no_disk_takes_is_told_before_the_disk_is_asked(tmp_path):
     for gate in (console.writable, console.writable_folder):
         with pytest.raises(ValueError, match="--out has a name of 300 bytes, must be at most 255"):
             gate("--out", tmp_path / ("a" * 300))
+
+
+def test_warnings_are_one_line_of_words():
+    """Where a command was called from says nothing; of others' warnings it does."""
+    line = console.in_words(warnings.formatwarning)
+    assert line(NominalWarning("beyond\nits limits"), NominalWarning, "main.py", 7) == "warning: beyond its limits\n"
+    assert line(UserWarning("odd"), UserWarning, "other.py", 7).startswith("other.py:7: UserWarning: odd")

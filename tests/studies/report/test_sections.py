@@ -2,11 +2,14 @@
 
 import dataclasses
 import json
+import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from trolleys import trolley
 from typer.testing import CliRunner
+from users_plants import LIFT
 
 from pliant.controllers import LQR
 from pliant.envs import scenes
@@ -141,10 +144,25 @@ def test_simulate_under_the_lqr_of_a_scene_whose_angle_runs_on():
     assert result.exit_code == 0, result.stderr
 
 
+def test_inputs_beyond_the_limits_are_said_with_the_motion():
+    motion = LIFT.open_loop(rtol=1e-6)
+    for limit, words in (
+        (100.0, None),
+        (5.0, r"limits, .*: pull = -?28\.\d+ N at 0\.\d+ s \(limit 5\)"),
+    ):
+        found = SimpleNamespace(
+            scene=dataclasses.replace(LIFT, limits=(limit,)), open_loop=motion, nominal=motion, loops=()
+        )
+        text = sections._motion(found)
+        assert re.search(words, text) if words else "limits" not in text
+
+
 def test_variations_change_what_there_is():
     """A payload of zero is not varied; the first randomised parameter is."""
     assert [name for name, _ in variations(scenes.get("spin-up"))][1:3] == ["link.E -50%", "link.E +50%"]
     assert [name for name, _ in variations(scenes.get("single-link-slew"))][1] == "payload.mass -50%"
+    lift = dataclasses.replace(LIFT, randomise=())  # one rung: no plant counts twice
+    assert [name for name, _ in variations(lift)] == ["the design plant", "load -50%", "load +50%"]
 
 
 def test_linearize_says_where():

@@ -3,11 +3,13 @@
 import dataclasses
 import json
 import sys
+import warnings
 
 import numpy as np
 import pytest
 
 from pliant.plants import LinearModel, LTVModel, SingleLinkArm, Trajectory, TwoLinkArm
+from pliant.plants.core.errors import UnstableRestWarning
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.stability import assess
 from pliant.studies.fidelity.mode_count import ModeCount, _settled, modes_needed
@@ -123,6 +125,16 @@ def test_a_plants_parameters_by_name():
     motion = arm.simulate(np.r_[0.1, np.zeros(arm.nx - 1)], None, np.linspace(0.0, 0.5, 101))
     along = map_stability(arm, grid, nominal=motion, backend="sequential")
     assert "failed" not in along.verdicts
+
+
+def test_a_map_tells_of_rests_by_its_verdicts():
+    """A rod that stands up, or hangs under gravity that pulls it up: no warning for each point of the grid."""
+    rod = dataclasses.replace(SingleLinkArm.textbook(), gravity=9.81).ladder()[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UnstableRestWarning)
+        grid = {"gravity": [-9.81, 9.81], "link.damping": [0.0]}
+        found = map_stability(rod, grid, at={"hub_angle": np.pi / 2}, backend="sequential")
+    assert found.verdicts[1, 0] == "unstable" and found.verdicts[0, 0] not in ("unstable", "failed")
 
 
 def test_saved_as_json_and_as_a_picture(tmp_path):
