@@ -157,10 +157,10 @@ class ModalData(ModalFields):
 
         M, K (6 N + n, 6 N + n): six freedoms of each boundary node at `boundary` (N, 3) [m], in `axes` (N, 3, 3)
         (None: the body's), then n modal freedoms; fewer where `freedoms` names those of each node, as (1, 2, 3, 5):
-        shifts 1 to 3 and turns 4 to 6 along and about its axes. A rigid interface holds the nodes; the attachment point is `origin`
-        (3,) (None: their mean). `nodes`: named points with shapes and turns by modal freedom (rows of the recovery
-        matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and frequencies are
-        exact; `craig_bampton` says what the matrices do not hold.
+        shifts 1 to 3 and turns 4 to 6 along and about its axes. A rigid interface holds the nodes; the attachment point
+        is `origin` (3,) (None: their mean). `nodes`: named points with shapes and turns by modal freedom (rows of the
+        recovery matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and
+        frequencies are exact; `craig_bampton` says what the matrices do not hold.
 
         >>> ModalData.from_craig_bampton(mxx, kxx, boundary=[[0.0, 0.0, 0.0]], modes=6, damping=0.01)
         """
