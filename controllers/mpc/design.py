@@ -50,7 +50,8 @@ def regulator(
     start: Any = None,
 ) -> dict[str, Any]:
     """What `MPC.design` says, as the arguments of MPC: weights (Q, R, N, P), (track, disturbance, time, noise)."""
-    (Q, R, N, P), left = weights, ((), ())
+    Q, R, N, P = weights
+    left: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
     limits, rates, bounds, terminal, penalty = limited
     track, disturbance, time, noise = free_of_offset
     require_instance("MPC.model", model, LinearModel)
