@@ -30,6 +30,7 @@ from cases import (
     physics,
     spacecraft,
     stability,
+    tree_growth,
     trees,
 )
 from cases import soak as soaking
@@ -52,7 +53,7 @@ PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
     "stability": lambda: list(stability.cases()),
     "spacecraft": lambda: list(spacecraft.cases()),
     "controllers": lambda: list(controller_acts.cases()),
-    "trees": lambda: list(trees.cases()),
+    "trees": lambda: [*trees.cases(), *tree_growth.cases()],
 }
 PACKAGES = (
     "pliant",
@@ -144,7 +145,7 @@ def notes(part: str | None, rows: Sequence[sampling.Row], soak: soaking.Soak | N
             f"Soak: {soak.steps:,} environment steps with random actions in {soak.seconds:.0f} s, {soak.episodes:,} "
             f"episodes, {soak.diverged:,} diverged; {soak.memory[-1]:.0f} MB resident at the end."
         )
-    return said + cantilever.notes(rows) + controller_acts.notes(rows) + trees.notes(rows)
+    return said + cantilever.notes(rows) + controller_acts.notes(rows) + trees.notes(rows) + tree_growth.notes(rows)
 
 
 def main() -> int:

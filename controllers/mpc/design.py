@@ -9,14 +9,12 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import each, ends, saturation
-from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.riccati.checks import weight_matrix
 from pliant.plants.core.argument_gates import (
     as_tuple,
     require_by_name,
     require_choice,
     require_count,
-    require_finite,
     require_instance,
     require_mapping,
     require_names,
@@ -32,6 +30,7 @@ from .constraints import Limits, Step, Window, build, soft_names
 from .exact_penalty import sufficient_penalty
 from .offset_free import KINDS, Estimator, Sizes
 from .steady_target import Target
+from .steered_weights import steered_weights, step_weights
 
 Limited = tuple[Any, Any, Mapping[str, tuple[float, float]] | None, int, float | None]
 # limits, rates, bounds, terminal, penalty of MPC.design
@@ -48,9 +47,11 @@ def regulator(
     blocks: Sequence[int] | None,
     reads: Sequence[str] | None,
     free_of_offset: tuple[Sequence[str], str | None, float, Any],
+    start: Any = None,
 ) -> dict[str, Any]:
     """What `MPC.design` says, as the arguments of MPC: weights (Q, R, N, P), (track, disturbance, time, noise)."""
     Q, R, N, P = weights
+    left: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
     limits, rates, bounds, terminal, penalty = limited
     track, disturbance, time, noise = free_of_offset
     require_instance("MPC.model", model, LinearModel)
@@ -58,6 +59,8 @@ def regulator(
     penalty, track = checked_penalty(penalty), require_names("MPC.track", track)
     reads = model.state_names if reads is None else require_names("MPC.reads", reads)
     time = require_seconds("MPC.time", time)
+    if P is None and model.dt is None:
+        Q, R, N, P, left = steered_weights(model, Q, R, N, dt, start)
     A, B, Q, R, N, dt = _sampled(model, Q, R, N, dt)
     nx, nu = B.shape
     n = horizon + terminal
@@ -103,6 +106,7 @@ def regulator(
         "origin": (model.x0, model.u0, y0),
         "names": soft_names(bounded, horizon, n),
         "exact": exact,
+        "left": left,
         **extra,
     }
 
@@ -136,9 +140,8 @@ def _sampled(
     model: LinearModel, Q: Any, R: Any, N: Any, dt: float | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
     """A, B, Q, R, N of a step, and its length."""
-    Q, R, cross = weight_matrices("MPC", model, Q, R)
+    Q, R, N = step_weights(model, Q, R, N)
     dt = None if dt is None else require_seconds("MPC.dt", dt)
-    N = cross if N is None else cross + require_finite("MPC.N", N, cross.shape)
     if model.dt is not None:
         if dt is not None and abs(dt - model.dt) > 1e-9 * dt:
             raise ValueError(f"MPC.dt = {dt} must be {model.dt}, the model's, or be left out")

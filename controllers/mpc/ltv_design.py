@@ -10,6 +10,7 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.goal_model import goal_model
+from pliant.controllers.base.joint_reference import values_of
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.plants.core.argument_gates import require_instance, require_names
 from pliant.plants.linear.ltv import LTVModel
@@ -92,10 +93,14 @@ def follower(
 
 def about_goal(
     scene: CostedScene, bounds: Mapping[str, tuple[float, float]]
-) -> tuple[LinearModel, np.ndarray | None, dict[str, tuple[float, float]]]:
-    """The model about a scene's goal, its drift (nx,) [1/s] where it moves, and the bounds that the model knows."""
+) -> tuple[LinearModel, np.ndarray | None, dict[str, tuple[float, float]], np.ndarray]:
+    """The model about a scene's goal, its drift (nx,) [1/s] where it moves, the bounds that the model knows, and where
+    the scene starts (nx,).
+    """
     model, drift = goal_model(scene)
     known = {name for name, row in zip(model.output_names, model.C) if row.any()} | set(model.state_names)
     seen = {s.name for s in scene.plant.states + scene.plant.outputs} - known
     still = replace(model, f0=np.zeros_like(model.f0))
-    return still, drift if drift.any() else None, {name: pair for name, pair in bounds.items() if name not in seen}
+    known_bounds = {name: pair for name, pair in bounds.items() if name not in seen}
+    start = values_of(scene.plant, *scene.initial, model.state_names)
+    return still, drift if drift.any() else None, known_bounds, start

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Self, final
 import numpy as np
 
 from pliant.controllers.base.controller import moment, reading
+from pliant.controllers.base.goal_model import unmoved
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.base.solver_record import Record
 from pliant.plants.core.argument_gates import require_by_name, require_instance
@@ -58,28 +59,27 @@ class MPC:
         target: Target | None = None,
         tracked: Mapping[str, float] | None = None,
         exact: bool = False,
+        left: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
     ) -> None:
         """steps: one, or one for each time from `start` [s] on, the last of which stays. origin: the model's x0, u0,
         and the readings there. tracked: signals, and their values at the origin, which are brought to `aim`. exact:
         whether a plan that exceeds a soft limit is made again with hard ones.
         """
-        self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked, exact
+        self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked, exact, left
+        self.conserved, self.free = left  # in words: what no input changes, what only inputs do and nothing feels
         self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
         self.tracked, self.horizon = dict(tracked or {}), len(steps[0].plan[0])
         self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
-        self.origin, self.exact = origin, exact
-        self._firm = WithoutExcess() if exact else None
+        self.origin, self.exact, self._firm = origin, exact, WithoutExcess() if exact else None
         self._steps, self._start, self._latest = tuple(steps), start, len(steps) - 1
         self._drift: np.ndarray | None = None  # (len(reads),) [1/s] of a goal that moves, from t = 0 on
         self._ny, m, size = len(reads), len(steps[0].low), steps[0].G.shape[1]
-        self._d = np.empty(m + len(limits.low))
+        self._d, self._lower, self._upper = np.empty(m + len(limits.low)), np.empty(m), np.empty(m)
         self._rows, self._free, self._limits = self._d[:m], self._d[m:], m > 0
-        self._lower, self._upper = np.empty(m), np.empty(m)
-        self._knowledge: Knowledge | None = None  # None: the reading is all there is to know
-        if estimator is not None or limits.remembers:
-            self._knowledge = Knowledge(size, origin, limits, estimator, target, self.tracked)
+        wanted = estimator is not None or limits.remembers  # else the reading is all there is to know
+        self._knowledge = Knowledge(size, origin, limits, estimator, target, self.tracked) if wanted else None
         self._low, self._high = limits.low, limits.high
-        self._clips = bool(np.isfinite([limits.low, limits.high]).any())
+        self._clips = bool(np.isfinite([self._low, self._high]).any())
         self.plan, self._shift = LastPlan(self.horizon, size), np.zeros(m)
         self.reset()
 
@@ -105,6 +105,7 @@ class MPC:
         disturbance: str | None = None,
         time: float = 0.2,
         noise: float | Mapping[str, float] = 1e-2,
+        start: Any = None,
     ) -> Self:
         """On a linear model about an equilibrium.
 
@@ -122,9 +123,10 @@ class MPC:
         says, by an estimate of a `disturbance` of the "states" (the default), "inputs" or "outputs" (offset_free.py);
         `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: deviation of
         readings where that of inputs, and of drifts over `time`, is one unit; or by name (see `offset_free.Sizes`).
+        What is conserved or free is left as in LQR.design, `start` (nx,) as there (of a continuous model, P None).
         """
-        weights, limited = (Q, R, N, P), (limits, rates, bounds, terminal, penalty)
-        return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (track, disturbance, time, noise)))
+        weights, limited, offset = (Q, R, N, P), (limits, rates, bounds, terminal, penalty), (track, disturbance, time)
+        return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (*offset, noise), start))
 
     @classmethod
     def along(
@@ -161,8 +163,9 @@ class MPC:
         if nominal is not None:
             require_instance("MPC.for_scene: nominal", nominal, Trajectory)
             return cls.along(scene.plant.linearize_along(nominal), Q, R, **given)
-        model, drift, given["bounds"] = about_goal(scene, given["bounds"])
-        made = cls.design(model, Q, R, dt=scene.dt, **given)
+        model, drift, given["bounds"], start = about_goal(scene, given["bounds"])
+        made = cls.design(model, Q, R, dt=scene.dt, **{"start": start, **given})
+        made.conserved, made.free = unmoved(scene)
         if drift is not None and len(made.reads) != len(drift):
             raise ValueError(f"MPC.for_scene: the goal of {scene.name!r} moves, MPC must read the states, not outputs")
         made._drift = drift
@@ -191,19 +194,16 @@ class MPC:
         y = reading("MPC.y", y, self._ny)
         if self._drift is not None:
             y = y - self._drift * moment("MPC", t)
-        at = 0
-        if self._latest:
-            at = min(max(int((moment("MPC", t) - self._start) / self.dt + 0.5), 0), self._latest)
+        at = min(max(int((moment("MPC", t) - self._start) / self.dt + 0.5), 0), self._latest) if self._latest else 0
         step = self._steps[at]
         known = y
         if self._knowledge is not None:
             known = self._knowledge(y)
             self.record.unreached += self._knowledge.missed
-        rows, lower, upper = self._rows, self._lower, self._upper
         self.record.calls += 1
         np.dot(step.G, known, out=self._d)
-        np.subtract(step.low, rows, out=lower)
-        np.subtract(step.high, rows, out=upper)
+        lower = np.subtract(step.low, self._rows, out=self._lower)
+        upper = np.subtract(step.high, self._rows, out=self._upper)
         u = step.u + self._free
         if self._limits and (upper[upper.argmin()] < 0.0 or lower[lower.argmax()] > 0.0):
             z = self._solve(step, at)
@@ -241,7 +241,8 @@ class MPC:
 
     def __reduce__(self) -> tuple[Any, ...]:  # a copy goes on as the original would, and apart from it
         known = None if self._knowledge is None else self._knowledge.state
-        return _again, sealed((self._made, self._drift, self.record, self.plan, known, self._at, self._multipliers))
+        made = *self._made[:-1], (self.conserved, self.free)
+        return _again, sealed((made, self._drift, self.record, self.plan, known, self._at, self._multipliers))
 
 
 def _both(limits: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 Array = np.ndarray
-LONG = 150  # inputs of a horizon beyond which the work that grows as their square is less than that as their cube
+LONG = 150  # inputs of a horizon beyond which work that grows as N, or as N^2 where a limit binds, is less than as N^3
 
 
 @final
@@ -25,9 +25,9 @@ class Condensed:
     """Work arrays of a horizon of N steps, nx states, nu inputs, nr residuals a step, nb bounded signals a node.
 
     The caller fills the stages `dynamics` (N, nx, nx+1+nu) = [A, c, B], `residual` (N, nr, nx+1+nu) = [X, r, U] and
-    `bounded` (N, nb, nx+1+nu) = [V, z, Y], whose first is not used, for what happens at x_0 is past. Then `form` fills
-    H, F, f0: the cost is d'H d + 2 (F e + f0)'d + constant for d = (du_0 .. du_{N-1}) (N nu,), and Zd, Ze, z0: the
-    bounded signals of nodes 1 .. N-1 are Zd d + Ze e + z0 ((N-1) nb,), node by node.
+    `bounded` (N, nb, nx+1+nu) = [V, z, Y], whose first is not used, for what happens at x_0 is past, and `finish` with
+    x_N - goal. Then `form` fills H, F, f0: the cost is d'H d + 2 (F e + f0)'d + constant for d = (du_0 .. du_{N-1})
+    (N nu,), and Zd, Ze, z0: the bounded signals of nodes 1 .. N-1 are Zd d + Ze e + z0 ((N-1) nb,), node by node.
     """
 
     def __init__(self, N: int, nx: int, nu: int, nr: int, nb: int, L: Array) -> None:
@@ -40,7 +40,7 @@ class Condensed:
         self.G = np.zeros((N + 1, head, width))
         self.G[0, :nx, :nx] = np.eye(nx)
         self.G[:, nx, nx] = 1.0
-        self._L = np.hstack([L, np.zeros((len(L), 1))])
+        self.end = np.hstack([L, np.zeros((len(L), 1))])  # [L l]
         self._W = np.zeros((N * nr + len(L), width))
         stages = self._W[: N * nr].reshape(N, nr, width)
         self._Z = np.zeros((N - 1, nb, width))
@@ -58,27 +58,24 @@ class Condensed:
         ]
         self._v = np.zeros(width)
 
-    def form(self, end: Array) -> None:
+    def finish(self, end: Array) -> None:
         """end (nx,) = x_N - goal."""
+        np.matmul(self.L, end, out=self.end[:, -1])
+
+    def form(self) -> None:
+        """From the stages as they are."""
         head = self.head
         self._B[:] = self.dynamics[:, :, head:]
         for now, G, ahead in self._steps:
             np.matmul(now, G, out=ahead)
-        np.matmul(self.L, end, out=self._L[:, -1])
         if self.long:
             self._backward()
         else:
             np.matmul(self.residual[:, :, :head], self.G[:-1], out=self._stages)
             self._U[:] = self.residual[:, :, head:]
-            np.matmul(self._L, self.G[-1], out=self._last)
+            np.matmul(self.end, self.G[-1], out=self._last)
             np.matmul(self._W.T, self._W, out=self.S)
         self.H[:] = self.S[head:, head:]
-        if not self.long:
-            self.rows()
-
-    def rows(self) -> None:
-        """Zd, Ze and z0; of a long horizon `form` leaves them out, for most of the time no row binds."""
-        head = self.head
         if self.Zd.size:
             np.matmul(self.bounded[1:, :, :head], self.G[1:-1], out=self._Z)
             self._Y += self.bounded[1:, :, head:]
@@ -92,7 +89,7 @@ class Condensed:
         """
         head, nx, nu = self.head, self.nx, self.nu
         whole = np.matmul(self.residual.transpose(0, 2, 1), self.residual)
-        slope = self._L.T @ (self._L @ self.G[-1])
+        slope = self.end.T @ (self.end @ self.G[-1])
         self.S[:] = 0.0
         for k in range(self.N - 1, -1, -1):
             width = head + k * nu
@@ -106,11 +103,18 @@ class Condensed:
         left = np.tril(self.S)
         np.add(left, np.tril(left, -1).T, out=self.S)
 
-    def signals(self, e: Array, d: Array) -> Array:
-        """The bounded signals ((N-1) nb,) as Zd d + Ze e + z0, stage by stage."""
+    def signals(self, dx: Array, d: Array) -> Array:
+        """The bounded signals ((N-1) nb,) as Zd d + Ze e + z0, stage by stage from the states dx (N+1, nx)."""
         v = np.ones((self.N - 1, self.head + self.nu))
-        v[:, : self.nx], v[:, self.head :] = self.states(e, d)[1:-1], d.reshape(self.N, -1)[1:]
+        v[:, : self.nx], v[:, self.head :] = dx[1:-1], d.reshape(self.N, -1)[1:]
         return (self.bounded[1:] @ v[:, :, None]).ravel()
+
+    def unchanged(self) -> float:
+        """The cost of dx_0 = 0 and d = 0: of the plan, its gaps closed."""
+        dx = self.states(np.zeros(self.nx), np.zeros(self.N * self.nu))
+        r = (self.residual[:, :, : self.nx] @ dx[:-1, :, None])[:, :, 0] + self.residual[:, :, self.nx]
+        end = self.L @ dx[-1] + self.end[:, -1]
+        return float(np.vdot(r, r) + end @ end)
 
     def states(self, e: Array, d: Array) -> Array:
         """dx (N+1, nx) of an initial deviation e (nx,) and changes d (N nu,) of the inputs."""
@@ -118,8 +122,8 @@ class Condensed:
             dx, nx, head = np.empty((self.N + 1, self.nx)), self.nx, self.head
             dx[0] = e
             known = (self.dynamics[:, :, head:] @ d.reshape(self.N, -1, 1))[:, :, 0] + self.dynamics[:, :, nx]
-            for k in range(self.N):
-                np.add(self.dynamics[k, :, :nx] @ dx[k], known[k], out=dx[k + 1])
+            for k, A in enumerate(self.dynamics[:, :, :nx]):
+                np.add(A.dot(dx[k]), known[k], out=dx[k + 1])
             return dx
         self._v[: self.nx], self._v[self.nx], self._v[self.head :] = e, 1.0, d
         return (self.G @ self._v)[:, : self.nx]

@@ -18,6 +18,7 @@ from pliant.plants.integration.step_sensitivities import StepSensitivities
 from pliant.plants.native.batch_kernels import BatchKernel, map_kernel, random_points
 
 from .condensing import Condensed
+from .stage_recursion import StageRecursion
 
 if TYPE_CHECKING:
     from pliant.controllers.base.objective import Objective
@@ -56,6 +57,7 @@ class Horizon:
         nr, _, nb, _ = kernel.rows[1]
         L = np.zeros((0, plant.nx)) if P is None else _root(P)
         self.condensed = Condensed(N, plant.nx, plant.nu, nr + plant.nu, nb, L)
+        self.recursion = StageRecursion(self.condensed) if self.condensed.long else None
         self._stages, self._held = self.condensed.residual[:, :nr], self.condensed.residual[:, nr:]
         K, M = (np.zeros((plant.nu, plant.nx)), objective.dt * objective.quadratic()[1]) if law is None else law[1::2]
         root = _root(M)
@@ -92,8 +94,11 @@ class Horizon:
         np.multiply(np.sqrt(self.damping), self._hold, out=self._held)
         _fill(ready.bounded, nx, z, bounded)
         with np.errstate(over="ignore", invalid="ignore"):
-            ready.form(self.x[-1] - self.goal)
-            return bool(np.isfinite(ready.S.sum() + (0.0 if ready.long else ready.Zd.sum())))
+            ready.finish(self.x[-1] - self.goal)
+            if self.recursion is not None:
+                return self.recursion.factor()
+            ready.form()
+            return bool(np.isfinite(ready.S.sum() + ready.Zd.sum()))
 
     def hold(self, rough: bool) -> None:
         """Damp what is linearised from now on where a plan is rough, less and less where it is not.
@@ -112,7 +117,8 @@ class Horizon:
         nx = self.plant.nx
         with np.errstate(over="ignore", invalid="ignore"):
             gaps = self.condensed.dynamics[:, :, nx] @ self._price.T
-            return float(np.vdot(gaps, gaps) / max(self.condensed.S[nx, nx], 1e-300))
+            cost = self.condensed.S[nx, nx] if self.recursion is None else self.condensed.unchanged()
+            return float(np.vdot(gaps, gaps) / max(cost, 1e-300))
 
     def move(self, e: Array, d: Array) -> None:
         """Change the plan by du = d (N nu,) and what follows from it and dx_0 = e (nx,)."""

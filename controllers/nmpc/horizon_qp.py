@@ -10,6 +10,7 @@ from pliant.controllers.solvers.daqp_model import CURVATURE, WORDS
 from pliant.controllers.solvers.soft_qp import SoftProgram
 
 from .horizon import Horizon
+from .stage_recursion import StageRecursion
 
 Array = np.ndarray
 
@@ -32,14 +33,18 @@ class HorizonProgram:
         self.solver = SoftProgram(plan.u.size, len(self._scale), penalty=penalty / 2, iteration_limit=iteration_limit)
         self._rows = np.zeros((len(self._scale), plan.u.size))
         self.sound, self.why = False, ""
+        self._whole = False  # whether the solver has the program of the last plan
 
     def linearize(self, *, close: bool = False) -> bool:
         """All that does not wait for a measurement; `close` as in Horizon. False where the plan is no motion, or one so
-        wild that its program has no definite cost."""
-        plan, ready = self.plan, self.plan.condensed
+        wild that its program has no definite cost.
+
+        A long horizon is condensed for limits and bounds only where one bound in the last solution.
+        """
+        plan, self._whole = self.plan, False
         self.sound = plan.linearize(close=close)
-        if self.sound:
-            self.sound = self.solver.factor(ready.H) if ready.long else self._prepare()
+        if self.sound and (plan.recursion is None or self.solver.limited):
+            self.sound = self._prepare()
         self._room = (self.lowest - plan.u).ravel(), (self.highest - plan.u).ravel()
         return self.sound
 
@@ -49,14 +54,13 @@ class HorizonProgram:
         if not self.sound:
             self.why = "the plan is no motion that can be linearised"
             return None
-        ready = self.plan.condensed
-        if ready.long:
-            if (free := self._free(e)) is not None:
+        if self.plan.recursion is not None:
+            if (free := self._free(self.plan.recursion, e)) is not None:
                 return free
-            ready.rows()
-            if not np.isfinite(ready.Zd.sum()) or not self._prepare():
+            if not self._whole and not self._prepare():
                 self.why = WORDS[-5]
                 return None
+        ready = self.plan.condensed
         z = self._scale * (ready.z0 + ready.Ze @ e)
         d = self.solver.solve(ready.F @ e + ready.f0, *self._room, self.low - z, self.high - z)
         if d is None:
@@ -64,17 +68,28 @@ class HorizonProgram:
         return d
 
     def _prepare(self) -> bool:
-        np.multiply(self.plan.condensed.Zd, self._scale[:, None], out=self._rows)
-        return self.solver.prepare(self.plan.condensed.H, self._rows)
-
-    def _free(self, e: Array) -> Array | None:
-        """The solution where neither a limit nor a bound binds: the whole program then has the same. Else None."""
+        """The program with its limits and bounds; False where it is not finite, or not definite."""
         ready = self.plan.condensed
-        d = self.solver.free(ready.F @ e + ready.f0, *self._room)
-        if d is None:
+        if self.plan.recursion is not None:
+            with np.errstate(over="ignore", invalid="ignore"):
+                ready.form()
+                if not np.isfinite(ready.S.sum() + ready.Zd.sum()):
+                    return False
+        np.multiply(ready.Zd, self._scale[:, None], out=self._rows)
+        self._whole = self.solver.prepare(ready.H, self._rows)
+        return self._whole
+
+    def _free(self, recursion: StageRecursion, e: Array) -> Array | None:
+        """The solution where neither a limit nor a bound binds: the whole program then has the same. Else None."""
+        dx, d = recursion.solve(e)
+        lowest, highest = self._room
+        if not ((lowest <= d) & (d <= highest)).all():
             return None
-        z = self._scale * ready.signals(e, d) if len(self._scale) else self._scale
-        return d if ((self.low <= z) & (z <= self.high)).all() else None
+        z = self._scale * self.plan.condensed.signals(dx, d) if len(self._scale) else self._scale
+        if not ((self.low <= z) & (z <= self.high)).all():
+            return None
+        self.solver.settle()
+        return d
 
     @property
     def excess(self) -> Array:

@@ -10,6 +10,8 @@ has no solution the plan's own next input is applied and the failure recorded.
 
 The program is condensed: for the two-link arm of 12 states over 30 periods that and DAQP take 0.19 ms together, a tenth
 of it after the measurement, where HPIPM takes 0.6 ms on the stages as they are. Measured with both in one process.
+Of more than 150 inputs (`condensing.LONG`) it is condensed only where a limit or a bound binds, else solved stage by
+stage: the published arm of three joints over 125 periods takes 5.3 ms of processor time a period so, in place of 8.3.
 """
 
 from __future__ import annotations

@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import final
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotrs
 
 from .daqp_model import SOFT, DaqpModel
 
@@ -47,20 +46,10 @@ class SoftProgram:
         self._current.clear()
         return self._update(self.m if self.near else 0)
 
-    def factor(self, H: Array) -> bool:
-        """For `free` alone: False where H (n, n) is not definite. DAQP's own factors take ten times as long."""
-        self._root, failed = dpotrf(H, lower=True)
-        self.status = -5 if failed else 1
-        return not failed
-
-    def free(self, f: Array, lowest: Array, highest: Array) -> Array | None:
-        """-H^-1 f of the H of `factor` where it is within the limits, else None; the caller looks at the rows."""
-        d, _ = dpotrs(self._root, -f, lower=True)
-        if not ((lowest <= d) & (d <= highest)).all():
-            return None
+    def settle(self) -> None:
+        """Nothing binds: what a caller that found the solution without limits and rows has to say."""
         self.status, self.iterations, self.violation, self.limited = 1, 0, 0.0, False
         self.multipliers[:] = 0.0
-        return d
 
     def forget(self) -> None:
         """Start again from no active set."""

@@ -7,6 +7,7 @@ A coordinate may be driven: its acceleration is then an input and its force a re
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -95,10 +96,14 @@ class LagrangianPlant(BalancedPlant):
         r = self.generalized_force(t, q, v, u, w) + ca.gradient(T - V, q) - ca.gradient(D, v)
         return M, r - ca.jtimes(momentum, q, v), T, V
 
+    def elimination(self, n: int) -> Sequence[int]:
+        """Rows of M (n, n) in the order in which they are eliminated; of a sparse M those with few entries first."""
+        return range(n)
+
     def acceleration(self, M: ca.SX, r: ca.SX, u: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         """Accelerations (n,), driven ones taken from u, and the pivots of the part of M that is solved."""
         n, driven = M.shape[0], self.driven
-        free = [i for i in range(n) if i not in driven]
+        free = [i for i in self.elimination(n) if i not in driven]
         a = ca.SX.zeros(n)
         for i, k in driven.items():
             a[i] = u[k]
@@ -135,7 +140,7 @@ class LagrangianPlant(BalancedPlant):
         moving, change = ca.SX(a), ca.SX(m, z.shape[0])
         for i, k in self.driven.items():
             moving[i], change[i, nx + k] = u[k], 1
-        free = [i for i in range(m) if i not in self.driven]
+        free = [i for i in self.elimination(m) if i not in self.driven]
         if free:
             lacking = (r - M @ moving)[free]
             change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))

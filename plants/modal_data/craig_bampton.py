@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_all, require_number
+from pliant.plants.core.argument_gates import as_tuple, require_all, require_number
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.quaternions import skew
@@ -32,16 +32,26 @@ COUPLED = 1e-6  # of the mean of both: stiffness between the boundary and the mo
 
 
 def craig_bampton(
-    mass: Any, stiffness: Any, boundary: Any, axes: Any, origin: Any, modes: int | None, damping: float, nodes: Any
+    mass: Any,
+    stiffness: Any,
+    boundary: Any,
+    axes: Any,
+    freedoms: Any,
+    origin: Any,
+    modes: int | None,
+    damping: float,
+    nodes: Any,
 ) -> dict[str, Any]:
     """Fields of ModalData; the arguments are those of `ModalData.from_craig_bampton`, checked here."""
     r = read_only("from_craig_bampton.boundary", boundary, (-1, 3))
     K = require_finite("from_craig_bampton.stiffness", stiffness, (-1, -1))
     M = require_finite("from_craig_bampton.mass", mass, K.shape)
-    b, n = 6 * len(r), len(K) - 6 * len(r)
+    kept = _freedoms(freedoms, len(r))
+    b, n = len(kept), len(K) - len(kept)
     if K.shape[0] != K.shape[1] or n < 0:
         raise ValueError(
-            f"from_craig_bampton.stiffness is {K.shape}, must be square with at least {b} rows, six a boundary node"
+            f"from_craig_bampton.stiffness is {K.shape}, must be square with at least {b} rows, six a boundary node or "
+            "as many as `freedoms` names"
         )
     at = r.mean(axis=0) if origin is None else read_only("from_craig_bampton.origin", origin, (3,))
     R = (
@@ -49,7 +59,12 @@ def craig_bampton(
         if axes is None
         else read_only("from_craig_bampton.axes", axes, (len(r), 3, 3))
     )
-    T = _rigid(r - at, R)
+    T = _rigid(r - at, R)[kept]
+    if np.linalg.matrix_rank(T, tol=1e-9 * np.abs(T).max()) < 6:
+        raise ValueError(
+            f"from_craig_bampton.freedoms = {freedoms!r} must tell each rigid motion: those of the boundary's {len(r)} "
+            "nodes leave one free"
+        )
     _check(K, T, b)
     whole, driven = T.T @ M[:b, :b] @ T, M[b:, :b] @ T
     modes = n if modes is None else require_count("from_craig_bampton", "modes", modes, 0, n)
@@ -79,6 +94,23 @@ def _rigid(r: Array, R: Array) -> Array:
         np.block([[turn.T, -turn.T @ skew(at)], [np.zeros((3, 3)), turn.T]]) for at, turn in zip(r, R, strict=True)
     ]
     return np.concatenate(blocks)
+
+
+def _freedoms(given: Any, count: int) -> list[int]:
+    """Rows of six a node that are there."""
+    if given is None:
+        return list(range(6 * count))
+    nodes = as_tuple("from_craig_bampton.freedoms", given)
+    if len(nodes) != count:
+        raise ValueError(f"from_craig_bampton.freedoms names {len(nodes)} nodes, must be {count}, as the boundary has")
+    found = list[int]()
+    for k, of in enumerate(nodes):
+        name = f"freedoms[{k}]"
+        own = [require_count("from_craig_bampton", name, i, 1, 6) for i in as_tuple(f"from_craig_bampton.{name}", of)]
+        if own != sorted(set(own)):
+            raise ValueError(f"from_craig_bampton.{name} = {of!r} must be of 1 to 6, ascending, each once")
+        found += [6 * k + i - 1 for i in own]
+    return found
 
 
 def _even(A: Array) -> Array:

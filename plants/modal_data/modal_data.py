@@ -146,6 +146,7 @@ class ModalData(ModalFields):
         boundary: Any,
         *,
         axes: Any = None,
+        freedoms: Any = None,
         origin: Any = None,
         modes: int | None = None,
         damping: float = 0.0,
@@ -155,11 +156,12 @@ class ModalData(ModalFields):
         or maa and kaa, of an external superelement.
 
         M, K (6 N + n, 6 N + n): six freedoms of each boundary node at `boundary` (N, 3) [m], in `axes` (N, 3, 3)
-        (None: the body's), then n modal freedoms. A rigid interface holds the nodes; the attachment point is `origin`
-        (3,) (None: their mean). `nodes`: named points with shapes and turns by modal freedom (rows of the recovery
-        matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and frequencies are
-        exact; `craig_bampton` says what the matrices do not hold.
+        (None: the body's), then n modal freedoms; fewer where `freedoms` names those of each node, as (1, 2, 3, 5):
+        shifts 1 to 3 and turns 4 to 6 along and about its axes. A rigid interface holds the nodes; the attachment point
+        is `origin` (3,) (None: their mean). `nodes`: named points with shapes and turns by modal freedom (rows of the
+        recovery matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and
+        frequencies are exact; `craig_bampton` says what the matrices do not hold.
 
         >>> ModalData.from_craig_bampton(mxx, kxx, boundary=[[0.0, 0.0, 0.0]], modes=6, damping=0.01)
         """
-        return cls(**craig_bampton(mass, stiffness, boundary, axes, origin, modes, damping, nodes))
+        return cls(**craig_bampton(mass, stiffness, boundary, axes, freedoms, origin, modes, damping, nodes))

@@ -20,8 +20,8 @@ from pliant.plants.multibody_joints.carried import check_carried
 from pliant.plants.multibody_joints.tree_joints import TreeJoints
 from pliant.plants.multibody_parts.joint import Frame, FrameThruster, Joint, name_gate, place_gate
 from pliant.plants.multibody_parts.tree_body import TreeBody
+from pliant.plants.multibody_recursion.layout import Layout, layout
 
-from .layout import Layout, layout
 from .measurements import AXES, DEVICES, signals
 
 KINEMATICS = ("rigid", "linear", "stiffened", "strain")

@@ -15,8 +15,7 @@ from pliant.plants.core.argument_gates import require_instance, require_mapping,
 from pliant.plants.multibody_parts.joint import DRIVES, SINGLE, ElasticJoint, Joint
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.multibody_parts.urdf import ZERO, Link, Machine, Numbers, UrdfJoint
-
-from .layout import turned
+from pliant.plants.multibody_recursion.layout import turned
 
 TOLERANCE = 1e-3  # of a beam's length against the distance of its joints
 MODES = (2, 2, 1, 0)

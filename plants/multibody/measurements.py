@@ -15,10 +15,9 @@ import casadi as ca
 
 from pliant.plants.core.signals import Sensed, Signal
 from pliant.plants.multibody_parts.spatial import Wrench
-
-from .kinematics import quaternions
-from .newton_euler import motions, reaction
-from .walk import Walk
+from pliant.plants.multibody_recursion.kinematics import quaternions
+from pliant.plants.multibody_recursion.newton_euler import motions, reaction
+from pliant.plants.multibody_recursion.walk import Walk
 
 AXES = ("x", "y", "z")
 DEVICES = {"orientation": "1", "gyro": "rad/s", "accelerometer": "m/s^2", "reaction": "N"}

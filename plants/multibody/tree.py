@@ -30,31 +30,26 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_all, require_text
-from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
-from pliant.plants.multibody_joints.freedoms import ends
 from pliant.plants.multibody_parts.joint import ElasticJoint
-from pliant.plants.multibody_parts.spatial import Wrench
 from pliant.plants.multibody_parts.tree_body import TreeBody
 from pliant.plants.multibody_parts.urdf import read
+from pliant.plants.multibody_recursion.kinematics import drawn, in_plane, poses, twists
+from pliant.plants.multibody_recursion.layout import vector
+from pliant.plants.multibody_recursion.newton_euler import pulls
 from pliant.plants.validity.ranges import Range
 
-from .composite import mass_matrix
-from .elasticity import TreeElasticity
 from .from_urdf import bodies, platform, tell_repairs
-from .kinematics import drawn, in_plane, poses, twists, weight_energy
-from .layout import vector
 from .measurements import readings
-from .newton_euler import forces, pulls, work
-from .walk import Walk
+from .tree_dynamics import TreeDynamics
 
 FILES: dict[str, Callable[..., Any]] = {}  # "read" and "write", filled by pliant.plants.tables, which imports this room
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlexibleTree(TreeElasticity):
+class FlexibleTree(TreeDynamics):
     """M(q) q'' + h(q, q') + K q + D q' = B u + sum over frames of J^T w.
 
     `bodies` stand parents first. `tip` is the body or the frame that holds the payload ("": the end of the last body);
@@ -72,76 +67,6 @@ class FlexibleTree(TreeElasticity):
         """A chain: each body hangs on the one before it, whatever its `parent` says; keywords as the class has them."""
         chain = require_all(f"{cls.__name__}.serial.bodies", bodies, TreeBody)
         return cls(bodies=tuple(dataclasses.replace(b, parent="") for b in chain), **options)
-
-    @last_call
-    def _walk(self, q: ca.SX, v: ca.SX) -> Walk:
-        (n, k), m = ends(self.slots), len(self.motors)
-        return Walk(self.tree, _without(q, n, n + m), _without(v, k, k + m))
-
-    def _all(self, inner: ca.SX) -> ca.SX:
-        """(n,) of what the recursion gives, which knows no motors."""
-        n = ends(self.slots)[1]
-        joints, bent = entries(inner, slice(0, n)), entries(inner, slice(n, inner.shape[0]))
-        return ca.vertcat(joints, ca.SX.zeros(len(self.motors)), bent)
-
-    def _wrenches(self, walk: Walk, u: ca.SX, w: ca.SX) -> dict[int, Wrench]:
-        """Thrusts and disturbances on their places, in these's axes."""
-        found, first = dict[int, Wrench](), len(self._inputs)
-        for i, one in enumerate(self.thrusters):
-            found[self.tree.places[one.frame]] = Wrench(ca.DM(one.direction) * u[first + i], ca.SX.zeros(3))
-        for i, place in enumerate(self.loads):
-            k = self.tree.places[place]
-            load = Wrench(walk.within(k, w[6 * i : 6 * i + 3]), walk.within(k, w[6 * i + 3 : 6 * i + 6]))
-            found[k] = found[k] + load if k in found else load
-        return found
-
-    def _mass_matrix(self, walk: Walk) -> ca.SX:
-        n, m = ends(self.slots)[1], len(self.motors)
-        inner = mass_matrix(walk)
-        M = ca.SX(inner.shape[0] + m, inner.shape[0] + m)
-        at = [*range(n), *range(n + m, M.shape[0])]
-        M[at, at] = inner
-        for joint, _, v in self.slots:
-            M[v, v] += joint.armature
-        for k, i in enumerate(self.motors):
-            M[n + k, n + k] = self.moving[i].elastic.rotor_inertia  # type: ignore[union-attr]
-        return M
-
-    def kinetic_energy(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        return ca.dot(v, self._mass_matrix(self._walk(q, v)) @ v) / 2
-
-    def potential_energy(self, q: ca.SX) -> ca.SX:
-        g, still = vector(self.gravity), ca.SX.zeros(len(self.speeds))
-        zero = ca.SX.zeros(q.shape[0])
-        for _, first, _ in self.turns:
-            zero[first] = 1
-        V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
-        return V + self._spring_energy(q)
-
-    @property
-    def _written_out(self) -> bool:
-        return True
-
-    def _driving(self, n: int, u: ca.SX) -> ca.SX:
-        force = ca.SX.zeros(n)
-        for k, (_, i) in enumerate(self._inputs):
-            if i not in self.driven:
-                force[i] = u[k]
-        return force
-
-    def generalized_force(self, t: ca.SX, q: ca.SX, v: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
-        walk = self._walk(q, v)
-        return self._driving(v.shape[0], u) + self._all(work(walk, self._wrenches(walk, u, w)))
-
-    @last_call
-    def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        n = len(self.coordinates)
-        q, v = x[:n], x[n:]
-        walk = self._walk(q, v)
-        inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, u, w)))
-        M, r = self._mass_matrix(walk), self._driving(v.shape[0], u) - self._resistance(q, v) - inertial
-        M, r = ca.cse([M, r])
-        return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
 
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = len(self.coordinates)
@@ -161,9 +86,7 @@ class FlexibleTree(TreeElasticity):
         for k in at_places:
             y += [stands[k].p, stands[k].R @ moves[k].v]
         if self.devices:
-            M, r, _, _ = self.equations(t, x, u, w)
-            k, m = ends(self.slots)[1], len(self.motors)
-            a = _without(self.acceleration(M, r, u)[0], k, k + m)
+            a = self.inner(self.solved(t, x, u, w)[0])
             loads = self._wrenches(walk, u, w)
             y += readings(walk, a, vector(self.gravity), loads, self.devices, at_places)
         return ca.vertcat(*y)
@@ -241,8 +164,3 @@ class FlexibleTree(TreeElasticity):
         tip = require_text("from_urdf.tip", tip, empty=True)
         parts = bodies(machine, flexible, joints, modes, drives, tip)
         return cls(bodies=parts, tip=tip, root=machine.root, **(own | options))
-
-
-def _without(v: ca.SX, n: int, m: int) -> ca.SX:
-    """A column without entries n to m."""
-    return ca.vertcat(entries(v, slice(0, n)), entries(v, slice(m, v.shape[0])))

@@ -83,9 +83,13 @@ class Spin:
         return {self.acting.key: Wrench(sign * one.f, sign * one.n)}
 
     def lift(self, body: Inertia) -> Inertia:
-        """P turns by its double angle: with k = s d + 2 c o, d and o its difference and its product in the plane."""
-        i, j = AROUND[self.axis]
-        P, k = body.matrix(), self.axis
+        return Inertia(body.m, self.out(body.S), self.turned(body.matrix()))
+
+    def turned(self, P: ca.SX) -> ca.SX:
+        """Upper entries of P (3, 3), symmetric, in the axes before, by its double angle: with t = s d + 2 c o, d and o
+        its difference and its product in the plane.
+        """
+        (i, j), k, P = AROUND[self.axis], self.axis, ca.SX(P)
         d, o = P[i, i] - P[j, j], P[i, j]
         t = self.s * d + 2 * self.c * o
         P[i, i], P[j, j] = P[i, i] - self.s * t, P[j, j] + self.s * t
@@ -93,7 +97,7 @@ class Spin:
         ik, jk = self.c * P[i, k] - self.s * P[j, k], self.s * P[i, k] + self.c * P[j, k]
         P[i, k] = P[k, i] = ik
         P[j, k] = P[k, j] = jk
-        return Inertia(body.m, self.out(body.S), upper(P))
+        return upper(P)
 
 
 @dataclass(frozen=True)
@@ -134,7 +138,11 @@ class Ball:
         return {key: body.turning(i) for i, key in enumerate(self.keys)}
 
     def lift(self, body: Inertia) -> Inertia:
-        return Inertia(body.m, self.out(body.S), upper(ca.densify(self.R @ body.matrix() @ self.R.T)))
+        return Inertia(body.m, self.out(body.S), self.turned(body.matrix()))
+
+    def turned(self, P: ca.SX) -> ca.SX:
+        """Upper entries of P (3, 3), symmetric, in the axes before."""
+        return upper(ca.densify(self.R @ P @ self.R.T))
 
 
 @dataclass(frozen=True)
@@ -165,7 +173,11 @@ class Fixed:
         return {}
 
     def lift(self, body: Inertia) -> Inertia:
-        return Inertia(body.m, self.out(body.S), upper(ca.densify(self.R @ body.matrix() @ self.R.T)))
+        return Inertia(body.m, self.out(body.S), self.turned(body.matrix()))
+
+    def turned(self, P: ca.SX) -> ca.SX:
+        """Upper entries of P (3, 3), symmetric, in the axes before."""
+        return upper(ca.densify(self.R @ P @ self.R.T))
 
 
 @dataclass(frozen=True)

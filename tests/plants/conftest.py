@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from space_tree import space_tree
 from vibrations import Blowing, Vibration
 
 from pliant.plants import Beam
@@ -93,3 +94,9 @@ def vibration():
 @pytest.fixture
 def blowing():
     return Blowing()
+
+
+@pytest.fixture(scope="session", name="space")
+def space_fixture():
+    """Beams and sliders in space, nothing of them aligned."""
+    return space_tree

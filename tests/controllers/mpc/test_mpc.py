@@ -96,6 +96,7 @@ def moving_scene(objective, speed):
         dt=objective.dt,
         goal_rates=(("s", speed),),
         target=(x, np.zeros(1)),
+        initial=(x, np.zeros(1)),
     )
 
 

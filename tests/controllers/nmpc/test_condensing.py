@@ -18,7 +18,8 @@ def test_equals_the_stages_walked_through(N: int, nb: int, nl: int, long: int, m
     for _ in range(2):  # the second time on used arrays
         for stages in (problem.dynamics, problem.residual, problem.bounded):
             stages[:] = rng.standard_normal(stages.shape)
-        problem.form(end)
+        problem.finish(end)
+        problem.form()
         e, d = rng.standard_normal(nx), rng.standard_normal(N * nu)
 
         def cost(d: np.ndarray, e: np.ndarray = e) -> tuple[float, list[np.ndarray], list[np.ndarray]]:
@@ -38,8 +39,8 @@ def test_equals_the_stages_walked_through(N: int, nb: int, nl: int, long: int, m
         assert problem.S[nx, nx] == pytest.approx(cost(np.zeros(N * nu), np.zeros(nx))[0], rel=1e-10)
         np.testing.assert_allclose(problem.S, problem.S.T, atol=1e-10 * np.abs(problem.S).max())
         np.testing.assert_allclose(problem.states(e, d), walked, rtol=1e-10, atol=1e-10)
-        if problem.long:
-            problem.rows()
-        np.testing.assert_allclose(problem.signals(e, d), np.array(rows[1:]).reshape(-1), rtol=1e-10, atol=1e-10)
+        assert problem.unchanged() == pytest.approx(problem.S[nx, nx], rel=1e-10)
+        dx = problem.states(e, d)
+        np.testing.assert_allclose(problem.signals(dx, d), np.array(rows[1:]).reshape(-1), rtol=1e-10, atol=1e-10)
         z = problem.Zd @ d + problem.Ze @ e + problem.z0
         np.testing.assert_allclose(z, np.array(rows[1:]).reshape(-1), rtol=1e-10, atol=1e-10)

@@ -81,13 +81,10 @@ def test_no_solution_is_said() -> None:
     assert program.solve(f, -np.ones(N), np.ones(N), low, high) is not None
 
 
-def test_what_nothing_binds_is_solved_by_its_factors() -> None:
-    """d = -H^-1 f within the limits, else nothing; what is not definite is refused."""
-    H, f, *_ = problem(0)
+def test_what_settles_forgets_the_last_solutions_limits() -> None:
+    H, f, Z, low, high = problem(0)
     program = SoftProgram(N, M, penalty=PENALTY)
-    assert program.factor(H)
-    d = program.free(f, np.full(N, -1e3), np.full(N, 1e3))
-    np.testing.assert_allclose(d, -np.linalg.solve(H, f), rtol=1e-9)
-    assert not program.limited and program.status == 1
-    assert program.free(f, np.full(N, -1e-3), np.full(N, 1e-3)) is None
-    assert not program.factor(H - 2 * np.linalg.eigvalsh(H)[-1] * np.eye(N)) and program.status < 0
+    program.prepare(H, Z)
+    assert program.solve(f, np.full(N, -1e-3), np.full(N, 1e-3), low, high) is not None and program.limited
+    program.settle()
+    assert not program.limited and program.status == 1 and not program.multipliers.any()

@@ -12,6 +12,7 @@ from pliant.plants.modal_data.integrals import axial
 from pliant.plants.modal_data.modal_fields import ModalNode
 
 OUTBOARD = Path(__file__).resolve().parents[2] / "reference" / "outboard_superelement.json"
+OTHERS = OUTBOARD.with_name("nastran_superelements.json")
 CORNERS = np.array([[600.0, 0, 300], [600, 300, 300], [600, 300, 0], [600, 0, 0]])  # outboard.asm [in]
 TURNED = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # its coordinate system 10: z along x, x along y
 
@@ -52,6 +53,54 @@ def test_a_superelement_of_nastran(outboard):
     few = ModalData.from_craig_bampton(M, K, CORNERS, axes=axes, modes=4)
     np.testing.assert_allclose(few.R, data.R[:4], atol=1e-12)
     np.testing.assert_array_equal(np.diag(few.damping), 0.0)
+
+
+def symmetric(rows):
+    """A matrix by the rows of its lower triangle."""
+    lower = np.zeros((len(rows), len(rows)))
+    for i, row in enumerate(rows):
+        lower[i, : i + 1] = row
+    return lower + np.tril(lower, -1).T
+
+
+@pytest.mark.parametrize("name", ["2020", "csuper", "extseout", "notall6"])
+def test_other_superelements_of_nastran(name):
+    """Mass properties, frequencies and effective masses as pyYeti gives them. The boundary of the last, maa and kaa,
+    keeps one freedom of its fourth node."""
+    own = json.loads(OTHERS.read_text())["sets"][name]
+    Mb, Kb = (symmetric(own[kind]["boundary"]) for kind in ("mass", "stiffness"))
+    driven, modal = np.array(own["mass"]["modal"]), np.array(own["stiffness"]["modal"])
+    M = np.block([[Mb, driven.T], [driven, np.eye(len(modal))]])
+    K = np.block([[Kb, np.zeros_like(driven.T)], [np.zeros_like(driven), np.diag(modal)]])
+    axes = np.tile(np.eye(3), (4, 1, 1))
+    axes[1] = np.eye(3) if name == "notall6" else TURNED
+    freedoms = (*[(1, 2, 3, 4, 5, 6)] * 3, (2,)) if name == "notall6" else None
+    data = ModalData.from_craig_bampton(M, K, own["boundary"], axes=axes, freedoms=freedoms)
+    told, c = own["told"], data.centre
+    assert data.mass == pytest.approx(told["mass"], rel=1e-8)
+    np.testing.assert_allclose(c, told["centre"], atol=1e-5)
+    about = data.inertia - data.mass * (c @ c * np.eye(3) - np.outer(c, c))
+    np.testing.assert_allclose(about, told["inertia"], rtol=0, atol=1e-7 * np.abs(about).max())
+    np.testing.assert_allclose(data.frequencies / (2 * np.pi), told["frequencies"], rtol=1e-8)
+    factors = np.hstack([data.R, axial(data.moments)])
+    part = 100 * factors**2 / np.r_[[data.mass] * 3, np.diag(data.inertia)]
+    np.testing.assert_allclose(part, told["effective"], atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("freedoms", "message"),
+    [
+        (((1, 2, 3, 4, 5, 6),) * 3, "names 3 nodes, must be 4"),
+        ((*[(1, 2, 3, 4, 5, 6)] * 3, (7,)), r"freedoms\[3\] = 7 must be an integer from 1 to 6"),
+        ((*[(1, 2, 3, 4, 5, 6)] * 3, (2, 1)), "ascending, each once"),
+        ((*[(1, 2, 3, 4, 5, 6)] * 3, (2,)), "must be square with at least 19 rows|a rigid motion meets"),
+        (((1,), (1,), (1,), (1,)), "must tell each rigid motion"),
+    ],
+)
+def test_bad_freedoms(outboard, freedoms, message):
+    M, K, axes = outboard
+    with pytest.raises(ValueError, match=message):
+        ModalData.from_craig_bampton(M, K, CORNERS, axes=axes, freedoms=freedoms)
 
 
 def test_it_swings_on_a_joint(outboard):

@@ -4,8 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from pliant.plants.multibody.composite import mass_matrix
-from pliant.plants.multibody.kinematics import twists
+from pliant.plants.multibody_recursion.composite import mass_matrix
+from pliant.plants.multibody_recursion.kinematics import twists
 
 
 @pytest.mark.parametrize("kinematics", ["rigid", "linear", "stiffened"])

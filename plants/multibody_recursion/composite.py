@@ -44,12 +44,12 @@ def _entries(walk: Walk) -> Matrix:
         for step in reversed(walk.edges[k].steps):
             for other, wrench in beyond.items():
                 for key, work in step.work(wrench).items():
-                    _add(M, key, other, work)
+                    add_to(M, key, other, work)
             units = step.unit(own)
             for key, load in units.items():
                 for other, work in step.work(load).items():
                     if other <= key:
-                        _add(M, key, other, work)
+                        add_to(M, key, other, work)
             own = step.lift(own)
             beyond = {key: step.up(load) for key, load in (beyond | units).items()}
         if parent != BASE:
@@ -66,18 +66,18 @@ def _bent(walk: Walk, k: int, beam: ElasticBody, beyond: dict[int, Wrench], M: M
     if not beam.n:
         return beam.inertia(eta)
     keys, coupled = walk.beam_keys[k], beam.coupling(eta)
-    T, sections = _sections(walk, k, beam.n, beyond)
+    T, sections = at_sections(walk, k, beam.n, beyond)
     for other in [key for key in beyond if key not in sections]:
         for i, key in enumerate(keys):
-            _add(M, key, other, sum((T[r, i] * _of(M, s, other) for r, s in enumerate(sections)), ca.SX(0)))
+            add_to(M, key, other, sum((T[r, i] * of_pair(M, s, other) for r, s in enumerate(sections)), ca.SX(0)))
     between = ca.SX.zeros(len(sections), len(sections))
     for r, s in enumerate(sections):
         for c, o in enumerate(sections):
-            between[r, c] = _of(M, s, o)
+            between[r, c] = of_pair(M, s, o)
     mass = beam.mass(eta) + T.T @ between @ T
     for i, a in enumerate(keys):
         for j, b in enumerate(keys[: i + 1]):
-            _add(M, a, b, mass[i, j])
+            add_to(M, a, b, mass[i, j])
     for i, key in enumerate(keys):
         load = coupled[i]
         for r, s in enumerate(sections):
@@ -88,7 +88,7 @@ def _bent(walk: Walk, k: int, beam: ElasticBody, beyond: dict[int, Wrench], M: M
     return beam.inertia(eta)
 
 
-def _sections(walk: Walk, k: int, n: int, beyond: dict[int, Wrench]) -> tuple[ca.SX, list[int]]:
+def at_sections(walk: Walk, k: int, n: int, beyond: dict[int, Wrench]) -> tuple[ca.SX, list[int]]:
     """(T (m, n), keys (m,)) of the sections of node k's beam from which bodies hang."""
     T, found = ca.SX(0, n), list[int]()
     for node, edge in zip(walk.tree.nodes, walk.edges, strict=True):
@@ -99,10 +99,10 @@ def _sections(walk: Walk, k: int, n: int, beyond: dict[int, Wrench]) -> tuple[ca
     return T, found
 
 
-def _of(M: Matrix, a: int, b: int) -> ca.SX:
+def of_pair(M: Matrix, a: int, b: int) -> ca.SX:
     return M.get((max(a, b), min(a, b)), ca.SX(0))
 
 
-def _add(M: Matrix, a: int, b: int, value: ca.SX) -> None:
+def add_to(M: Matrix, a: int, b: int, value: ca.SX) -> None:
     at = (max(a, b), min(a, b))
     M[at] = M.get(at, ca.SX(0)) + value

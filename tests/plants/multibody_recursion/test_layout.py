@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import Beam, FlexibleTree, Frame, Joint, TreeBody, beams
-from pliant.plants.multibody.layout import BASE, rigid_inertia, turned
+from pliant.plants.multibody_recursion.layout import BASE, rigid_inertia, turned
 
 STRIP = Beam.rectangular(1.0, width=0.04, depth=0.008, material=beams.ALUMINIUM)
 FIXED = Joint(name="weld", kind="fixed", position=(0.5, 0, 0), rotation=(0, 0, np.pi / 2))

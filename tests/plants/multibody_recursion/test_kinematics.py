@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import FlexibleTree, Frame, Joint, TreeBody
-from pliant.plants.multibody.kinematics import drawn, poses, twists, weight_energy
+from pliant.plants.multibody_recursion.kinematics import drawn, poses, twists, weight_energy
 
 BODIES = [
     TreeBody(name="a", joint=Joint(name="a", axis=(0, 0, 1)), mass=2.0, centre=(0.5, 0, 0), inertia=0.1),

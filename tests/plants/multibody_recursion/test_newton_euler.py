@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pliant.plants import Beam, ElasticJoint, FlexibleTree, Joint, LagrangianPlant, Payload, TreeBody, beams
-from pliant.plants.multibody.kinematics import weight_energy
-from pliant.plants.multibody.newton_euler import forces, work
+from pliant.plants.multibody_recursion.kinematics import weight_energy
+from pliant.plants.multibody_recursion.newton_euler import forces, work
 
 STRIP = Beam.rectangular(0.8, width=0.03, depth=0.01, material=beams.ALUMINIUM)
 
