@@ -14,13 +14,14 @@ from pliant.plants.core import parameters
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.dynamics.plant import Plant
 
-from .fisher_information import NORMAL, Untold, covariance, untold
+from .fisher_information import DEPENDENT, NORMAL, Untold, covariance, untold
 from .output_error import Fit, OutputError, Played
 
 Array = np.ndarray
 Interval = tuple[float, float]
 COLUMNS = ("parameter", "value", "standard error", "95 % interval", "unit")
 NOTHING: Interval = (-math.inf, math.inf)
+BESIDE = 0.1  # correlation with a parameter at its bound, and standard errors, that no interval passes over
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +41,9 @@ class Identification(OwnsArrays):
     values, standard_errors  {parameter: number} in `units`. The errors are what the Fisher information gives if the
                              residuals are white noise of the sizes `noise`; `doubts` says what speaks against that
     intervals                {parameter: (low, high)} of 95 %; (-inf, inf) where none is claimed: of every parameter
-                             where there are doubts, and of those in `unidentifiable` or at a bound
+                             where there are doubts, of those in `unidentifiable`, at a bound or in `beside_bound`
     unidentifiable           parameters and groups of them that these data cannot tell
+    beside_bound             parameters that one at its bound biases, if the bound shuts out its true value
     correlation              (np, np) of the estimates; NaN where one has no variance
     noise                    {signal: standard deviation}, given or estimated
     starts                   of each motion {state: (value, standard error)} of the states that were not known
@@ -61,6 +63,7 @@ class Identification(OwnsArrays):
     starts: tuple[Mapping[str, tuple[float, float]], ...]
     residuals: tuple[Residuals, ...]
     at_bound: tuple[str, ...]
+    beside_bound: tuple[str, ...]
     converged: bool
     step_error: float
     samples: int
@@ -87,6 +90,11 @@ class Identification(OwnsArrays):
     def remarks(self) -> tuple[str, ...]:
         """Sentences on what limits the result: doubts, what cannot be told, parameters at a bound."""
         bound = [f"{n} stands at a bound of its search; no interval is claimed for it" for n in self.at_bound]
+        if self.beside_bound:
+            bound.append(
+                f"no interval is claimed for {', '.join(self.beside_bound)}: biased if the bound of "
+                f"{', '.join(self.at_bound)} shuts out the truth"
+            )
         return (*self.doubts, *(group.words for group in self.unidentifiable), *bound)
 
     def rows(self) -> list[tuple[str, ...]]:
@@ -133,6 +141,7 @@ class Identification(OwnsArrays):
             ],
             "doubts": list(self.doubts),
             "at_bound": list(self.at_bound),
+            "beside_bound": list(self.beside_bound),
             "correlation": [[_plain(v) for v in row] for row in self.correlation.tolist()],
             "noise": {n: {"value": v, "given": n in self.noise_given} for n, v in self.noise.items()},
             "starts": [{s: [_plain(v) for v in pair] for s, pair in one.items()} for one in self.starts],
@@ -163,7 +172,8 @@ def conclude(
     deviation = np.sqrt(np.diag(C))
     relative = np.where(theta != 0, np.abs(theta), space.scale) / space.scale
     groups, bound = untold(R * relative, space.names), tuple(space.at_bound(theta))
-    lost = {name for g in groups for name in g.names} | set(bound)
+    beside = _beside(problem, fit, C, [name in bound for name in space.names])
+    lost = {name for g in groups for name in g.names} | {*bound, *beside}
     all_given = set(given_noise) == set(problem.signals)
     width = (NORMAL if all_given else _student(problem.samples - len(fit.z))) * deviation
     intervals = {
@@ -185,11 +195,33 @@ def conclude(
         starts=tuple(_starts(problem, fit)),
         residuals=tuple(Residuals(e.name, e.t, e.signals, one.residual) for e, one in zip(problem.experiments, played)),
         at_bound=bound,
+        beside_bound=beside,
         converged=fit.converged,
         step_error=step_error,
         samples=problem.samples,
         stats=stats,
     )
+
+
+def _beside(problem: OutputError, fit: Fit, C: Array, bound: Sequence[bool]) -> tuple[str, ...]:
+    """Parameters that those at a `bound` bias, if it shuts out their true values.
+
+    In standard errors the bias is the correlation with the bound one times how far the bound is from the truth: named are
+    those whose multiple correlation is above BESIDE, and those that the step to the minimum without bounds would move by
+    more than BESIDE standard errors.
+    """
+    space, at = problem.space, np.flatnonzero(bound)
+    if not len(at):
+        return ()
+    deviation = np.sqrt(np.diag(C))
+    known = np.isfinite(deviation) & (deviation > 0)
+    correlation = np.where(np.outer(known, known), C, 0.0) / np.outer(*[np.where(known, deviation, 1.0)] * 2)
+    among = correlation[at]
+    multiple = np.einsum("bj,bj->j", among, np.linalg.pinv(correlation[np.ix_(at, at)], rcond=DEPENDENT) @ among)
+    step = np.linalg.lstsq(fit.at.R, -fit.at.r, rcond=1e-13)[0][: len(space.names)] * space.scale
+    moved = np.abs(step) > BESIDE * np.where(known, deviation, np.inf)
+    beside = ((multiple > BESIDE**2) | moved) & ~np.asarray(bound)
+    return tuple(name for name, is_beside in zip(space.names, beside) if is_beside)
 
 
 def _starts(problem: OutputError, fit: Fit) -> Iterator[dict[str, tuple[float, float]]]:

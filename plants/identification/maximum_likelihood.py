@@ -223,9 +223,10 @@ class _Search:
     def doubts(self, fit: Fit, step_error: float) -> tuple[str, ...]:
         """What speaks against believing the end of the searches."""
         floor = {s: SMALLEST_NOISE * self._loudest(s) for s in fit.sigma}
-        residuals = [one.residual for one in self.played or ()]
-        squares = self.problem.squares(self.played or ())
-        tested = residual_tests.doubts(self.problem.experiments, residuals, squares, fit.sigma, self.levels, floor)
+        bound = self.problem.space.at_bound(self.problem.parameters(fit.z))
+        free = np.array([name not in bound for name in self.problem.space.names])
+        experiments, played = self.problem.experiments, self.played or ()
+        tested = residual_tests.doubts(experiments, played, free, fit.sigma, self.levels, floor)
         return (*_of_search(fit, step_error), *tested)
 
 
