@@ -21,6 +21,7 @@ Array = np.ndarray
 Interval = tuple[float, float]
 COLUMNS = ("parameter", "value", "standard error", "95 % interval", "unit")
 NOTHING: Interval = (-math.inf, math.inf)
+IF = ", if the model holds"
 BESIDE = 0.1  # correlation with a parameter at its bound, and standard errors, that no interval passes over
 
 
@@ -42,6 +43,8 @@ class Identification(OwnsArrays):
                              residuals are white noise of the sizes `noise`; `doubts` says what speaks against that
     intervals                {parameter: (low, high)} of 95 %; (-inf, inf) where none is claimed: of every parameter
                              where there are doubts, of those in `unidentifiable`, at a bound or in `beside_bound`
+    conditional              why intervals rest on the model being right, which no test of these residuals could refute:
+                             few samples, or a bound that holds the fit; empty where the tests have spoken
     unidentifiable           parameters and groups of them that these data cannot tell
     beside_bound             parameters that one at its bound biases, if the bound shuts out its true value
     correlation              (np, np) of the estimates; NaN where one has no variance
@@ -64,6 +67,7 @@ class Identification(OwnsArrays):
     residuals: tuple[Residuals, ...]
     at_bound: tuple[str, ...]
     beside_bound: tuple[str, ...]
+    conditional: tuple[str, ...]
     converged: bool
     step_error: float
     samples: int
@@ -71,8 +75,8 @@ class Identification(OwnsArrays):
 
     @property
     def trusted(self) -> bool:
-        """Whether nothing speaks against the noise model on which errors and intervals rest."""
-        return not self.doubts
+        """Whether the noise model on which errors and intervals rest was tested, and nothing speaks against it."""
+        return not self.doubts and not self.conditional
 
     @property
     def plant(self) -> Plant:
@@ -88,14 +92,14 @@ class Identification(OwnsArrays):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what limits the result: doubts, what cannot be told, parameters at a bound."""
+        """Sentences on what limits the result: doubts, what was not tested, what cannot be told, bounds."""
         bound = [f"{n} stands at a bound of its search; no interval is claimed for it" for n in self.at_bound]
         if self.beside_bound:
             bound.append(
                 f"no interval is claimed for {', '.join(self.beside_bound)}: biased if the bound of "
                 f"{', '.join(self.at_bound)} shuts out the truth"
             )
-        return (*self.doubts, *(group.words for group in self.unidentifiable), *bound)
+        return (*self.doubts, *self.conditional, *(group.words for group in self.unidentifiable), *bound)
 
     def rows(self) -> list[tuple[str, ...]]:
         """A row a parameter, as text under COLUMNS."""
@@ -103,6 +107,8 @@ class Identification(OwnsArrays):
         for name, value in self.values.items():
             low, high = self.intervals[name]
             span = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
+            if self.conditional and math.isfinite(high - low):
+                span += IF
             found.append((name, f"{value:.6g}", f"{self.standard_errors[name]:.3g}", span, self.units[name]))
         return found
 
@@ -139,7 +145,9 @@ class Identification(OwnsArrays):
                 }
                 for g in self.unidentifiable
             ],
+            "trusted": self.trusted,
             "doubts": list(self.doubts),
+            "conditional": list(self.conditional),
             "at_bound": list(self.at_bound),
             "beside_bound": list(self.beside_bound),
             "correlation": [[_plain(v) for v in row] for row in self.correlation.tolist()],
@@ -153,7 +161,8 @@ class Identification(OwnsArrays):
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())
-        return f"Identification({values}{'' if self.trusted else ', not to be trusted'})"
+        word = ", not to be trusted" if self.doubts else ", not tested" if self.conditional else ""
+        return f"Identification({values}{word})"
 
 
 def conclude(
@@ -162,6 +171,7 @@ def conclude(
     played: Sequence[Played],
     given_noise: Mapping[str, float],
     doubts: tuple[str, ...],
+    untested: tuple[str, ...],
     step_error: float,
     stats: Mapping[str, Any],
 ) -> Identification:
@@ -196,6 +206,10 @@ def conclude(
         residuals=tuple(Residuals(e.name, e.t, e.signals, one.residual) for e, one in zip(problem.experiments, played)),
         at_bound=bound,
         beside_bound=beside,
+        conditional=(
+            *untested,
+            *[f"{n} stands at a bound: the residuals are those of a fit that is held" for n in bound],
+        ),
         converged=fit.converged,
         step_error=step_error,
         samples=problem.samples,
@@ -206,9 +220,9 @@ def conclude(
 def _beside(problem: OutputError, fit: Fit, C: Array, bound: Sequence[bool]) -> tuple[str, ...]:
     """Parameters that those at a `bound` bias, if it shuts out their true values.
 
-    In standard errors the bias is the correlation with the bound one times how far the bound is from the truth: named are
-    those whose multiple correlation is above BESIDE, and those that the step to the minimum without bounds would move by
-    more than BESIDE standard errors.
+    In standard errors the bias is the correlation with the bound one times how far the bound is from the truth: named
+    are those whose multiple correlation is above BESIDE, and those that the step to the minimum without bounds would
+    move by more than BESIDE standard errors.
     """
     space, at = problem.space, np.flatnonzero(bound)
     if not len(at):

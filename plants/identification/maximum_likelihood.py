@@ -19,10 +19,10 @@ from pliant.plants.core.argument_gates import require_count, require_function
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.experiments.experiment import Experiment
 
 from . import bounded_least_squares, residual_tests
 from .bounded_least_squares import Found, Linearised
-from .experiment import Experiment
 from .fisher_information import covariance
 from .identification import Identification, conclude
 from .output_error import Fit, OutputError, Played, stated
@@ -80,9 +80,10 @@ def identify(
     fit, step_error = search.refined(fit)
     stats: dict[str, Any] = {"tries": tries, "evaluations": search.evaluations, "steps": list(problem.steps)}
     assert search.played is not None
-    doubts = search.doubts(fit, step_error)
+    tested, untested = search.judged(fit)
     stats["seconds"] = clock.perf_counter() - began
-    return conclude(problem, fit, search.played, levels, doubts, step_error, stats)
+    doubts = (*_of_search(fit, step_error), *tested)
+    return conclude(problem, fit, search.played, levels, doubts, untested, step_error, stats)
 
 
 class _Search:
@@ -220,14 +221,13 @@ class _Search:
             fit = again
         return fit, error
 
-    def doubts(self, fit: Fit, step_error: float) -> tuple[str, ...]:
-        """What speaks against believing the end of the searches."""
+    def judged(self, fit: Fit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """What the residuals say against the end of the searches, and of which no test of them could speak."""
         floor = {s: SMALLEST_NOISE * self._loudest(s) for s in fit.sigma}
         bound = self.problem.space.at_bound(self.problem.parameters(fit.z))
         free = np.array([name not in bound for name in self.problem.space.names])
         experiments, played = self.problem.experiments, self.played or ()
-        tested = residual_tests.doubts(experiments, played, free, fit.sigma, self.levels, floor)
-        return (*_of_search(fit, step_error), *tested)
+        return residual_tests.judged(experiments, played, free, fit.sigma, self.levels, floor)
 
 
 def _of_search(fit: Fit, step_error: float) -> Iterator[str]:

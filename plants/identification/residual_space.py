@@ -1,7 +1,7 @@
 """What a fit leaves of the errors e of its samples: r = (I - H) e, H the projection on the sensitivities.
 
-Errors are in standard deviations of their sensors, in one row (N,): motion by motion, sensor by sensor, by time, without
-missing samples. Unknown starts belong to one motion each, so H is kept as a basis of theirs in every motion and one of
+Errors are in standard deviations of their sensors, in one row (N,): motion by motion, sensor by sensor, by time,
+without missing samples. Unknown starts belong to one motion each, so H is kept as a basis of theirs in every motion and one of
 the parameters, which those of the starts are taken out of: no array has more than N times (starts of a motion + np).
 """
 
@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .experiment import Checked
+from pliant.plants.experiments.experiment import Checked
+
 from .fisher_information import DEPENDENT
 from .output_error import Played
 

@@ -13,7 +13,8 @@ All are judged together: the smallest p-value of all tests and sensors has the l
 samples its distribution is that of DRAWS of normal errors (a Monte Carlo test: Dwass 1957; smallest p-values: Westfall
 and Young 1993), so that it holds for any number of samples, motions and parameters as far as the fit is linear; beyond,
 Bonferroni's bound serves. As a motion may be wrong alone, each is tested for colour besides, at LEVEL.
-Where FEWEST degrees of freedom are not left, no test can speak of a noise that is estimated from them.
+Where FEWEST degrees of freedom are not left, no test can speak of a noise that is estimated from them; below TELLING
+tests speak, and miss much: `tests/campaigns/residual_doubts.py` counts how much.
 """
 
 from __future__ import annotations
@@ -23,13 +24,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .experiment import Checked
+from pliant.plants.experiments.experiment import Checked
+
 from .output_error import Played
 from .residual_space import ResidualSpace, Series
 
 Array = np.ndarray
 LAGS, LEVEL = 20, 1e-4
 FEWEST = 12  # degrees of freedom of residuals that tests can speak of
+TELLING = 80  # from which on further noise as large as the sensor's own, AR(0.9), is seen in 9 of 10 runs
 FEW, DRAWS, HIGHEST = 500, 1999, 0.03
 SILENT = 1e-6  # part of a regressor that the parameters leave, below which it is one of theirs
 FAULTS = {
@@ -134,9 +137,7 @@ class SensorTests:
             found["neighbours"] = norm.sf(z @ weight / np.linalg.norm(weight))
         scores = {kind: ((e @ d) ** 2, 1) for kind, d in self.faults.items()}
         if len(self.series) > 1:
-            means = sum(
-                e[..., one.first : one.end].sum(axis=-1) ** 2 / (one.end - one.first) for one in self.series
-            )
+            means = sum(e[..., one.first : one.end].sum(axis=-1) ** 2 / (one.end - one.first) for one in self.series)
             scores["motions"] = (np.asarray(means), len(self.series))
         for kind, (score, k) in scores.items():
             if self.given:
@@ -171,28 +172,43 @@ def not_white(what: str, near: float) -> str:
     )
 
 
-def doubts(
+def judged(
     experiments: Sequence[Checked],
     played: Sequence[Played],
     free: Array,
     sigma: Mapping[str, float],
     given: Mapping[str, float],
     floor: Mapping[str, float],
-) -> Iterator[str]:
-    """What the residuals of motions `played` say against their noise sigma, as sentences; `free` (np,): parameters that
-    do not stand at a bound. Estimated noise at its `floor` is no noise: such residuals are rounding, and not looked at.
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """(doubts, untested) as sentences: what the residuals of motions `played` say against their noise sigma, and the
+    sensors of which tests can say little. `free` (np,): parameters that do not stand at a bound. Estimated noise at its
+    `floor` is no noise: such residuals are rounding, and not looked at.
     """
     space = ResidualSpace.of(experiments, played, sigma, free)
-    tests = []
-    for name in sigma:
+    tests, doubts, untested = [], [], []
+    for name in [s for s in sigma if space.of_signal(s)]:
         freedom = space.freedom(name)
-        if space.of_signal(name) and name not in given and freedom < FEWEST:
-            yield (
+        left = f"{max(freedom, 0.0):.3g} degrees of freedom"
+        if freedom < TELLING:
+            untested.append(
+                f"the residuals of {name} have {left}: with fewer than {TELLING} the tests miss many a wrong model, "
+                "and intervals hold only if the model does"
+            )
+        if name not in given and freedom < FEWEST:
+            doubts.append(
                 f"too few samples of {name} to test the residuals, from which its noise is estimated: they have "
-                f"{max(freedom, 0.0):.3g} degrees of freedom, {FEWEST} are needed; give its noise"
+                f"{left}, {FEWEST} are needed; give its noise"
             )
         elif freedom > 1 and (name in given or sigma[name] > floor[name]):
             tests.append(SensorTests.of(space, name, name in given))
+    doubts += _doubts(experiments, played, tests, space)
+    return tuple(doubts), tuple(untested)
+
+
+def _doubts(
+    experiments: Sequence[Checked], played: Sequence[Played], tests: Sequence[SensorTests], space: ResidualSpace
+) -> Iterator[str]:
+    """What tests say against the residuals, as sentences."""
     alone = set()
     for one, this in zip(experiments, played):
         for name, r in zip(one.signals, this.residual.T):
