@@ -206,10 +206,7 @@ def conclude(
         residuals=tuple(Residuals(e.name, e.t, e.signals, one.residual) for e, one in zip(problem.experiments, played)),
         at_bound=bound,
         beside_bound=beside,
-        conditional=(
-            *untested,
-            *[f"{n} stands at a bound: the residuals are those of a fit that is held" for n in bound],
-        ),
+        conditional=(*untested, *[f"{n} at its bound holds the fit: intervals need its truth inside" for n in bound]),
         converged=fit.converged,
         step_error=step_error,
         samples=problem.samples,

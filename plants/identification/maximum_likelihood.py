@@ -91,7 +91,7 @@ class _Search:
 
     def __init__(self, problem: OutputError, levels: Mapping[str, float], tell: Told) -> None:
         self.problem, self.levels, self.tell = problem, levels, tell
-        self.evaluations, self.ahead = 0, (0.0, 1.0)
+        self.evaluations, self.ahead, self.damping = 0, (0.0, 1.0), bounded_least_squares.FIRST
         self.size = dict.fromkeys(problem.signals, 0.0)
         for e in problem.experiments:
             for name, column in zip(e.signals, e.y.T):
@@ -106,7 +106,7 @@ class _Search:
         found: Fit | None = None
         by_parts = len(starts) > 1 or sum(len(e.t) for e in self.problem.experiments) > MANY
         for k, theta in enumerate(starts):
-            self.ahead = (k / len(starts), 1 / len(starts))
+            self.ahead, self.damping = (k / len(starts), 1 / len(starts)), bounded_least_squares.FIRST
             z = self.problem.start
             z[: self.problem.np] = theta / self.problem.space.scale
             fit = self.fitted(*(self._from_parts(z) if by_parts else (z, None)))
@@ -177,8 +177,10 @@ class _Search:
             self.tell(min(0.99, first + part * used / 30), f"evaluation {self.evaluations}, residuals {rms:.4g} sigma")
 
         lower, upper = self.problem.bounds
-        found = bounded_least_squares.minimise(lambda trial: self._linearise(trial, sigma), z, lower, upper, told=told)
+        options: dict[str, Any] = {"damping": self.damping, "told": told}
+        found = bounded_least_squares.minimise(lambda trial: self._linearise(trial, sigma), z, lower, upper, **options)
         if found is not None:
+            self.damping = found.damping
             self.played = self._kept.get(found.z.tobytes()) or self.problem.play_all(found.z)
         return found
 

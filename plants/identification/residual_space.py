@@ -1,8 +1,9 @@
 """What a fit leaves of the errors e of its samples: r = (I - H) e, H the projection on the sensitivities.
 
 Errors are in standard deviations of their sensors, in one row (N,): motion by motion, sensor by sensor, by time,
-without missing samples. Unknown starts belong to one motion each, so H is kept as a basis of theirs in every motion and one of
-the parameters, which those of the starts are taken out of: no array has more than N times (starts of a motion + np).
+without missing samples. Unknown starts belong to one motion each, so H is kept as a basis of theirs in every motion and
+one of the parameters, which those of the starts are taken out of: no array has more than N times (starts of a motion +
+np) entries.
 """
 
 from __future__ import annotations
