@@ -101,10 +101,18 @@ def motions(samples: int | str, kind: str, seed: Sequence[int]) -> list[Experime
     return [motion(n, [*seed, i], kind) for i in range(count)]
 
 
-def claimed(samples: int | str, kind: str, given: bool, seed: int = 0) -> float | None:
-    """What the tests claim of the share that is doubted: at most, of sound data, at least, of others; None: nothing."""
+def claimed(samples: int | str, kind: str, given: bool, seed: int = 0, draws: int = 20) -> float | None:
+    """What the tests claim of the share that is doubted, by the first draws of forces: at most, of sound data, at least,
+    of others; None: nothing.
+    """
+    each = [of_forces(samples, kind, given, [seed, k]) for k in range(draws)]
+    return None if each[0] is None else float(np.mean(each))
+
+
+def of_forces(samples: int | str, kind: str, given: bool, seed: Sequence[int]) -> float | None:
+    """The same of one draw of forces."""
     levels = {"place": SIGMA} if given else {}
-    one = stated("claimed", VARIED, motions(samples, "sound", [seed, 0]), levels, None, None)[0]
+    one = stated("claimed", VARIED, motions(samples, "sound", seed), levels, None, None)[0]
     played = one.play_all(one.start)
     space = ResidualSpace.of(one.experiments, played, {"place": SIGMA}, np.ones(3, bool))
     tests = SensorTests.of(space, "place", given)
