@@ -106,10 +106,12 @@ class Identification(OwnsArrays):
         found: list[tuple[str, ...]] = []
         for name, value in self.values.items():
             low, high = self.intervals[name]
-            span = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
+            error = self.standard_errors[name]
+            g = f".{digits(value, error)}g"
+            span = f"{low:{g}} to {high:{g}}" if math.isfinite(high - low) else "none claimed"
             if self.conditional and math.isfinite(high - low):
                 span += IF
-            found.append((name, f"{value:.6g}", f"{self.standard_errors[name]:.3g}", span, self.units[name]))
+            found.append((name, f"{value:{g}}", f"{error:.3g}", span, self.units[name]))
         return found
 
     def summary(self) -> str:
@@ -248,6 +250,13 @@ def _student(freedom: int) -> float:
     from scipy.stats import t
 
     return float(t.ppf(0.975, max(1, freedom)))
+
+
+def digits(value: float, error: float) -> int:
+    """Significant digits that show a value to a tenth of its standard error: six at least, what doubles have at most."""
+    if not (math.isfinite(error) and error > 0 and value):
+        return 6
+    return min(15, max(6, math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2))
 
 
 def _plain(value: float) -> float | None:

@@ -138,6 +138,8 @@ def main() -> int:
     found = list(runs(machine, told.machines, told.runs, told.seed))
     sure = [one for one in found if not one[2].doubts and not one[2].unidentifiable]
     doubted = sum(bool(one[2].doubts) for one in found)
+    for words in sorted({said for one in found for said in one[2].doubts}):
+        print(f"doubt: {words}")
     inside = np.array([list(one[0].values()) for one in sure])
     joint_share, n = np.mean([d <= chi2.ppf(LEVEL, inside.shape[1]) for _, d, _ in sure]), len(sure)
     near = float(inside.mean(axis=1).std() / np.sqrt(n))

@@ -102,8 +102,8 @@ def motions(samples: int | str, kind: str, seed: Sequence[int]) -> list[Experime
 
 
 def claimed(samples: int | str, kind: str, given: bool, seed: int = 0, draws: int = 20) -> float | None:
-    """What the tests claim of the share that is doubted, by the first draws of forces: at most, of sound data, at least,
-    of others; None: nothing.
+    """What the tests claim of the share that is doubted, by the first draws of forces: at most, of sound data, at
+    least, of others; None: nothing.
     """
     each = [of_forces(samples, kind, given, [seed, k]) for k in range(draws)]
     return None if each[0] is None else float(np.mean(each))
