@@ -253,7 +253,7 @@ def _student(freedom: int) -> float:
 
 
 def digits(value: float, error: float) -> int:
-    """Significant digits that show a value to a tenth of its standard error: six at least, what doubles have at most."""
+    """Significant digits that show a value to a tenth of its standard error: six at least, 15 (doubles) at most."""
     if not (math.isfinite(error) and error > 0 and value):
         return 6
     return min(15, max(6, math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2))

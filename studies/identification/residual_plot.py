@@ -58,5 +58,5 @@ def draw(left: Axes, right: Axes, found: Identification, name: str) -> None:
         right.axhline(end / np.sqrt(fewest), color=INK, lw=0.7, ls="--")
     right.axhline(0.0, color=QUIET, lw=0.7)
     unit = next(s.unit for s in (*found.given.outputs, *found.given.states) if s.name == name)
-    left.set_title(f"{name}: residuals by {found.noise[name]:.3g} {unit}")
+    left.set_title(f"{name}: residuals in {found.noise[name]:.3g} {unit}")
     right.set_title("autocorrelation")
