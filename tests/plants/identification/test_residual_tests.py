@@ -15,9 +15,12 @@ from pliant.plants.identification.residual_tests import (
     LEVEL,
     TELLING,
     autocorrelation,
+    beyond_squares,
     coloured,
     lagged,
     level_of,
+    pearson,
+    skewness,
 )
 
 
@@ -53,6 +56,26 @@ def test_products_of_lags_stay_within_a_series():
     sums, pairs = lagged(e, [Series("y", 0, 0, 40), Series("y", 1, 40, 100)])
     assert len(pairs) == LAGS and pairs[2] == 37 + 57
     assert sums[2] == pytest.approx(e[3:40] @ e[:37] + e[43:] @ e[40:97])
+
+
+def test_small_levels_are_what_white_noise_shows():
+    """20,000 draws of 200 samples: 20 expected below 1e-3, with a deviation of 4.5 (chi-squared and the normal
+    distribution, which large samples tend to, give 67 and 130).
+    """
+    e = np.random.default_rng(6).standard_normal((20_000, 200))
+    sums, pairs = lagged(e, [Series("y", 0, 0, 200)])
+    z = sums / (e**2).mean(axis=1)[:, None] / np.sqrt(pairs)
+    assert 7 <= (beyond_squares((z**2).sum(axis=1), LAGS, 200) < 1e-3).sum() <= 34
+    c = np.arange(LAGS, 0, -1.0) / np.sqrt((np.arange(LAGS, 0, -1.0) ** 2 * pairs).sum())
+    seen = pearson(z @ (c * np.sqrt(pairs)), skewness(c, 200))
+    assert 7 <= (seen < 1e-3).sum() <= 34
+
+
+def test_the_skewness_of_a_quadratic_form():
+    """8 tr(A^3) of the dense band."""
+    c, n = np.array([0.5, 0.2, -0.3]), 400
+    A = sum(np.diag(np.full(n - k, v / 2), k) + np.diag(np.full(n - k, v / 2), -k) for k, v in enumerate(c, 1))
+    assert skewness(c, n) == pytest.approx(8 * np.trace(A @ A @ A), rel=0.02)
 
 
 def test_sound_data_are_doubted_the_less_the_more_samples_there_are():
