@@ -32,7 +32,7 @@ from .residual_space import ResidualSpace, Series
 Array = np.ndarray
 LAGS, LEVEL = 20, 1e-4
 FEWEST = 12  # degrees of freedom of residuals that tests can speak of
-TELLING = 80  # from which on further noise as large as the sensor's own, AR(0.9), is seen in 9 of 10 runs
+TELLING = 80  # about from where further noise as large as the sensor's own, AR(0.9), is seen in 6 of 7 runs
 FEW, DRAWS, HIGHEST = 500, 1999, 0.03
 VARIANCE, SKEWNESS = 31.0, 105.0
 SILENT = 1e-6  # part of a regressor that the parameters leave, below which it is one of theirs
