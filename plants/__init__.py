@@ -28,8 +28,8 @@ from pliant.plants.core.signals import Signal
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.dynamics.plant import Plant
-from pliant.plants.identification.csv_columns import read_experiment, write_experiment
-from pliant.plants.identification.experiment import Experiment
+from pliant.plants.experiments.csv_columns import read_experiment, write_experiment
+from pliant.plants.experiments.experiment import Experiment
 from pliant.plants.identification.experiment_design import rank_motions
 from pliant.plants.identification.maximum_likelihood import identify
 from pliant.plants.integration.step_maps import step_limit

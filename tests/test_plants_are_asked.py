@@ -40,7 +40,7 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "studies/figures/failure_strip.py": {"reason", "row.reason"},
     "studies/figures/speed_accuracy.py": {"r.reason"},
     "studies/fidelity/speed_accuracy.py": {"text"},  # why there is no result
-    "plants/identification/csv_columns.py": {"rest.rstrip()"},  # heads of a table's columns
+    "plants/experiments/csv_columns.py": {"rest.rstrip()"},  # heads of a table's columns
     "controllers/export/arrays.py": {"k"},  # names of arrays
     "controllers/export/plant_step.py": {"v"},  # C source
     "studies/charts/gallery.py": {"r.reason"},

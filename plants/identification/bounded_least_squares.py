@@ -2,8 +2,10 @@
 
 Each step solves min |R s + r|^2 + lambda |D s|^2 within the bounds, D the largest column norms so far (Moré 1978, "The
 Levenberg-Marquardt algorithm: implementation and theory"), by an active-set method, so that no point outside is ever
-tried. lambda follows Nielsen 1999, "Damping parameter in Marquardt's method". The search ends where an undamped step
-promises a decrease below TOLERANCE: with residuals in standard deviations, 1e-3 of a standard error of anything.
+tried. lambda follows Nielsen 1999, "Damping parameter in Marquardt's method", and falls the faster the more steps in
+turn gained what they promised: directions that the data hardly tell, as of unknown starts, else cost a step for each
+factor of three. The search ends where an undamped step promises a decrease below TOLERANCE: with residuals in standard
+deviations, 1e-3 of a standard error of anything.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ import numpy as np
 Array = np.ndarray
 TOLERANCE, ROUNDING = 5e-7, 1e-9  # decrease that ends the search, and relative to the cost
 STALLED = 1e-3  # promised decrease, 0.04 standard errors, that may be left where a step gains nothing: rounding
-FIRST, LARGEST = 1e-3, 1e12  # lambda
+FIRST, LARGEST, SMALLEST = 1e-3, 1e12, 1e-12  # lambda
+FALL, AS_PROMISED = 1 / 3, 0.9  # its factor after a step, squared at each next that gained such a part of its promise
 MOST = 60  # evaluations
 
 
@@ -42,6 +45,7 @@ class Found:
     at: Linearised
     evaluations: int
     converged: bool
+    damping: float  # lambda: where a search for nearly the same begins
 
 
 def minimise(
@@ -51,11 +55,12 @@ def minimise(
     upper: Array,
     *,
     most: int = MOST,
+    damping: float = FIRST,
     told: Callable[[int, float], None] | None = None,
 ) -> Found | None:
     """From z, within the bounds. `linearise` gives None where the residual is not finite; so does this at the start."""
     z = np.clip(z, lower, upper)
-    at, used, damping, factor = linearise(z), 1, FIRST, 2.0
+    at, used, factor, fall, worked = linearise(z), 1, 2.0, FALL, FIRST
     if at is None:
         return None
     D = np.zeros_like(z)
@@ -65,9 +70,9 @@ def minimise(
             told(used, at.cost)
         left = at.cost - at.rest - _value(at, within(at.R, at.r, lower - z, upper - z))
         if left <= TOLERANCE + ROUNDING * at.cost:
-            return Found(z, at, used, True)
+            return Found(z, at, used, True, damping)
         if used >= most or damping > LARGEST:
-            return Found(z, at, used, False)
+            return Found(z, at, used, False, damping)
         size = np.where(D > 0, D, 1.0)
         s = within(np.vstack([at.R, np.sqrt(damping) * np.diag(size)]), np.append(at.r, 0 * z), lower - z, upper - z)
         promised = at.cost - at.rest - _value(at, s)
@@ -76,12 +81,13 @@ def minimise(
         used += promised > 0
         gain = (at.cost - new.cost) / promised if new is not None else -1.0
         if new is not None and gain > 0:
-            z, at, factor = trial, new, 2.0
-            damping = max(1e-12, damping * max(1 / 3, 1 - (2 * gain - 1) ** 3))
+            z, at, factor, worked = trial, new, 2.0, damping
+            damping = max(SMALLEST, damping * max(fall, 1 - (2 * gain - 1) ** 3))
+            fall = fall**2 if gain > AS_PROMISED else FALL
         elif left <= STALLED:
-            return Found(z, at, used, True)
+            return Found(z, at, used, True, damping)
         else:
-            damping, factor = damping * factor, 2 * factor
+            damping, factor, fall = max(damping, worked) * factor, 2 * factor, FALL
 
 
 def _value(at: Linearised, s: Array) -> float:

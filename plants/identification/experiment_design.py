@@ -21,8 +21,8 @@ from pliant.plants.core.argument_gates import require_choice
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.experiments.experiment import Experiment
 
-from .experiment import Experiment
 from .fisher_information import Untold, covariance, triangle, untold
 from .output_error import stated
 from .parameter_space import ParameterSpace

@@ -14,13 +14,15 @@ from pliant.plants.core import parameters
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.dynamics.plant import Plant
 
-from .fisher_information import NORMAL, Untold, covariance, untold
+from .fisher_information import DEPENDENT, NORMAL, Untold, covariance, untold
 from .output_error import Fit, OutputError, Played
 
 Array = np.ndarray
 Interval = tuple[float, float]
 COLUMNS = ("parameter", "value", "standard error", "95 % interval", "unit")
 NOTHING: Interval = (-math.inf, math.inf)
+IF = ", if the model holds"
+BESIDE = 0.1  # correlation with a parameter at its bound, and standard errors, that no interval passes over
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +42,11 @@ class Identification(OwnsArrays):
     values, standard_errors  {parameter: number} in `units`. The errors are what the Fisher information gives if the
                              residuals are white noise of the sizes `noise`; `doubts` says what speaks against that
     intervals                {parameter: (low, high)} of 95 %; (-inf, inf) where none is claimed: of every parameter
-                             where there are doubts, and of those in `unidentifiable` or at a bound
+                             where there are doubts, of those in `unidentifiable`, at a bound or in `beside_bound`
+    conditional              why intervals rest on the model being right, which no test of these residuals could refute:
+                             few samples, or a bound that holds the fit; empty where the tests have spoken
     unidentifiable           parameters and groups of them that these data cannot tell
+    beside_bound             parameters that one at its bound biases, if the bound shuts out its true value
     correlation              (np, np) of the estimates; NaN where one has no variance
     noise                    {signal: standard deviation}, given or estimated
     starts                   of each motion {state: (value, standard error)} of the states that were not known
@@ -61,6 +66,8 @@ class Identification(OwnsArrays):
     starts: tuple[Mapping[str, tuple[float, float]], ...]
     residuals: tuple[Residuals, ...]
     at_bound: tuple[str, ...]
+    beside_bound: tuple[str, ...]
+    conditional: tuple[str, ...]
     converged: bool
     step_error: float
     samples: int
@@ -68,8 +75,8 @@ class Identification(OwnsArrays):
 
     @property
     def trusted(self) -> bool:
-        """Whether nothing speaks against the noise model on which errors and intervals rest."""
-        return not self.doubts
+        """Whether the noise model on which errors and intervals rest was tested, and nothing speaks against it."""
+        return not self.doubts and not self.conditional
 
     @property
     def plant(self) -> Plant:
@@ -85,17 +92,26 @@ class Identification(OwnsArrays):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what limits the result: doubts, what cannot be told, parameters at a bound."""
+        """Sentences on what limits the result: doubts, what was not tested, what cannot be told, bounds."""
         bound = [f"{n} stands at a bound of its search; no interval is claimed for it" for n in self.at_bound]
-        return (*self.doubts, *(group.words for group in self.unidentifiable), *bound)
+        if self.beside_bound:
+            bound.append(
+                f"no interval is claimed for {', '.join(self.beside_bound)}: biased if the bound of "
+                f"{', '.join(self.at_bound)} shuts out the truth"
+            )
+        return (*self.doubts, *self.conditional, *(group.words for group in self.unidentifiable), *bound)
 
     def rows(self) -> list[tuple[str, ...]]:
         """A row a parameter, as text under COLUMNS."""
         found: list[tuple[str, ...]] = []
         for name, value in self.values.items():
             low, high = self.intervals[name]
-            span = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
-            found.append((name, f"{value:.6g}", f"{self.standard_errors[name]:.3g}", span, self.units[name]))
+            error = self.standard_errors[name]
+            g = f".{digits(value, error)}g"
+            span = f"{low:{g}} to {high:{g}}" if math.isfinite(high - low) else "none claimed"
+            if self.conditional and math.isfinite(high - low):
+                span += IF
+            found.append((name, f"{value:{g}}", f"{error:.3g}", span, self.units[name]))
         return found
 
     def summary(self) -> str:
@@ -131,8 +147,11 @@ class Identification(OwnsArrays):
                 }
                 for g in self.unidentifiable
             ],
+            "trusted": self.trusted,
             "doubts": list(self.doubts),
+            "conditional": list(self.conditional),
             "at_bound": list(self.at_bound),
+            "beside_bound": list(self.beside_bound),
             "correlation": [[_plain(v) for v in row] for row in self.correlation.tolist()],
             "noise": {n: {"value": v, "given": n in self.noise_given} for n, v in self.noise.items()},
             "starts": [{s: [_plain(v) for v in pair] for s, pair in one.items()} for one in self.starts],
@@ -144,7 +163,8 @@ class Identification(OwnsArrays):
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())
-        return f"Identification({values}{'' if self.trusted else ', not to be trusted'})"
+        word = ", not to be trusted" if self.doubts else ", not tested" if self.conditional else ""
+        return f"Identification({values}{word})"
 
 
 def conclude(
@@ -153,6 +173,7 @@ def conclude(
     played: Sequence[Played],
     given_noise: Mapping[str, float],
     doubts: tuple[str, ...],
+    untested: tuple[str, ...],
     step_error: float,
     stats: Mapping[str, Any],
 ) -> Identification:
@@ -163,7 +184,8 @@ def conclude(
     deviation = np.sqrt(np.diag(C))
     relative = np.where(theta != 0, np.abs(theta), space.scale) / space.scale
     groups, bound = untold(R * relative, space.names), tuple(space.at_bound(theta))
-    lost = {name for g in groups for name in g.names} | set(bound)
+    beside = _beside(problem, fit, C, [name in bound for name in space.names])
+    lost = {name for g in groups for name in g.names} | {*bound, *beside}
     all_given = set(given_noise) == set(problem.signals)
     width = (NORMAL if all_given else _student(problem.samples - len(fit.z))) * deviation
     intervals = {
@@ -185,11 +207,34 @@ def conclude(
         starts=tuple(_starts(problem, fit)),
         residuals=tuple(Residuals(e.name, e.t, e.signals, one.residual) for e, one in zip(problem.experiments, played)),
         at_bound=bound,
+        beside_bound=beside,
+        conditional=(*untested, *[f"{n} at its bound holds the fit: intervals need its truth inside" for n in bound]),
         converged=fit.converged,
         step_error=step_error,
         samples=problem.samples,
         stats=stats,
     )
+
+
+def _beside(problem: OutputError, fit: Fit, C: Array, bound: Sequence[bool]) -> tuple[str, ...]:
+    """Parameters that those at a `bound` bias, if it shuts out their true values.
+
+    In standard errors the bias is the correlation with the bound one times how far the bound is from the truth: named
+    are those whose multiple correlation is above BESIDE, and those that the step to the minimum without bounds would
+    move by more than BESIDE standard errors.
+    """
+    space, at = problem.space, np.flatnonzero(bound)
+    if not len(at):
+        return ()
+    deviation = np.sqrt(np.diag(C))
+    known = np.isfinite(deviation) & (deviation > 0)
+    correlation = np.where(np.outer(known, known), C, 0.0) / np.outer(*[np.where(known, deviation, 1.0)] * 2)
+    among = correlation[at]
+    multiple = np.einsum("bj,bj->j", among, np.linalg.pinv(correlation[np.ix_(at, at)], rcond=DEPENDENT) @ among)
+    step = np.linalg.lstsq(fit.at.R, -fit.at.r, rcond=1e-13)[0][: len(space.names)] * space.scale
+    moved = np.abs(step) > BESIDE * np.where(known, deviation, np.inf)
+    beside = ((multiple > BESIDE**2) | moved) & ~np.asarray(bound)
+    return tuple(name for name, is_beside in zip(space.names, beside) if is_beside)
 
 
 def _starts(problem: OutputError, fit: Fit) -> Iterator[dict[str, tuple[float, float]]]:
@@ -205,6 +250,13 @@ def _student(freedom: int) -> float:
     from scipy.stats import t
 
     return float(t.ppf(0.975, max(1, freedom)))
+
+
+def digits(value: float, error: float) -> int:
+    """Significant digits that show a value to a tenth of its standard error: six at least, 15 (doubles) at most."""
+    if not (math.isfinite(error) and error > 0 and value):
+        return 6
+    return min(15, max(6, math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2))
 
 
 def _plain(value: float) -> float | None:

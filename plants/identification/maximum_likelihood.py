@@ -19,10 +19,10 @@ from pliant.plants.core.argument_gates import require_count, require_function
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.experiments.experiment import Experiment
 
 from . import bounded_least_squares, residual_tests
 from .bounded_least_squares import Found, Linearised
-from .experiment import Experiment
 from .fisher_information import covariance
 from .identification import Identification, conclude
 from .output_error import Fit, OutputError, Played, stated
@@ -80,9 +80,10 @@ def identify(
     fit, step_error = search.refined(fit)
     stats: dict[str, Any] = {"tries": tries, "evaluations": search.evaluations, "steps": list(problem.steps)}
     assert search.played is not None
-    doubts = search.doubts(fit, step_error)
+    tested, untested = search.judged(fit)
     stats["seconds"] = clock.perf_counter() - began
-    return conclude(problem, fit, search.played, levels, doubts, step_error, stats)
+    doubts = (*_of_search(fit, step_error), *tested)
+    return conclude(problem, fit, search.played, levels, doubts, untested, step_error, stats)
 
 
 class _Search:
@@ -90,7 +91,7 @@ class _Search:
 
     def __init__(self, problem: OutputError, levels: Mapping[str, float], tell: Told) -> None:
         self.problem, self.levels, self.tell = problem, levels, tell
-        self.evaluations, self.ahead = 0, (0.0, 1.0)
+        self.evaluations, self.ahead, self.damping = 0, (0.0, 1.0), bounded_least_squares.FIRST
         self.size = dict.fromkeys(problem.signals, 0.0)
         for e in problem.experiments:
             for name, column in zip(e.signals, e.y.T):
@@ -105,7 +106,7 @@ class _Search:
         found: Fit | None = None
         by_parts = len(starts) > 1 or sum(len(e.t) for e in self.problem.experiments) > MANY
         for k, theta in enumerate(starts):
-            self.ahead = (k / len(starts), 1 / len(starts))
+            self.ahead, self.damping = (k / len(starts), 1 / len(starts)), bounded_least_squares.FIRST
             z = self.problem.start
             z[: self.problem.np] = theta / self.problem.space.scale
             fit = self.fitted(*(self._from_parts(z) if by_parts else (z, None)))
@@ -176,8 +177,10 @@ class _Search:
             self.tell(min(0.99, first + part * used / 30), f"evaluation {self.evaluations}, residuals {rms:.4g} sigma")
 
         lower, upper = self.problem.bounds
-        found = bounded_least_squares.minimise(lambda trial: self._linearise(trial, sigma), z, lower, upper, told=told)
+        options: dict[str, Any] = {"damping": self.damping, "told": told}
+        found = bounded_least_squares.minimise(lambda trial: self._linearise(trial, sigma), z, lower, upper, **options)
         if found is not None:
+            self.damping = found.damping
             self.played = self._kept.get(found.z.tobytes()) or self.problem.play_all(found.z)
         return found
 
@@ -220,13 +223,13 @@ class _Search:
             fit = again
         return fit, error
 
-    def doubts(self, fit: Fit, step_error: float) -> tuple[str, ...]:
-        """What speaks against believing the end of the searches."""
+    def judged(self, fit: Fit) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """What the residuals say against the end of the searches, and of which no test of them could speak."""
         floor = {s: SMALLEST_NOISE * self._loudest(s) for s in fit.sigma}
-        residuals = [one.residual for one in self.played or ()]
-        squares = self.problem.squares(self.played or ())
-        tested = residual_tests.doubts(self.problem.experiments, residuals, squares, fit.sigma, self.levels, floor)
-        return (*_of_search(fit, step_error), *tested)
+        bound = self.problem.space.at_bound(self.problem.parameters(fit.z))
+        free = np.array([name not in bound for name in self.problem.space.names])
+        experiments, played = self.problem.experiments, self.played or ()
+        return residual_tests.judged(experiments, played, free, fit.sigma, self.levels, floor)
 
 
 def _of_search(fit: Fit, step_error: float) -> Iterator[str]:

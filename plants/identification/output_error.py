@@ -14,10 +14,10 @@ import numpy as np
 from pliant.plants.core.argument_gates import in_order, require_by_name, require_parts
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.experiments.experiment import Checked, Experiment, checked
 from pliant.plants.integration.step_maps import step_limit
 
 from .bounded_least_squares import Linearised
-from .experiment import Checked, Experiment, checked
 from .fisher_information import condensed, triangle
 from .parameter_space import ParameterSpace, varied
 from .tangent_motion import METHOD, MOST_STEPS, SAME, TangentMotion, measured_function

@@ -9,18 +9,13 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core import parameters
-from pliant.plants.core.argument_gates import require_finite, require_instance, require_mapping, require_number, shown
+from pliant.plants.core.argument_gates import require_finite, require_mapping, require_number, shown
 from pliant.plants.core.signals import names
 from pliant.plants.dynamics.plant import Plant
+from pliant.plants.experiments.experiment import is_plant
 
 Array = np.ndarray
 NEAREST_ZERO = 1e-4  # of its start, below which a parameter that must be positive is not tried where no bound is given
-
-
-def is_plant(owner: str, plant: Any) -> Plant:
-    """`plant` itself. ValueError where it is none."""
-    found: Plant = require_instance(f"{owner}.plant", plant, Plant)
-    return found
 
 
 def varied(owner: str, plant: Any) -> Plant:

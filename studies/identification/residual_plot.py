@@ -34,7 +34,8 @@ def residual_plot(found: Identification) -> Figure:
     for row, name in enumerate(signals):
         draw(axes[2 * row], axes[2 * row + 1], found, name)
     if len(found.residuals) > 1:
-        axes[0].legend(loc="upper right", markerscale=5)
+        columns = min(4, len(found.residuals))
+        axes[0].legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=columns, markerscale=5, borderpad=0.1)
     axes[-2].set_xlabel("time [s]")
     axes[-1].set_xlabel("lag [samples]")
     return figure
@@ -56,5 +57,6 @@ def draw(left: Axes, right: Axes, found: Identification, name: str) -> None:
         left.axhline(end, color=INK, lw=0.7, ls="--")
         right.axhline(end / np.sqrt(fewest), color=INK, lw=0.7, ls="--")
     right.axhline(0.0, color=QUIET, lw=0.7)
-    left.set_title(f"{name}: residuals over {found.noise[name]:.3g}")
+    unit = next(s.unit for s in (*found.given.outputs, *found.given.states) if s.name == name)
+    left.set_title(f"{name}: residuals in {found.noise[name]:.3g} {unit}")
     right.set_title("autocorrelation")

@@ -30,9 +30,10 @@ FREE = np.full(2, np.inf)
 
 
 def test_rosenbrocks_valley():
-    """Moré, Garbow and Hillstrom 1981, problem 1: from (-1.2, 1) to (1, 1)."""
+    """Moré, Garbow and Hillstrom 1981, problem 1: from (-1.2, 1) to (1, 1). What TOLERANCE leaves: |J s| <= 1e-3, and J
+    at (1, 1) has the singular values 22.4 and 0.446."""
     found = minimise(of(rosenbrock, slopes), np.array([-1.2, 1.0]), -FREE, FREE)
-    assert found.converged and np.abs(found.z - 1).max() < 1e-3 and found.at.cost < 1e-6
+    assert found.converged and np.abs(found.z - 1).max() < 1e-3 / 0.446 and found.at.cost < 1e-6
 
 
 def test_powells_badly_scaled_function():

@@ -7,6 +7,7 @@ import pytest
 from springs import VARIED, pushed
 
 from pliant.plants import identify
+from pliant.plants.identification.identification import digits
 
 
 @pytest.fixture(scope="module")
@@ -19,6 +20,11 @@ def test_the_summary_names_every_parameter_with_its_unit(found):
     assert [line.split()[0] for line in lines[1:4]] == ["mass", "damping", "stiffness"]
     assert lines[1].endswith("kg") and "place 0.0002 (given)" in lines[4] and "(estimated)" in lines[4]
     assert "102 samples of 1 motions" in lines[4] and "mass=" in repr(found)
+
+
+def test_values_are_written_to_a_tenth_of_their_errors():
+    assert digits(2.2, 4.96e-7) == 9 and f"{2.2 + 1.4e-6:.9g}" == "2.2000014"
+    assert digits(50.0, 3.0) == digits(50.0, math.inf) == digits(0.0, 1.0) == 6 and digits(1.0, 1e-20) == 15
 
 
 def test_the_table_is_strict_json(found):

@@ -5,7 +5,7 @@ import pytest
 from springs import NOISE, VARIED, pushed
 
 from pliant.plants import Experiment
-from pliant.plants.identification.experiment import checked
+from pliant.plants.experiments.experiment import checked
 from pliant.plants.identification.output_error import OutputError
 from pliant.plants.identification.parameter_space import ParameterSpace
 

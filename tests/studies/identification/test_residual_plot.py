@@ -14,8 +14,8 @@ def test_a_row_a_sensor_and_a_colour_a_motion():
     found = identify(VARIED, [one, bare], noise=NOISE)
     axes = residual_plot(found).axes
     assert [ax.get_title(loc="left") for ax in axes[::2]] == [
-        "place: residuals over 0.0002",
-        "felt: residuals over 0.01",
+        "place: residuals in 0.0002 m",
+        "felt: residuals in 0.01 m/s^2",
     ]
     dots = [line for line in axes[0].lines if line.get_linestyle() == "None"]
     assert len(dots) == 2 and np.abs(dots[0].get_ydata()).max() < 5

@@ -19,8 +19,7 @@ from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.files.atomic_files import write_text
 
-from .experiment import Experiment, checked
-from .parameter_space import is_plant
+from .experiment import Experiment, checked, is_plant
 
 Array = np.ndarray
 LARGEST = 500_000_000  # bytes of a file

@@ -133,6 +133,12 @@ class Checked:
     scale: Array  # (len(unknown),) sizes of the unknown states
 
 
+def is_plant(owner: str, plant: Any) -> Plant:
+    """`plant` itself. ValueError where it is none."""
+    found: Plant = require_instance(f"{owner}.plant", plant, Plant)
+    return found
+
+
 def checked(plant: Plant, given: Any, name: str, k: int = 0) -> Checked:
     """A motion or experiment, the k-th, in the order of a plant's signals. ValueError where it is not one of the plant;
     `name` is the argument's.

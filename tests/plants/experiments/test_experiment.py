@@ -5,7 +5,7 @@ import pytest
 from springs import SPRING, VARIED
 
 from pliant.plants import Experiment, FlexibleSpacecraft, Trajectory
-from pliant.plants.identification.experiment import checked
+from pliant.plants.experiments.experiment import checked
 
 T = np.linspace(0.0, 1.0, 5)
 Y = {"place": np.array([0.0, np.nan, 0.2, 0.1, np.nan])}

@@ -1,0 +1,1 @@
+"""Measured motions of a plant, and their files."""
