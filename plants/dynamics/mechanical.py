@@ -203,8 +203,12 @@ class BalancedPlant(MechanicalPlant):
         return self.output(t, x, u, w)
 
     @built_once
-    def force_balance(self) -> ForceBalance:
-        """Of the coordinates that are not driven; the others' accelerations are inputs."""
+    def force_balance(self) -> ForceBalance | None:
+        """Of the coordinates that are not driven; the others' accelerations are inputs. None where coordinates are
+        more than speeds, as quaternions are.
+        """
+        if self.nx != 2 * len(self.coordinates):
+            return None
         t, x, u, w, _ = self.symbols
         n, driven = len(self.coordinates), self.driven
         free = [i for i in range(n) if i not in driven]
@@ -233,6 +237,8 @@ class BalancedPlant(MechanicalPlant):
         return function("output_at", [t, x, u, w, p, a], [y]), ca.which_depends(y, a, 1, True)
 
     def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
+        if self.force_balance is None:
+            return super().state_jacobians_along(nominal, p=p)
         check_signals(self, nominal)
         t, x, u, w, p = self._arguments(nominal.x, nominal.u, nominal.w, p, nominal.t)[0]
         a = self._accelerations(nominal, p)

@@ -94,9 +94,9 @@ class Motions:
             warnings.simplefilter("ignore", ValidityWarning)  # `outside` tells it, once for each fidelity
             return plant.simulate(self.start(plant), held, times, **options)
 
-    def outputs(self, plant: Plant, rtol: float) -> np.ndarray:
+    def outputs(self, plant: Plant, rtol: float, **options: Any) -> np.ndarray:
         """The compared outputs (nt, n) at a tolerance."""
-        motion = self.run(plant, rtol=rtol, atol=rtol / 100)
+        motion = self.run(plant, rtol=rtol, atol=rtol / 100, **options)
         self._left[plant] = tuple(motion.stats.get("validity", ()))
         return self.compared(motion)
 
