@@ -124,8 +124,8 @@ imports.serve(
         "growth=transition_growth certificate=lyapunov_certificate",
         "slider_crank": "slider_crank_rigid=rigid_kinematics cycles=steady_cycles",
         "modal_data": "structural=component_modes",
-        "spacecraft": "spacecraft_equations=equations spacecraft_linear=linearisation "
-        "spacecraft_feedback=feedback_model",
+        "attitudes": "spacecraft_feedback=feedback",
+        "spacecraft": "spacecraft_equations=equations spacecraft_linear=linearisation",
         "spacecraft_parts": "hub appendage environment_loads=environment",
         "spacecraft_perturbation": "perturbation perturbation_fields=position_fields perturbation_printed="
         "printed_equations",

@@ -15,7 +15,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from harness.sampling import TIME, Case, Row
+from harness.sampling import TIME, Case, Row, acts_of
 from peers.mpc_solvers import Act, Problem, do_mpc, hpipm
 
 from pliant.envs import scenes
@@ -92,24 +92,8 @@ def closed_loop(controller: Any) -> list[list[tuple[float, np.ndarray, bool]]]:
 
 def timed(controller: Any, bound: bool = False) -> Callable[[float], Sample]:
     """Median and 99th percentile [s] of single acts, over whole passes through the recorded episodes."""
-    episodes = closed_loop(controller)
-
-    def sample(seconds: float) -> Sample:
-        spent: list[int] = []
-        clock, act, begin = time.perf_counter_ns, controller.act, time.perf_counter()
-        while not spent or time.perf_counter() - begin < seconds:
-            for episode in episodes:
-                controller.reset()
-                for t, y, limited in episode:
-                    start = clock()
-                    act(t, y)
-                    end = clock()
-                    if limited or not bound:
-                        spent.append(end - start)
-        return 1e-9 * float(np.median(spent)), 1e-9 * float(np.percentile(spent, 99))
-
-    sample(0.0)
-    return sample
+    episodes = [[(t, y, limited or not bound) for t, y, limited in told] for told in closed_loop(controller)]
+    return acts_of(controller, episodes)
 
 
 @cache

@@ -10,13 +10,12 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from harness.sampling import RATE, TIME, Case, Row, Sampler, rate_of, time_of
+from harness.sampling import RATE, TIME, Case, Row, Sampler, acts_of, rate_of, time_of
 
 from pliant import controllers
 from pliant.envs import scenes
@@ -153,23 +152,9 @@ def maker(name: str) -> Any:
     return getattr(controllers, kind).for_scene(scenes.get(scene), **options)
 
 
-def acts(name: str) -> Callable[[float], tuple[float, float]]:
+def acts(name: str) -> Sampler:
     """Median and 99th percentile [s] of single acts over passes through an episode, its first act left out."""
-    controller, told = maker(name), readings(name)
-
-    def sample(seconds: float) -> tuple[float, float]:
-        spent: list[int] = []
-        begin = time.perf_counter()
-        while not spent or time.perf_counter() - begin < seconds:
-            controller.reset()
-            for k, (t, y) in enumerate(told):
-                start = time.perf_counter_ns()
-                controller.act(t, y)
-                if k:
-                    spent.append(time.perf_counter_ns() - start)
-        return 1e-9 * float(np.median(spent)), 1e-9 * float(np.percentile(spent, 99))
-
-    return sample
+    return acts_of(maker(name), [[(t, y, k > 0) for k, (t, y) in enumerate(readings(name))]])
 
 
 def cases() -> Iterator[Case]:

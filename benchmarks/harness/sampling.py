@@ -13,6 +13,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+import numpy as np
+
 Sampler = Callable[[float], Any]  # seconds to spend -> one value, or that and a 99th percentile of single calls
 Progress = Callable[[float, str], None]
 
@@ -90,6 +92,29 @@ def time_of(work: Callable[[], object]) -> Sampler:
         return spent / calls
 
     work()
+    return sample
+
+
+def acts_of(controller: Any, episodes: Sequence[Sequence[tuple[float, Any, bool]]]) -> Sampler:
+    """Median and 99th percentile [s] of single acts over whole passes through recorded episodes of (time, reading,
+    whether the act counts); the controller is reset at the start of each.
+    """
+
+    def sample(seconds: float) -> tuple[float, float]:
+        spent: list[int] = []
+        clock, act, begin = time.perf_counter_ns, controller.act, time.perf_counter()
+        while not spent or time.perf_counter() - begin < seconds:
+            for episode in episodes:
+                controller.reset()
+                for t, y, counts in episode:
+                    start = clock()
+                    act(t, y)
+                    end = clock()
+                    if counts:
+                        spent.append(end - start)
+        return 1e-9 * float(np.median(spent)), 1e-9 * float(np.percentile(spent, 99))
+
+    sample(0.0)
     return sample
 
 

@@ -43,7 +43,7 @@ def users_law(controller: Any, model: LinearModel, reads: Sequence[str] | None, 
     if isinstance(controller, (np.ndarray, list, tuple)):
         K = require_finite("loop.controller", controller, (-1, -1))
         names = _named(model, own, K.shape[1], ())
-        return _static(_fits(K, model, names), names, dt)
+        return _static(_fits(K, model), names, dt)
     return _alone(controller, reads, dt)
 
 
@@ -60,7 +60,7 @@ def _system(system: Any, model: LinearModel, reads: tuple[str, ...] | None) -> L
     if found.dt is True:
         raise ValueError("loop: controller.dt = True must be 0, None or a sampling time in seconds")
     names = _named(model, reads, found.ninputs, tuple(system.input_labels))
-    D = _fits(np.asarray(found.D), model, names)
+    D = _fits(np.asarray(found.D), model)
     return LinearLaw(found.A, found.B, found.C, D, names, found.dt or None)
 
 
@@ -93,7 +93,7 @@ def _named(model: LinearModel, reads: tuple[str, ...] | None, columns: int, labe
     return names
 
 
-def _fits(K: Array, model: LinearModel, reads: tuple[str, ...]) -> Array:
+def _fits(K: Array, model: LinearModel) -> Array:
     if len(K) != len(model.input_names):
         raise ValueError(
             f"loop.controller = {shown(K)} has {len(K)} rows, must have {len(model.input_names)}, one for each input"

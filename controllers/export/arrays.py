@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import io
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -39,11 +40,9 @@ def arrays_of(what: Any) -> dict[str, Any]:
         found = {name: getattr(step, name) for name in ("A", "B", "C", "D")} | {"L": gain.L, "P": gain.P, "S": gain.S}
         found |= {"x0": what.x0[-1], "u0": what.u0[-1], "y0": what.y0[-1]}
     else:
-        try:
+        with suppress(PliantError):  # what has no linear form may have arrays
             law = law_of(what)
             found = {name: getattr(law, name) for name in ("A", "B", "C", "D")}
-        except PliantError:
-            law = None
         if isinstance(what, LQG):
             inside = arrays_of(what.law) | {f"filter_{k}": v for k, v in arrays_of(what.filter).items()}
             found |= {k if k.startswith("filter_") else f"law_{k}": v for k, v in inside.items()}

@@ -1,7 +1,8 @@
 """Pieces of C99: numbers, constant arrays, and one law or step as the structs, constants and functions it needs.
 
 In all text the word REAL stands for the file's type of numbers, `double` or `float`; the words SIN, COS .. for its
-functions. Names begin with the prefix of what they belong to, so that several files link into one program.
+functions, ADD_PRODUCT for its product of a matrix and a vector. Names begin with the prefix of what they belong to, so
+that several files link into one program.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ RESERVED = (
     *("sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while"),
 )
 PRODUCT = """/* y += scale A x, A (rows, cols) row by row */
-static void NAME_add_product(int rows, int cols, REAL scale, const REAL *A, const REAL *x, REAL *y)
+static void ADD_PRODUCT(int rows, int cols, REAL scale, const REAL *A, const REAL *x, REAL *y)
 {
     int i, j;
     for (i = 0; i < rows; i++) {
@@ -112,9 +113,9 @@ def indented(text: str) -> str:
     return "".join(f"    {line}\n" if line else "\n" for line in text.splitlines())
 
 
-def added(p: str, rows: int, cols: int, scale: str, A: str, x: str, y: str) -> str:
+def added(rows: int, cols: int, scale: str, A: str, x: str, y: str) -> str:
     """The statement y += scale A x; none where there is nothing to add."""
-    return f"{p}_add_product({rows}, {cols}, {scale}, {A}, {x}, {y});\n" if rows and cols else ""
+    return f"ADD_PRODUCT({rows}, {cols}, {scale}, {A}, {x}, {y});\n" if rows and cols else ""
 
 
 def each(index: str, count: int, body: str) -> str:
@@ -140,8 +141,8 @@ def files(name: str, head: str, struct: str, declared: str, code: str, precision
         f"{comment}#ifndef {guard}\n#define {guard}\n\ntypedef {kind} {name}_real;\n\n{struct}{declared}\n#endif\n"
     ).replace("REAL", f"{name}_real")
     calls = "".join(f"#define {f.upper()} {f}{suffix}\n" for f in FUNCTIONS if re.search(rf"\b{f.upper()}\(", code))
-    if "_add_product(" in code:
-        code = PRODUCT.replace("NAME", name) + "\n" + code
+    if "ADD_PRODUCT(" in code:
+        code = re.sub(r"\bADD_PRODUCT\b", f"{name}_add_product", PRODUCT + "\n" + code)
     maths = "#include <math.h>\n" if calls or "INFINITY" in code else ""
     if re.search(r"\(T\)", code):
         code = re.sub(r"\(T\)", "(REAL)", code)
@@ -154,4 +155,4 @@ def files(name: str, head: str, struct: str, declared: str, code: str, precision
 def _single(found: re.Match[str]) -> str:
     """A constant rounded to single precision."""
     value = float(np.float32(found.group(1)))
-    return ("INFINITY" if isinf(value) else repr(float(np.float32(value)))) + ("" if isinf(value) else "f")
+    return "INFINITY" if isinf(value) else f"{value!r}f"

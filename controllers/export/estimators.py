@@ -28,13 +28,12 @@ def kalman(filter: Kalman, p: str) -> Law:
     nominal = {"x0": filter.x0[0], "u0": filter.u0[0], "y0": filter.y0[0], "start": fresh._x}
     matrices = {"A": step.A, "B": step.B, "C": step.C, "D": step.D, "c": step.c, "L": L}
     constants = "".join(array(f"{p}_{name}", value) for name, value in (nominal | matrices).items())
-    top = p.split("__")[0]
     act = f"int i;\nREAL du[{nu}], off[{ns}], next[{n}];\n" + each("i", nu, f"du[i] = y[{ns} + i] - {p}_u0[i];")
-    ahead = each("i", n, f"next[i] = {p}_c[i];") + added(top, n, n, "1", f"{p}_A", "s->x", "next")
-    ahead += added(top, n, nu, "1", f"{p}_B", "du", "next") + each("i", n, "s->x[i] = next[i];")
+    ahead = each("i", n, f"next[i] = {p}_c[i];") + added(n, n, "1", f"{p}_A", "s->x", "next")
+    ahead += added(n, nu, "1", f"{p}_B", "du", "next") + each("i", n, "s->x[i] = next[i];")
     act += "if (s->acts) {\n" + "".join(f"    {line}\n" for line in ahead.splitlines()) + "}\n"
-    act += each("i", ns, f"off[i] = y[i] - {p}_y0[i];") + added(top, ns, n, "-1", f"{p}_C", "s->x", "off")
-    act += added(top, ns, nu, "-1", f"{p}_D", "du", "off") + added(top, n, ns, "1", f"{p}_L", "off", "s->x")
+    act += each("i", ns, f"off[i] = y[i] - {p}_y0[i];") + added(ns, n, "-1", f"{p}_C", "s->x", "off")
+    act += added(ns, nu, "-1", f"{p}_D", "du", "off") + added(n, ns, "1", f"{p}_L", "off", "s->x")
     act += each("i", nx, f"u[i] = {p}_x0[i] + s->x[i];")
     reset = "int i;\n" + each("i", n, f"s->x[i] = {p}_start[i];")
     held = tuple(f"held {name}" for name in names(filter.model.inputs))
@@ -47,7 +46,7 @@ def lqg(law: LQG, p: str, code_of: Callable[[Any, str], Law]) -> Law:
     inside, seen = code_of(law.law, f"{p}__law"), kalman(law.filter, f"{p}__filter")
     ns, nu, nx = len(law.filter.reads), inside.inputs, seen.inputs
     nominal = np.broadcast_to(law.filter.u0[0], (nu,))
-    constants, top = array(f"{p}_start", nominal), p.split("__")[0]
+    constants = array(f"{p}_start", nominal)
     act = f"int i;\nREAL known[{ns + nu}], x[{nx}];\n"
     act += each("i", ns, "known[i] = y[i];") + each("i", nu, f"known[{ns} + i] = s->u[i];")
     act += f"{seen.prefix}_act(&s->filter, t, known, x);\n"
@@ -57,7 +56,7 @@ def lqg(law: LQG, p: str, code_of: Callable[[Any, str], Law]) -> Law:
         rows, base = law._rows
         constants += array(f"{p}_rows", rows) + array(f"{p}_base", base)
         act = act.replace("x[", f"read[{len(base)}], x[", 1) + each("i", len(base), f"read[i] = {p}_base[i];")
-        act += added(top, len(base), nx, "1", f"{p}_rows", "x", "read")
+        act += added(len(base), nx, "1", f"{p}_rows", "x", "read")
         act += f"{inside.prefix}_act(&s->law, t, read, u);\n"
     act += each("i", nu, "s->u[i] = u[i];")
     reset = f"int i;\n{seen.prefix}_reset(&s->filter);\n{inside.prefix}_reset(&s->law);\n"

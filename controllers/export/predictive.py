@@ -10,7 +10,7 @@ import numpy as np
 
 from pliant.controllers.mpc.exact_penalty import SLACK
 from pliant.controllers.mpc.mpc import MPC
-from pliant.controllers.solvers.daqp_model import CURVATURE, INFINITE
+from pliant.controllers.solvers.daqp_model import CURVATURE
 
 from .c_text import Law, added, array, clipped, each, number
 from .qp_source import QP
@@ -27,7 +27,7 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
         raise ValueError(f"export_c: MPC.track = {tuple(law.tracked)} needs its estimator, which has no C form")
     step, limits, single = law._steps[0], law.limits, precision == "single"
     (m, nz), nu, size = step.solver.M.shape, len(step.u), step.G.shape[1]
-    ny, names, top = len(law.reads), law.reads, p.split("__")[0]
+    ny = len(law.reads)
     limited, clip = clipped(p, nu, limits.low, limits.high)
     constants = array(f"{p}_G", step.G[m:]) + array(f"{p}_u0", step.u) + limited
     fields: list[str] = []
@@ -37,12 +37,12 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
         constants += array(f"{p}_drift", law._drift)
         start += each("i", ny, f"known[i] -= (REAL)({p}_drift[i] * t);")
     if limits.remembers:
-        constants += array(f"{p}_last", np.clip(law._made[5][1], limits.low, limits.high))
+        constants += array(f"{p}_last", np.clip(law.origin[1], limits.low, limits.high))
         constants += array(f"{p}_change", limits.change)
         fields.append(f"REAL last[{nu}];")
         reset = "int i;\n" + each("i", nu, f"s->last[i] = {p}_last[i];")
         start += each("i", nu, f"known[{size - nu} + i] = s->last[i];")
-    act = each("i", nu, f"u[i] = {p}_u0[i];") + added(top, nu, size, "1", f"{p}_G", "known", "u")
+    act = each("i", nu, f"u[i] = {p}_u0[i];") + added(nu, size, "1", f"{p}_G", "known", "u")
     functions = ""
     if m:
         soft = step.solver.soft
@@ -55,7 +55,7 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
         constants += f"enum {{ {p}_ROWS = {m}, {p}_NZ = {nz}, {p}_ROUNDS = {10 * (m + nz)} }};\n"
         constants += "".join(f"#define {p}_{name} ({number(value)})\n" for name, value in numbers.items())
         functions = QP.replace("NAME", p)
-        act += _limited(p, top, (m, nz, nu, size), bool(law._made[10]) and bool(soft.any()))
+        act += _limited(p, (m, nz, nu, size), law.exact and bool(soft.any()))
         fields += ["long failures; /* programs that were not solved */", f"{p}_work work;"]
         reset += "s->failures = 0;\n"
     act += clip
@@ -65,7 +65,7 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
         act += each("i", nu, f"{{\n    {held}\n    {other}\n    s->last[i] = u[i];\n}}")
     what = f"MPC, horizon {law.horizon}: {m} rows, {nz} unknowns"
     return Law(
-        p, what, names, nu, tuple(fields), constants, functions, reset, start + act, _work(p, m, nz) if m else ""
+        p, what, law.reads, nu, tuple(fields), constants, functions, reset, start + act, _work(p, m, nz) if m else ""
     )
 
 
@@ -77,13 +77,13 @@ def _work(p: str, m: int, nz: int) -> str:
     )
 
 
-def _limited(p: str, top: str, sizes: tuple[int, int, int, int], exact: bool) -> str:
+def _limited(p: str, sizes: tuple[int, int, int, int], exact: bool) -> str:
     """Statements that add the first input of the plan where the law without limits breaks a row."""
     m, nz, nu, size = sizes
     body = (
         "{\n    NAME_work *w = &s->work;\n    int broken = 0, found;\n"
         "    for (i = 0; i < NAME_ROWS; i++) w->d[i] = 0;\n"
-        f"    {added(top, m, size, '1', 'NAME_rows', 'known', 'w->d')}"
+        f"    {added(m, size, '1', 'NAME_rows', 'known', 'w->d')}"
         "    for (i = 0; i < NAME_ROWS; i++) {\n"
         "        w->lower[i] = NAME_low_rows[i] - w->d[i];\n        w->upper[i] = NAME_high_rows[i] - w->d[i];\n"
         "        if (w->lower[i] > 0 || w->upper[i] < 0) broken = 1;\n    }\n"
@@ -105,10 +105,7 @@ def _limited(p: str, top: str, sizes: tuple[int, int, int, int], exact: bool) ->
             "            found = 1;\n        }\n"
         ).replace("SLACK", number(SLACK))
     body += (
-        f"        if (found == 1) {added(top, nu, nz, '1', 'NAME_first', 'w->z', 'u').strip()}\n"
+        f"        if (found == 1) {added(nu, nz, '1', 'NAME_first', 'w->z', 'u').strip()}\n"
         "        else s->failures++;\n    }\n}\n"
     )
     return body.replace("NAME", p)
-
-
-assert float(np.finfo(np.float32).max) > INFINITE  # bounds that stand for none are numbers in both precisions

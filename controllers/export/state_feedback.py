@@ -34,7 +34,7 @@ def _gain(
         f"int i;\nREAL e[{ny}];\n"
         + each("i", ny, f"e[i] = y[i] - {p}_y0[i];")
         + each("i", nu, f"u[i] = {p}_u0[i];")
-        + added(_top(p), nu, ny, "-1", f"{p}_K", "e", "u")
+        + added(nu, ny, "-1", f"{p}_K", "e", "u")
         + clip
     )
     constants = array(f"{p}_K", K) + array(f"{p}_y0", y0) + array(f"{p}_u0", u0) + limited
@@ -56,7 +56,7 @@ def lqr(law: LQR, p: str) -> Law:
         constants += array(f"{p}_drift", law.drift)
         start = f"e[i] = y[i] - (REAL)({p}_y0[i] + {p}_drift[i] * t);"
     act = f"int i;\nREAL e[{nx}];\n" + each("i", nx, start) + each("i", nu, f"u[i] = {p}_u0[i];")
-    act += added(_top(p), nu, nx, "-1", f"{p}_K", "e", "u")
+    act += added(nu, nx, "-1", f"{p}_K", "e", "u")
     if not ni:
         return Law(p, what, law.reads, nu, (), constants, "", "", act + clip)
     picks = ", ".join(str(int(k)) for k in law.picks)
@@ -68,10 +68,10 @@ def lqr(law: LQR, p: str) -> Law:
     top = f"next[i] > {p}_high[i] ? next[i] - {p}_high[i] : next[i] < {p}_low[i] ? next[i] - {p}_low[i] : 0"
     past = top if limited else "0"
     act = act.replace("int i;\n", f"int i, j;\nREAL change[{ni}], next[{nu}], excess[{nu}];\n", 1)
-    act += added(_top(p), nu, ni, "-1", f"{p}_Ki", "s->xi", "u")
-    act += each("j", ni, f"change[j] = {number_dt(law.dt)} * {moved};")
+    act += added(nu, ni, "-1", f"{p}_Ki", "s->xi", "u")
+    act += each("j", ni, f"change[j] = {number(law.dt or 0.0)} * {moved};")
     act += each("i", nu, "next[i] = u[i];")
-    act += added(_top(p), nu, ni, "-1", f"{p}_Ki", "change", "next")
+    act += added(nu, ni, "-1", f"{p}_Ki", "change", "next")
     act += each("i", nu, f"excess[i] = {past};")
     act += (
         f"for (j = 0; j < {ni}; j++) {{\n    REAL push = 0;\n"
@@ -80,11 +80,6 @@ def lqr(law: LQR, p: str) -> Law:
     )
     reset = "int i;\n" + each("i", ni, "s->xi[i] = 0;")
     return Law(p, what, law.reads, nu, (f"REAL xi[{ni}];",), constants, "", reset, act + clip)
-
-
-def number_dt(dt: float | None) -> str:
-    """The period as a constant."""
-    return f"(REAL){float(dt or 0.0)!r}"
 
 
 def tvlqr(law: TVLQR, p: str) -> Law:
@@ -104,7 +99,7 @@ def tvlqr(law: TVLQR, p: str) -> Law:
         end = law.start + (n - 1) * law.dt
         act += f"if (k == {n - 1})\n    " + each("i", ny, f"x[i] -= (REAL)({p}_drift[i] * (t - {end!r}));")
     act += each("i", nu, f"u[i] = {p}_offset[k * {nu} + i];")
-    act += added(_top(p), nu, ny, "-1", f"{p}_K + k * {nu * ny}", "x", "u") + clip
+    act += added(nu, ny, "-1", f"{p}_K + k * {nu * ny}", "x", "u") + clip
     return Law(p, "u = offset_k - K_k x, k by time", law.reads, nu, (), constants, "", "", act)
 
 
@@ -117,12 +112,12 @@ def linear(law: LinearLaw, p: str) -> Law:
         raise ValueError(f"export_c: LinearLaw.delay = {law.delay} must be 0: hand over what has arrived")
     constants = array(f"{p}_D", law.D)
     act = "int i;\n" + (f"REAL next[{m}];\n" if m else "") + each("i", nu, "u[i] = 0;")
-    act += added(_top(p), nu, ny, "-1", f"{p}_D", "y", "u")
+    act += added(nu, ny, "-1", f"{p}_D", "y", "u")
     if not m:
         return Law(p, "u = -D y", law.reads, nu, (), constants, "", "", act)
     constants += array(f"{p}_A", law.A) + array(f"{p}_B", law.B) + array(f"{p}_C", law.C)
-    act += added(_top(p), nu, m, "-1", f"{p}_C", "s->x", "u") + each("i", m, "next[i] = 0;")
-    act += added(_top(p), m, m, "1", f"{p}_A", "s->x", "next") + added(_top(p), m, ny, "1", f"{p}_B", "y", "next")
+    act += added(nu, m, "-1", f"{p}_C", "s->x", "u") + each("i", m, "next[i] = 0;")
+    act += added(m, m, "1", f"{p}_A", "s->x", "next") + added(m, ny, "1", f"{p}_B", "y", "next")
     act += each("i", m, "s->x[i] = next[i];")
     reset = "int i;\n" + each("i", m, "s->x[i] = 0;")
     what = "u = -(C s + D y), s' = A s + B y"
@@ -131,14 +126,14 @@ def linear(law: LinearLaw, p: str) -> Law:
 
 def filtered(law: Filtered, inside: Law, p: str) -> Law:
     """u = u_ref + F (law - u_ref), within the limits; each input has its own states of F."""
-    f, nu, top = law.whole, inside.inputs, _top(p)
+    f, nu = law.whole, inside.inputs
     m, base = len(f.A), np.zeros(nu) if law.u_ref is None else law.u_ref
     free = (np.full(nu, -np.inf), np.full(nu, np.inf))
     limited, clip = clipped(p, nu, *(free if law.limits is None else law.limits))
     constants = array(f"{p}_A", f.A) + array(f"{p}_B", f.B) + array(f"{p}_C", f.C) + array(f"{p}_base", base) + limited
     each_input = f"REAL off = v[i] - {p}_base[i], next[{m}], *x = s->x + i * {m};\nu[i] = {p}_base[i]"
-    each_input += f" + {number(f.D[0, 0])} * off;\n{added(top, 1, m, '1', f'{p}_C', 'x', 'u + i')}"
-    each_input += each("j", m, f"next[j] = {p}_B[j] * off;") + added(top, m, m, "1", f"{p}_A", "x", "next")
+    each_input += f" + {number(f.D[0, 0])} * off;\n{added(1, m, '1', f'{p}_C', 'x', 'u + i')}"
+    each_input += each("j", m, f"next[j] = {p}_B[j] * off;") + added(m, m, "1", f"{p}_A", "x", "next")
     each_input += each("j", m, "x[j] = next[j];")
     act = f"int i, j;\nREAL v[{nu}];\n{inside.prefix}_act(&s->law, t, y, v);\n"
     act += f"for (i = 0; i < {nu}; i++) {{\n{indented(each_input)}}}\n" + clip
@@ -146,8 +141,3 @@ def filtered(law: Filtered, inside: Law, p: str) -> Law:
     fields = (f"{inside.prefix}_state law;", f"REAL x[{m * nu}];")
     what = f"filters of order {m} behind: {inside.what}"
     return Law(p, what, law.reads, nu, fields, constants, inside.code("static "), reset, act, inside.struct)
-
-
-def _top(p: str) -> str:
-    """The file's own name, under which its helpers stand: the prefix up to the first double underscore."""
-    return p.split("__")[0]

@@ -16,7 +16,7 @@ class LastPlan(OwnsArrays):
     """Of `horizon` steps, made from what was known, p (size,)."""
 
     def __init__(self, horizon: int, size: int) -> None:
-        self.horizon, self.known = horizon, np.empty(size)
+        self.horizon, self.known = horizon, np.zeros(size)
         self.forget()
 
     def forget(self) -> None:
@@ -24,6 +24,7 @@ class LastPlan(OwnsArrays):
         self.step: Step | None = None
         self.z: np.ndarray | None = None
         self.age = 0
+        self.known[:] = 0.0
 
     def keep(self, step: Step, known: np.ndarray, z: np.ndarray | None) -> None:
         """Keep the plan of one act; z None where no limit was active."""

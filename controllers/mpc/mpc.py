@@ -67,6 +67,7 @@ class MPC:
         self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
         self.tracked, self.horizon = dict(tracked or {}), len(steps[0].plan[0])
         self.penalty = max(step.solver.penalty for step in steps)  # of a soft limit exceeded by half its range
+        self.origin, self.exact = origin, exact
         self._firm = WithoutExcess() if exact else None
         self._steps, self._start, self._latest = tuple(steps), start, len(steps) - 1
         self._drift: np.ndarray | None = None  # (len(reads),) [1/s] of a goal that moves, from t = 0 on
@@ -177,7 +178,7 @@ class MPC:
         if self._knowledge is not None:
             self._knowledge.reset()
         self.plan.forget()
-        self._at, self._multipliers = NEVER, self._shift
+        self._at, self._multipliers = NEVER, np.zeros(len(self._shift))
 
     def aim(self, values: Mapping[str, float]) -> None:
         """Bring tracked signals to other values, by name; they start at those of the model's point."""

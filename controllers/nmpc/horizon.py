@@ -47,8 +47,8 @@ class Horizon:
         """P (nx, nx) >= 0: the weight of x_N's deviation from the goal; None for none. law: about the goal, if any."""
         plant = objective.plant
         self.objective, self.plant, self.N, self.P = objective, plant, N, P
-        self.t = 0.0
-        self.x, self.u = np.tile(objective.x_goal, (N + 1, 1)), np.tile(objective.u_goal, (N, 1))
+        self.x, self.u = np.empty((N + 1, plant.nx)), np.empty((N, plant.nu))
+        self.forget()
         self.steps = StepSensitivities(plant, objective.dt, substeps=substeps, batch=N)
         kernel = stage_kernel(objective)
         self._stage = kernel.workspace(N)
@@ -62,8 +62,13 @@ class Horizon:
         self._price = L if law is None or len(L) else _root(law.P)
         self._hold = np.zeros((plant.nu, plant.nx + 1 + plant.nu))
         self._hold[: len(root), : plant.nx], self._hold[: len(root), plant.nx + 1 :] = root @ K, root
-        self.damping = self.damped = 0.0  # now, and in what was linearised last
         self._times = objective.dt * np.arange(N)[:, None]
+
+    def forget(self) -> None:
+        """To stay at the goal, undamped: as new."""
+        self.t = 0.0
+        self.x[:], self.u[:] = self.objective.x_goal, self.objective.u_goal
+        self.damping = self.damped = 0.0  # now, and in what was linearised last
 
     def linearize(self, *, close: bool = False) -> bool:
         """Form the quadratic program about the plan. False where the plan is no motion: a slope is not finite.

@@ -134,6 +134,7 @@ class NMPC:
         """Forget plan and record; the next `act` makes a first plan, which takes several times as long."""
         self.record.clear()
         self._program.solver.forget()
+        self.horizon.forget()
         self._ready = False
         self._taken: tuple[Array, Array, Array] | None = None  # (y, e, d) of the last feedback
 

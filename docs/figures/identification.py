@@ -3,30 +3,21 @@
 import re
 from pathlib import Path
 
-import numpy as np
-
-from pliant.plants.identification.residual_tests import autocorrelation
-from pliant.studies.figures.style import COLOURS, INK, panels, save, styled
+from pliant.studies.figures.style import panels, save, styled
+from pliant.studies.identification.residual_plot import draw
 
 DOCS = Path(__file__).parents[1]
 
 
 @styled
 def beside(names: dict) -> object:
-    """Residuals of the strain gauge over its noise, and their autocorrelation, of both fits."""
+    """Residuals of the strain gauge over its noise as each fit finds it, and their autocorrelation."""
     figure, axes = panels(2, 2, height=2.0, gridspec_kw={"width_ratios": (2.4, 1.0)})
     for row, (found, words) in enumerate(((names["found"], "with damping"), (names["wrong"], "without damping"))):
-        one = found.residuals[0]
-        r = one.values[:, one.signals.index("root_curvature")] / names["noise"]["root_curvature"]
-        left, right = axes[2 * row], axes[2 * row + 1]
-        left.plot(one.t, r, ".", ms=1.8, color=COLOURS[row])
-        left.set(title=f"{words}: residuals over the gauge's noise")
-        rho = autocorrelation(r)[0]
-        right.plot(np.arange(1, len(rho) + 1), rho, "o-", ms=2.5, lw=0.8, color=COLOURS[row])
-        right.set(title="autocorrelation", ylim=(-1.05, 1.05))
-        for end in (-1.96, 1.96):
-            left.axhline(end, color=INK, lw=0.7, ls="--")
-            right.axhline(end / np.sqrt(len(r)), color=INK, lw=0.7, ls="--")
+        left, right = axes[2 * row : 2 * row + 2]
+        draw(left, right, found, "root_curvature")
+        left.set_title(f"{words}: the gauge's residuals over {found.noise['root_curvature']:.3g} 1/m")
+        right.set_ylim(-1.05, 1.05)
     axes[2].set_xlabel("time [s]")
     axes[3].set_xlabel("lag [samples]")
     return figure

@@ -19,16 +19,6 @@ ACETAL = Material(density=1410.0, E=2.8e9, G=1.02e9, damping=5e-5)
 DOWN = (0.0, np.pi / 2, 0.0)  # turns x to -z
 
 
-def rod(length: float, diameter: float, material: Material) -> Beam:
-    """A solid round rod: lengths in m."""
-    I = np.pi * diameter**4 / 64
-    area = np.pi * diameter**2 / 4
-    return Beam(
-        length=length, area=area, I_y=I, I_z=I, J=2 * I,
-        density=material.density, E=material.E, G=material.G, damping=material.damping,
-    )  # fmt: skip
-
-
 def flexible_joint() -> FlexibleTree:
     """A 1 m bar of 5 kg with 2 kg at its tip on a geared motor, turning about a vertical axis.
 
@@ -58,7 +48,7 @@ def six_axis(kinematics: str = "stiffened") -> FlexibleTree:
     """
     arm = FlexibleTree.from_urdf(
         SIX_AXIS,
-        flexible={"forearm": rod(0.39225, 0.030, ACETAL)},
+        flexible={"forearm": Beam.circular(0.39225, 0.030, ACETAL)},
         tip="tool",
         payload=Payload(mass=1.5, inertia=0.01, offset=(0.05, 0.0, 0.0)),
         kinematics=kinematics,
@@ -102,7 +92,7 @@ def crane() -> FlexibleTree:
     hung = TreeBody(
         name="rod",
         joint=Joint(name="swing", axis=(0.0, -1.0, 0.0), damping=5.0, drive="none"),
-        beam=rod(4.0, 0.03, Material(density=STEEL.density, E=STEEL.E, G=STEEL.G, damping=2e-4)),
+        beam=Beam.circular(4.0, 0.03, Material(density=STEEL.density, E=STEEL.E, G=STEEL.G, damping=2e-4)),
         beam_rotation=DOWN,
         modes=(0, 2, 0, 0),
     )
@@ -118,19 +108,14 @@ def crane() -> FlexibleTree:
 def satellite_arm() -> FlexibleTree:
     """A free satellite of 400 kg with three wheels and an arm of two aluminium rods, 1 m and 16 mm each, with 10 kg.
 
-    Nothing holds it: what the arm does turns the satellite, and the wheels (0.02 kg m^2 about x, y and z) turn it back.
+    Nothing holds it: what the arm does turns the satellite, and the wheels, discs of 0.02 kg m^2 about x, y and z, turn
+    it back.
     """
     wheels = [
-        TreeBody(
-            name=f"wheel_{name}",
-            parent="base",
-            joint=Joint(name=f"wheel_{name}", axis=(axis[0], axis[1], axis[2])),
-            mass=3.0,
-            inertia=0.02,
-        )
+        TreeBody.wheel(f"wheel_{name}", "base", inertia=0.02, axis=tuple(axis), mass=3.0)
         for name, axis in zip("xyz", np.eye(3).tolist(), strict=True)
     ]
-    link = rod(1.0, 0.016, Material(density=ALUMINIUM.density, E=ALUMINIUM.E, G=ALUMINIUM.G, damping=2e-4))
+    link = Beam.circular(1.0, 0.016, Material(density=ALUMINIUM.density, E=ALUMINIUM.E, G=ALUMINIUM.G, damping=2e-4))
     shoulder = Joint(name="shoulder", position=(0.5, 0.0, 0.0), damping=0.5, armature=0.05)
     elbow = Joint(name="elbow", damping=0.5, armature=0.05)
     return FlexibleTree(

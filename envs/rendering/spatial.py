@@ -9,13 +9,13 @@ import numpy as np
 
 from pliant.plants import FlexibleSpacecraft
 
-from .planar import GOAL, INK, RENDERERS, TIP, Renderer
+from .planar import GOAL, INK, RENDERERS
+from .space_picture import SpacePicture
 from .spacecraft_geometry import Scenery, exaggeration, reach_of, scenery
 
 SUN, HUB, PANEL = "#e0a100", "#b9c2cc", "#3b6fb6"
 VIEW = {"elev": 24.0, "azim": -120.0}
 EARTH_DOWN = {"elev": -24.0, "azim": 58.0, "roll": 180.0}
-TRAIL = 400  # points of the tip's path that are kept
 
 
 def draw_craft(axes: Any, drawn: Scenery, *, alpha: float = 1.0) -> list[Any]:
@@ -68,35 +68,22 @@ def sun_direction(craft: FlexibleSpacecraft, t: float) -> np.ndarray | None:
     return np.array(ca.DM(ca.densify(ca.evalf(outside.sun.at(ca.SX(t), outside.orbit))))).ravel()
 
 
-class SpaceRenderer(Renderer):
+class SpaceRenderer(SpacePicture):
     """Draws one scene of a spacecraft again and again; keeps the first tip's path since the last `clear`."""
 
-    def _prepare(self) -> None:
+    def _set_up(self) -> None:
         scene, craft = self.scene, cast(FlexibleSpacecraft, self.scene.plant)  # as it is drawn as one
         self._craft, self._factor = craft, exaggeration(scene)
-        self._behind: Any
-        reach = self._reach = reach_of(craft)
-        space = self._space = self.figure.add_axes((0.0, 0.04, 1.0, 0.92), projection="3d")
-        space.patch.set_alpha(0.0)
-        set_up(space, reach, axis_words(craft))
+        self._reach = reach_of(craft)
+        set_up(self._space, self._reach, axis_words(craft))
         if scene.goal_at_rest:
             goal = scenery(craft, scene.target[0])
             for sheet in goal.sheets:
-                space.plot(*around(sheet).T, color=GOAL, lw=1.4, ls=(0, (3, 2)), alpha=0.8)
-        (self._behind,) = space.plot([], [], [], color=TIP, lw=1.2, alpha=0.7)
+                self._space.plot(*around(sheet).T, color=GOAL, lw=1.4, ls=(0, (3, 2)), alpha=0.8)
         self._moving: list[Any] = []
-        axes = self.axes = self.figure.add_axes((0, 0, 1, 1))
-        axes.patch.set_alpha(0.0)
-        axes.axis("off")
-        often = f"\ndeflections drawn {self._factor} times" if self._factor > 1 else ""
-        text: dict[str, Any] = {"transform": axes.transAxes, "va": "top", "color": INK, "fontsize": 10}
-        about = f"{scene.name}\n{craft.label}{often}"
-        axes.text(0.03, 0.975, about, linespacing=1.4, **text)
-        self._status = axes.text(0.97, 0.975, "", ha="right", linespacing=1.4, **text)
-        self._bars = [self._bar(0.035 + 0.034 * i, s.name) for i, s in enumerate(reversed(craft.inputs))]
 
-    def _look(self) -> None:
-        """The frame of a machine in space is set once."""
+    def _about(self) -> str:
+        return super()._about() + (f"\ndeflections drawn {self._factor} times" if self._factor > 1 else "")
 
     def draw(self, x: np.ndarray, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
         for artist in self._moving:
@@ -108,9 +95,7 @@ class SpaceRenderer(Renderer):
             ray = self._reach * np.stack([1.02 * sun, 0.72 * sun])
             self._moving += self._space.plot(*ray.T, color=SUN, lw=2.0)
             self._moving += self._space.plot(*ray[:1].T, "o", color=SUN, ms=12)
-        self._path.append(drawn.sheets[0][-1].mean(axis=0) if drawn.sheets else np.zeros(3))
-        path = np.array(self._path[-TRAIL:])
-        self._behind.set_data_3d(*path.T)
+        self._go_on(drawn.sheets[0][-1].mean(axis=0) if drawn.sheets else np.zeros(3))
         return self._show(action, time, cost)
 
 

@@ -8,33 +8,33 @@ import numpy as np
 
 from pliant.plants import FlexibleTree
 
-from .planar import GOAL, INK, LINKS, PALE, RENDERERS, TIP, Renderer
+from .planar import GOAL, INK, LINKS, PALE, RENDERERS, TIP
+from .space_picture import SpacePicture
 
 VIEW = {"elev": 20.0, "azim": -62.0}
-TRAIL = 400  # points of the tip's path that are kept
 BEND = "#3182bd"  # of a body that bends
 
 
-class TreeRenderer(Renderer):
+class TreeRenderer(SpacePicture):
     """Draws one scene of a tree again and again; keeps the tip's path since the last `clear`."""
 
     _links: list[Any]
     _base: Any
     _joints: Any
     _payload: Any
-    _behind: Any
     _drop: Any
 
-    def _prepare(self) -> None:
+    def _place(self) -> tuple[float, float, float, float]:
+        low = 0.04 + 0.03 * len(self.scene.plant.inputs)
+        return (0.0, low, 1.0, 0.98 - low)
+
+    def _set_up(self) -> None:
         scene, tree = self.scene, cast(FlexibleTree, self.scene.plant)  # as it is drawn as one
         goal = tree.lines(scene.target[0])
         start = tree.lines(scene.initial[0])
         seen = np.concatenate([np.zeros((1, 3)), *goal, *start])
         middle, reach = (seen.max(axis=0) + seen.min(axis=0)) / 2, 0.62 * float(np.ptp(seen, axis=0).max())
-        low = 0.04 + 0.03 * len(tree.inputs)
-        space: Any = self.figure.add_axes((0.0, low, 1.0, 0.98 - low), projection="3d")
-        self._space = space
-        space.patch.set_alpha(0.0)
+        space = self._space
         limits = [(float(m - reach), float(m + reach)) for m in middle]
         space.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
         space.set_box_aspect((1, 1, 1), zoom=1.35)
@@ -52,15 +52,7 @@ class TreeRenderer(Renderer):
         self._links = [space.plot([], [], [], lw=5.0, solid_capstyle="round", color=LINKS[0])[0] for _ in goal]
         (self._joints,) = space.plot([], [], [], "o", ms=7, mfc="white", mec=INK, mew=1.6)
         (self._payload,) = space.plot([], [], [], "o", ms=11, mfc=TIP, mec="white", mew=1.2)
-        (self._behind,) = space.plot([], [], [], color=TIP, lw=1.4, alpha=0.7)
         (self._drop,) = space.plot([], [], [], color=PALE, lw=1.2)
-        axes = self.axes = self.figure.add_axes((0, 0, 1, 1))
-        axes.patch.set_alpha(0.0)
-        axes.axis("off")
-        text: dict[str, Any] = {"transform": axes.transAxes, "va": "top", "color": INK, "fontsize": 10}
-        axes.text(0.03, 0.975, f"{scene.name}\n{tree.label}", linespacing=1.4, **text)
-        self._status = axes.text(0.97, 0.975, "", ha="right", linespacing=1.4, **text)
-        self._bars = [self._bar(0.03 + 0.034 * i, s.name) for i, s in enumerate(reversed(tree.inputs))]
 
     def _floor(self, limits: list[tuple[float, float]]) -> None:
         """A grid below everything, which shows where up is."""
@@ -69,9 +61,6 @@ class TreeRenderer(Renderer):
             x, y = left + at * (right - left), near + at * (far - near)
             self._space.plot([x, x], [near, far], [low, low], color=PALE, lw=0.8, zorder=0)
             self._space.plot([left, right], [y, y], [low, low], color=PALE, lw=0.8, zorder=0)
-
-    def _look(self) -> None:
-        """The frame of a machine in space is set once."""
 
     def draw(self, x: np.ndarray, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
         tree = cast(FlexibleTree, self.scene.plant)
@@ -86,8 +75,7 @@ class TreeRenderer(Renderer):
         self._payload.set_data_3d(*tip[:, None])
         if any(tree.nominal.gravity):
             self._drop.set_data_3d([tip[0]] * 2, [tip[1]] * 2, [tip[2], self._low])
-        self._path.append(tip)
-        self._behind.set_data_3d(*np.array(self._path[-TRAIL:]).T)
+        self._go_on(tip)
         return self._show(action, time, cost)
 
 

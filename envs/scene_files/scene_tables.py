@@ -21,7 +21,6 @@ from pliant.envs.scenes.checks import ALLOWED
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import (
-    require_choice,
     require_instance,
     require_mapping,
     require_number,
@@ -176,13 +175,3 @@ def _known(key: str, value: Any, known: tuple[str, ...], kind: str) -> dict[str,
             listed = ", ".join(known) or "(there are none)"
             raise ValueError(f"{key}.{name} = {shown(number)}: no such {kind}, must be one of {listed}")
     return given
-
-
-def field_names() -> tuple[str, ...]:
-    """Fields of a scene that are one value, or numbers by name."""
-    return (*NUMBERS, *FLAGS, *NAMES, "limits", *PAIRS)
-
-
-def require_field(key: str) -> None:
-    """ValueError unless a scene has the field."""
-    require_choice("scene", "field", key, field_names())

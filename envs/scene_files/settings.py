@@ -14,11 +14,10 @@ from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_number, shown
 from pliant.plants.core.signals import index
 
+from .scene_tables import FLAGS, NAMES, NUMBERS, put
+
 LONGEST_VALUE = 1000  # characters of a setting
-FIELDS = (
-    *("about", "duration", "dt", "substeps", "move_time", "tolerance", "start_spread", "limits"),
-    *("start_at_rest", "goal_at_rest", "observe", "compare"),
-)
+FIELDS = ("about", *NUMBERS, *FLAGS, *NAMES, "limits")  # of one value
 
 
 def with_settings(name: str, settings: Sequence[str]) -> Scene:
@@ -59,8 +58,8 @@ def _changed(scene: Scene, path: str, text: str) -> Scene:
             raise ValueError(f"--set {path}={text} must be two factors, [0.8,1.2]")
         rows[rest] = factors
         return _with(scene, "randomise", tuple((name, *row) for name, row in rows.items()))
-    before = parameters.get(scene.plant, path)
-    return scene.with_plant(parameters.put(scene.plant, path, _value(path, text, before)))
+    value = _value(path, text, parameters.get(scene.plant, path))
+    return scene.with_plant(put(scene.plant, path, value, "--set "))
 
 
 def _with(scene: Scene, field: str, value: Any) -> Scene:

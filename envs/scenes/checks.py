@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +39,6 @@ ALLOWED = {  # of the numbers in pairs (name, number)
 }
 NUMBERS = ("duration", "dt", "move_time", "start_spread", "tolerance")
 OF_INPUTS = ("effort", "gusts")  # which all variants share
-RUNGS = "_signals_of_rungs"  # where they are kept with a plant
 LARGEST = 10_000_000  # control periods of an episode
 
 
@@ -75,16 +75,20 @@ def checked(scene: Scene) -> dict[str, Any]:
     return found
 
 
+@lru_cache(maxsize=64)  # making a ladder takes longer than a scene's other checks
+def _signals_of_rungs(plant: Plant) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """(label, names of states and outputs) of each variant on the plant's ladder."""
+    return tuple((rung.label, tuple(s.name for s in (*rung.states, *rung.outputs))) for rung in plant.ladder())
+
+
 def _on_every_rung(owner: str, plant: Plant, found: dict[str, Any]) -> None:
     """ValueError for a name that a variant of the plant's ladder lacks: it could not play the scene.
 
     What is observed need not be on every one: a modal coordinate is not, and environments are of the scene's own plant.
     """
-    if RUNGS not in plant.__dict__:  # asked once of a plant: making a ladder takes longer than a scene's other checks
-        plant.__dict__[RUNGS] = [(r.label, [s.name for s in (*r.states, *r.outputs)]) for r in plant.ladder()]
     signals = {group: [name for name, _ in found.get(group, ())] for group in ALLOWED if group not in OF_INPUTS}
     signals["compare"] = list(found["compare"])
-    for label, known in plant.__dict__[RUNGS]:
+    for label, known in _signals_of_rungs(plant):
         for group, wanted in signals.items():
             for name in wanted:
                 if name not in known:

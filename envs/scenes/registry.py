@@ -18,11 +18,10 @@ import inspect
 import os
 import re
 from collections.abc import Callable, Mapping
-from functools import cache
-from importlib import metadata
 from typing import Any
 
 from pliant.plants.core.argument_gates import require_choice, require_flag, require_instance, require_number, shown
+from pliant.plants.core.imports import loaded, offered
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 from . import arms, beams, mechanisms, spacecraft, spacecraft_orbit, trees
@@ -56,14 +55,12 @@ _made: dict[str, Scene] = {}  # one scene a name, so that what is built from it 
 
 def names() -> tuple[str, ...]:
     """The names of all scenes: shipped, registered, and of installed packages."""
-    return tuple(dict.fromkeys((*SCENES, *_registered, *_offered())))
+    return tuple(dict.fromkeys((*SCENES, *_registered, *_of_packages())))
 
 
-@cache
-def _offered() -> dict[str, metadata.EntryPoint]:
+def _of_packages() -> tuple[str, ...]:
     """Scenes of installed packages; none takes the place of a shipped one or has a name that no folder could have."""
-    found = {entry.name: entry for entry in metadata.entry_points(group=GROUP)}
-    return {name: entry for name, entry in found.items() if NAME.fullmatch(name) and name not in SCENES}
+    return tuple(name for name in offered(GROUP) if NAME.fullmatch(name) and name not in SCENES)
 
 
 def require_name(owner: str, name: Any) -> str:
@@ -110,16 +107,11 @@ def _maker(name: str) -> Callable[..., Scene]:
         return SCENES[name]
     if name in _registered:
         return lambda: _registered[name]
-    entry = _offered()[name]
-    package = entry.dist.name if entry.dist else entry.value
-    try:
-        found = entry.load()
-    except Exception as error:  # whatever another package raises when it is imported
-        raise ValueError(f"scene {name!r} of package {package!r} cannot be had: {error}") from error
+    found = loaded(offered(GROUP)[name], f"scene {name!r}")
     if isinstance(found, Scene):
         return lambda: found
     if not callable(found):
-        raise ValueError(f"scene {name!r} of package {package!r} = {shown(found)} must be a Scene or make one")
+        raise ValueError(f"scene {name!r}: entry point {GROUP} {name} = {shown(found)} must be a Scene or make one")
     made: Callable[..., Scene] = found
     return made
 
@@ -160,4 +152,4 @@ def get(name: str, **overrides: Any) -> Scene:
 
 def is_by_name(scene: Scene) -> bool:
     """Whether commands in another process find this very scene by its name."""
-    return (scene.name in SCENES or scene.name in _offered()) and _own(scene.name) == scene
+    return (scene.name in SCENES or scene.name in _of_packages()) and _own(scene.name) == scene

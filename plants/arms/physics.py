@@ -16,7 +16,7 @@ from pliant.plants.core.imports import linalg
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
 from pliant.plants.exact_rotations.projection import projection
-from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached
+from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached, longer
 
 if TYPE_CHECKING:
     from .single_link import SingleLinkArm
@@ -28,7 +28,6 @@ T = TypeVar("T", bound="TwoLinkDeclaration")
 
 SINGLE, TWO = 4, 3  # shapes of a link that physics has by itself
 STRETCHES = 2  # of the axis of a link that stretches: under a force at its tip, and under its own weight or spin
-BENT = 1.5  # [1/rad] by which a link's turn raises what its stretch does
 MOST = 12  # shapes of a link: beyond, polynomials of this degree are told apart by few digits alone
 UNMODELLED = ("bending out of the plane", "torsion", "extension", "joints that give way", "plasticity")
 
@@ -73,25 +72,16 @@ class PlanarArm(LagrangianPlant):
         return cast(Self, dataclasses.replace(arm, **changes[effect]))
 
     def estimates(self, motion: Trajectory) -> dict[str, tuple[Self, ...]]:
-        """Extension: each link for good as much longer as its root is strained at most, of the same mass; then links
-        that stretch.
-
-        A bent link that stretches is pulled and moved across as well: the share is raised with its turn. Against
-        extensible beams that were spun this was 1.1 to 3 times what extension did, 0.3 to 6 times where links bend by
-        a radian: it serves to see that extension is nothing.
-        """
+        """Extension: each link `longer` for good, then links that stretch."""
         arm: Any = self
         if arm.extensible:
             return {}
         fields = ("link",) if len(arm.deflections) == 1 else ("link1", "link2")
         strains, turns = (largest_reached(arm, motion, what) for what in (AXIAL, TURN))
-        longer = {}
-        for field, strain, turn in zip(fields, strains, turns):
-            link, by = getattr(arm, field), 1 + strain * (1 + BENT * turn)
-            longer[field] = dataclasses.replace(link, length=link.length * by, density=link.density / by)
-        if not longer:
+        links = {field: longer(getattr(arm, field), *reached) for field, *reached in zip(fields, strains, turns)}
+        if not links:
             return {}
-        return {"extension": (dataclasses.replace(arm, **longer), dataclasses.replace(arm, extensible=True))}
+        return {"extension": (dataclasses.replace(arm, **links), dataclasses.replace(arm, extensible=True))}
 
     @property
     def newton(self) -> Self:

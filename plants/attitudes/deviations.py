@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,7 +26,7 @@ ROUNDING = 256 * float(np.finfo(float).eps)  # of sums of four products of three
 class Attitude:
     """A unit quaternion among the states, scalar first, and its angular velocity in the axes that turn with it."""
 
-    name: str
+    name: str  # "": of the plant itself
     q: int  # where it begins in x
     omega: int
 
@@ -36,6 +37,11 @@ class Attitude:
     @property
     def rate(self) -> slice:
         return slice(self.omega, self.omega + 3)
+
+    @property
+    def of(self) -> str:
+        """Whose it is, in words that follow "the quaternion" or "the attitude"."""
+        return f" of {self.name!r}" if self.name else ""
 
 
 @dataclass(frozen=True)
@@ -53,10 +59,15 @@ class Deviations:
     def n(self) -> int:
         return self.nx - len(self.attitudes)
 
-    @property
-    def kept(self) -> list[int]:
+    @cached_property
+    def kept(self) -> Array:
         """States other than quaternions."""
-        return [k for k in range(self.nx) if not any(a.q <= k < a.q + 4 for a in self.attitudes)]
+        return np.array([k for k in range(self.nx) if not any(a.q <= k < a.q + 4 for a in self.attitudes)], dtype=int)
+
+    @cached_property
+    def own(self) -> Array:
+        """Where these stand in xi."""
+        return np.array([self.at(k) for k in self.kept], dtype=int)
 
     def turn(self, a: Attitude) -> slice:
         """An attitude's turns in xi."""
@@ -66,49 +77,50 @@ class Deviations:
         """The rates of its turns in xi."""
         return slice(self.at(a.omega), self.at(a.omega) + 3)
 
-    def _ones(self, shape: tuple[int, ...]) -> Array:
-        T = np.zeros((*shape, self.nx, self.n))
-        for k in self.kept:
-            T[..., k, self.at(k)] = 1.0
-        return T
+    def columns(self, x: Array, M: Array) -> Array:
+        """M T (..., m, n) at states x (..., nx), of M (..., m, nx)."""
+        found = np.empty((*M.shape[:-1], self.n))
+        found[..., self.own] = M[..., self.kept]
+        for a in self.attitudes:
+            turned = M[..., a.quaternion] @ (rates(x[..., a.quaternion]) / 2)
+            found[..., self.turn(a)] = turned + M[..., a.rate] @ skew(x[..., a.rate])
+        return found
+
+    def rows(self, x: Array, M: Array) -> Array:
+        """L M (..., n, m), of M (..., nx, m)."""
+        found = np.empty((*M.shape[:-2], self.n, M.shape[-1]))
+        found[..., self.own, :] = M[..., self.kept, :]
+        for a in self.attitudes:
+            q = x[..., a.quaternion]
+            back = 2 * np.swapaxes(rates(q), -1, -2) / (q**2).sum(-1)[..., None, None]
+            turned = back @ M[..., a.quaternion, :]
+            found[..., self.turn(a), :] = turned
+            found[..., self.spin(a), :] -= skew(x[..., a.rate]) @ turned
+        return found
 
     def forward(self, x: Array) -> Array:
         """T (..., nx, n) at states x (..., nx)."""
-        T = self._ones(x.shape[:-1])
-        for a in self.attitudes:
-            T[..., a.quaternion, self.turn(a)] = rates(x[..., a.quaternion]) / 2
-            T[..., a.rate, self.turn(a)] = skew(x[..., a.rate])
-        return T
+        return self.columns(x, np.broadcast_to(np.eye(self.nx), (*x.shape[:-1], self.nx, self.nx)))
 
     def back(self, x: Array) -> Array:
         """L (..., n, nx)."""
-        L = np.swapaxes(self._ones(x.shape[:-1]), -1, -2).copy()
-        for a in self.attitudes:
-            q = x[..., a.quaternion]
-            own = 2 * np.swapaxes(rates(q), -1, -2) / (q**2).sum(-1)[..., None, None]
-            L[..., self.turn(a), a.quaternion] = own
-            L[..., self.spin(a), a.quaternion] = -skew(x[..., a.rate]) @ own
-        return L
-
-    def turning(self, dx: Array) -> Array:
-        """dT/dt where x moves at dx (..., nx)."""
-        T = np.zeros((*dx.shape[:-1], self.nx, self.n))
-        for a in self.attitudes:
-            T[..., a.quaternion, self.turn(a)] = rates(dx[..., a.quaternion]) / 2
-            T[..., a.rate, self.turn(a)] = skew(dx[..., a.rate])
-        return T
+        return self.rows(x, np.broadcast_to(np.eye(self.nx), (*x.shape[:-1], self.nx, self.nx)))
 
     def model(self, x: Array, dx: Array, jacobians: Sequence[Array]) -> list[Array]:
         """[A, B, E, C, D, F] of the deviations from a nominal x (..., nx) that moves at dx (..., nx)."""
         A, B, E, C, D, F = jacobians
-        T, L = self.forward(x), self.back(x)
-        found = L @ (A @ T - self.turning(dx))
+        moved = self.columns(x, A)
+        for a in self.attitudes:  # less dT/dt
+            moved[..., a.quaternion, self.turn(a)] -= rates(dx[..., a.quaternion]) / 2
+            moved[..., a.rate, self.turn(a)] -= skew(dx[..., a.rate])
+        found = self.rows(x, moved)
         for a in self.attitudes:
             self._rid(a, x, A, found)
-        return [found, L @ B, L @ E, C @ T, D, F]
+        return [found, self.rows(x, B), self.rows(x, E), self.columns(x, C), D, F]
 
     def _rid(self, a: Attitude, x: Array, A: Array, found: Array) -> None:
-        """The rows of dq/dt, which is a deviation itself, without the rounding of the maps: it would be told as growth.
+        """The rows of dq/dt, which is a deviation itself, without the rounding of the maps: three zero eigenvalues of
+        what is at rest would be told as a growth of 1e-18 1/s.
 
         A nominal whose attitude does not move as its angular velocity says keeps what it has.
         """
@@ -125,5 +137,5 @@ class Deviations:
     def cut(self, x: Array) -> Array:
         """x (..., nx) in the places of the deviations, turns as zero: they are measured from the nominal."""
         found = np.zeros((*x.shape[:-1], self.n))
-        found[..., [self.at(k) for k in self.kept]] = x[..., self.kept]
+        found[..., self.own] = x[..., self.kept]
         return found

@@ -13,6 +13,8 @@ import numpy as np
 from pliant.plants.core.signals import index
 from pliant.plants.linear.lti import LinearModel
 
+from .deviations import Attitude
+
 FELT = 1e-9  # of the largest entry of A above which the rest feels an attitude
 TURNS = 1e-12  # [rad/s] above which an attitude turns
 
@@ -28,25 +30,27 @@ def feedback_model(plant: Any, x0: Any, u0: Any, p: Any) -> LinearModel:
     states, values, rates = list(model.states), np.zeros(n), np.zeros(n)
     for k in at.kept:
         states[at.at(k)], values[at.at(k)], rates[at.at(k)] = plant.states[k], x[k], dx[k]
-    gone, told = list[int](), list[int]()
-    for a in plant.attitudes:
-        turn = range(n)[at.turn(a)]
-        outputs = [index(plant.outputs, f"{a.name}_attitude_{c}", "output") for c in "xyz"]
+    gone, told, turning = list[int](), list[int](), list[Attitude]()
+    told_by = [index(plant.outputs, name, "output") for name in plant.attitude_outputs]  # three of each attitude
+    for i, a in enumerate(plant.attitudes):
+        turn, outputs = range(n)[at.turn(a)], told_by[3 * i : 3 * i + 3]
         turns = bool(np.abs(dx[a.quaternion]).max() > TURNS)
-        for i, k in zip(turn, outputs, strict=True):
-            S[i] = np.eye(n)[i] if turns else model.C[k]
-            states[i], values[i] = plant.outputs[k], model.y0[k]
+        for j, k in zip(turn, outputs, strict=True):
+            S[j] = np.eye(n)[j] if turns else model.C[k]
+            states[j], values[j] = plant.outputs[k], model.y0[k]
         if turns:
-            gone, told = [*gone, *turn], [*told, *outputs]
+            gone, told, turning = [*gone, *turn], [*told, *outputs], [*turning, a]
     A, C = S @ np.linalg.solve(S.T, model.A.T).T, np.linalg.solve(S.T, model.C.T).T
     B, E = S @ model.B, S @ model.E
     rows = [k for k in range(n) if k not in gone]
     outputs = [k for k in range(plant.ny) if k not in told]
-    if gone and np.abs(A[np.ix_(rows, gone)]).max() > FELT * np.abs(A).max():
-        raise ValueError(
-            f"feedback_model: an attitude of {plant.label} turns at x0 and the rest feels it: no constant feedback can "
-            "be designed there"
-        )
+    for a in turning:
+        if np.abs(A[rows, at.turn(a)]).max() > FELT * np.abs(A).max():
+            whose = f"{a.name!r} of {plant.label}" if a.name else plant.label
+            raise ValueError(
+                f"feedback_model: the attitude of {whose} turns at x0 (quaternion rates {dx[a.quaternion]}) and the "
+                "rest feels it: no constant feedback can be designed there"
+            )
     return LinearModel(
         A[np.ix_(rows, rows)], B[rows], E[rows], C[np.ix_(outputs, rows)], model.D[outputs], model.F[outputs],
         states=tuple(states[i] for i in rows),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.trajectory import Trajectory
-from pliant.plants.dynamics.linear_models import about, check_signals, finer
+from pliant.plants.dynamics.linear_models import at_point, check_signals, finer
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
@@ -19,23 +19,22 @@ TURN = 1e-3  # [rad] that attitudes may be apart at a jump, of which the map is 
 
 def linearize(plant: Any, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
     """About (x0, u0) frozen; where an attitude turns there, its turns are measured from the turning attitude."""
-    own = about(plant, x0, u0, w, p, t)
-    plant.check_state(own.x0)
-    at, dx = plant.small, own.f0
-    A, B, E, C, D, F = at.model(own.x0, dx, [own.A, own.B, own.E, own.C, own.D, own.F])
-    f0 = at.back(own.x0) @ dx
+    point, at = at_point(plant, x0, u0, w, p, t), plant.small
+    plant.check_state(point.x)
+    f0 = at.rows(point.x, point.dx[:, None])[:, 0]
     for a in at.attitudes:
         f0[at.turn(a)] = 0.0
+    A, B, E, C, D, F = at.model(point.x, point.dx, point.jacobians)
     return LinearModel(
         *(A, B, E, C, D, F),
         states=plant.deviations,
-        inputs=own.inputs,
-        disturbances=own.disturbances,
-        outputs=own.outputs,
-        x0=at.cut(own.x0),
-        u0=own.u0,
-        w0=own.w0,
-        y0=own.y0,
+        inputs=plant.inputs,
+        disturbances=plant.disturbances,
+        outputs=plant.outputs,
+        x0=at.cut(point.x),
+        u0=point.u,
+        w0=point.w,
+        y0=point.y,
         f0=f0,
     )
 
@@ -48,13 +47,13 @@ def check_nominal(plant: Any, nominal: Trajectory) -> None:
         flips = np.flatnonzero((q[1:] * q[:-1]).sum(axis=1) < 0)
         if nominal.dx is None and len(flips):
             raise ValueError(
-                f"nominal: the quaternion of {a.name!r} changes its sign at t = {nominal.t[flips[0] + 1]:.6g} s; keep "
+                f"nominal: the quaternion{a.of} changes its sign at t = {nominal.t[flips[0] + 1]:.6g} s; keep "
                 "neighbours on one side (q and -q are the same attitude), or give dx"
             )
 
 
 def along(plant: Any, nominal: Trajectory, p: Any) -> LTVModel:
-    """About a nominal motion; its residual is the affine term c."""
+    """About a nominal motion, at its own accelerations as any mechanical plant; its residual is the affine term c."""
     check_signals(plant, nominal)
     check_nominal(plant, nominal)
     between = partial(finer, partial(_between_nodes, plant), _of_one_sign(plant, nominal), p)
@@ -88,7 +87,7 @@ def _at_nodes(plant: Any, nominal: Trajectory, p: Any) -> LTVModel:
     residual = plant.dynamics(nominal.x, nominal.u, w=w, p=p, t=nominal.t) - dx
     return LTVModel(
         *(nominal.t, A, B, E, C, D, F),
-        c=(at.back(nominal.x) @ residual[..., None])[..., 0],
+        c=at.rows(nominal.x, residual[..., None])[..., 0],
         x=at.cut(nominal.x),
         u=nominal.u,
         w=w,
@@ -106,8 +105,7 @@ def jump(plant: Any, x: Array, after: Array, jumped: tuple[Array, Array], t: flo
         turn = 2 * np.arccos(min(1.0, abs(float(x[a.quaternion] @ after[a.quaternion]))))
         if turn > TURN:
             raise ValueError(
-                f"linearize_pieces: the attitude of {a.name!r} jumps by {turn:.3g} rad at t = {t:.6g} s, must not jump"
+                f"linearize_pieces: the attitude{a.of} jumps by {turn:.3g} rad at t = {t:.6g} s, must not jump"
             )
-    J, j = jumped
-    back = plant.small.back(np.asarray(after, dtype=float))
-    return back @ J @ plant.small.forward(np.asarray(x, dtype=float)), back @ j
+    (J, j), x, after = jumped, np.asarray(x, dtype=float), np.asarray(after, dtype=float)
+    return plant.small.rows(after, plant.small.columns(x, J)), plant.small.rows(after, j[:, None])[:, 0]

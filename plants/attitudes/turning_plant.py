@@ -1,7 +1,6 @@
 """Plants M dv/dt = r whose coordinates q may hold unit quaternions: dq/dt is v but there, where it is Xi omega / 2.
 
 States   x = [q; v]; one coordinate more than speeds for each quaternion
-Source   the deviations are those of the spacecraft's paper, "Equations of Motion of Flexible Spacecraft"
 """
 
 from __future__ import annotations
@@ -10,33 +9,27 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.argument_gates import real_array, require_by_name, require_choice
+from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.casadi_functions import NumericFunction, built_once
 from pliant.plants.core.quaternions import rates
-from pliant.plants.core.signals import Signal, Unfelt, index, names
-from pliant.plants.core.trajectory import Trajectory
+from pliant.plants.core.signals import Signal, Unfelt, names
 from pliant.plants.dynamics.equilibrium import RestConditions
 from pliant.plants.dynamics.lagrangian import LagrangianPlant
-from pliant.plants.linear.lti import LinearModel
-from pliant.plants.linear.ltv import LTVModel
 
-from . import linear
-from .deviations import Attitude, Deviations
-from .feedback import feedback_model
+from .attitude_plant import AttitudePlant
+from .deviations import Attitude
 from .rests import TurnedForces, stiffness
 
 Array = np.ndarray
-UNIT = 1e-3  # how far from 1 the norm of a quaternion that is given may be
-KINDS = ("rotation", "quaternion")
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurningPlant(LagrangianPlant):
+class TurningPlant(AttitudePlant, LagrangianPlant):
     """M(q) dv/dt = r(t, q, v, u, w). Without quaternions it is a LagrangianPlant like others."""
 
     @property
@@ -59,11 +52,6 @@ class TurningPlant(LagrangianPlant):
         """The quaternions."""
         n = len(self.coordinates)
         return tuple(Attitude(name, q, n + v) for name, q, v in self.turns)
-
-    @cached_property
-    def small(self) -> Deviations:
-        """How deviations follow from states."""
-        return Deviations(self.attitudes, self.nx)
 
     @property
     def states(self) -> tuple[Signal, ...]:
@@ -105,10 +93,6 @@ class TurningPlant(LagrangianPlant):
         return tuple(name for name in self.rates if name not in {*self.prescribed, *self.held})
 
     @property
-    def attitude_states(self) -> tuple[str, ...]:
-        return tuple(s.name for a in self.attitudes for s in self.states[a.quaternion])
-
-    @property
     def attitude_outputs(self) -> tuple[str, ...]:
         return tuple(f"{a.name}_attitude_{c}" for a in self.attitudes for c in "xyz")
 
@@ -119,38 +103,6 @@ class TurningPlant(LagrangianPlant):
             parts += [v[at : at + first - q], rates(x[first : first + 4]) @ v[spin : spin + 3] / 2]
             q, at = first + 4, spin + 3
         return ca.vertcat(*parts, v[at:])
-
-    def check_state(self, x: Array) -> None:
-        """Raise ValueError where a quaternion of x (..., nx) is not of unit length."""
-        for a in self.attitudes:
-            norm = np.atleast_1d(np.linalg.norm(x[..., a.quaternion], axis=-1))
-            worst = float(norm[np.argmax(np.abs(norm - 1))])
-            if not abs(worst - 1) <= UNIT:
-                raise ValueError(
-                    f"{type(self).__name__}.x: the quaternion of {a.name!r} has norm {worst:.6g}, must be 1; see "
-                    "`state`"
-                )
-
-    def consistent(self, x: Array) -> Array:
-        """x (..., nx) with unit quaternions: no turn where one is zero."""
-        if not self.attitudes:
-            return x
-        x = np.array(real_array(f"{type(self).__name__}.x", x))
-        if x.shape[-1:] != (self.nx,):
-            raise ValueError(f"{type(self).__name__}.x has shape {x.shape}, must be (..., {self.nx})")
-        for a in self.attitudes:
-            x[..., a.q] += (x[..., a.quaternion] == 0).all(axis=-1)
-            x[..., a.quaternion] /= np.linalg.norm(x[..., a.quaternion], axis=-1, keepdims=True)
-        return x
-
-    def state(self, values: Mapping[str, float] | None = None, **named: float) -> Array:
-        """x (nx,) with these states by name; the others zero, nothing turned where no quaternion is named."""
-        owner = f"{type(self).__name__}.state"
-        x = np.array(self.rest_state)
-        given = {} if values is None else require_by_name(f"{owner}.values", values)
-        for name, value in (given | require_by_name(owner, named)).items():
-            x[index(self.states, name, "state")] = value
-        return x
 
     def rest_conditions(self, p: Any = None) -> RestConditions:
         return TurnedForces(self, p) if self.attitudes else super().rest_conditions(p)
@@ -185,46 +137,3 @@ class TurningPlant(LagrangianPlant):
         turned = [a for a in self.attitudes if self.states[a.q].name in self.held]
         quaternions = tuple(s.name for a in turned for s in self.states[a.quaternion])
         return Unfelt((places, quaternions, tuple(f"{a.name}_turn_{c}" for a in turned for c in "xyz")), given)
-
-    def linearize(
-        self,
-        x0: Any,
-        u0: Any = None,
-        *,
-        w: Any = None,
-        p: Any = None,
-        t: float = 0.0,
-        attitude: Literal["rotation", "quaternion"] = "rotation",
-    ) -> LinearModel:
-        """The linear model at (x0, u0). attitude "rotation": of each quaternion the deviations are three small turns
-        and their rates, see `deviations`; "quaternion": the plant's own states, as for any plant.
-        """
-        require_choice("linearize", "attitude", attitude, KINDS)
-        if not self.attitudes:
-            return super().linearize(x0, u0, w=w, p=p, t=t)
-        if attitude == "quaternion":
-            own = super().linearize(x0, u0, w=w, p=p, t=t)
-            self.check_state(own.x0)
-            return own
-        return linear.linearize(self, x0, u0, w, p, t)
-
-    def linearize_along(
-        self, nominal: Trajectory, *, p: Any = None, attitude: Literal["rotation", "quaternion"] = "rotation"
-    ) -> LTVModel:
-        """The time-varying model about any nominal motion of this plant's states, as `linearize`."""
-        require_choice("linearize_along", "attitude", attitude, KINDS)
-        if attitude == "quaternion" or not self.attitudes:
-            return super().linearize_along(nominal, p=p)
-        return linear.along(self, nominal, p)
-
-    def jump_map(self, x: Array, P: Array, *, after: Array, p: Any = None, t: float = 0.0) -> tuple[Array, Array]:
-        """As of any plant, in this one's deviations."""
-        own = super().jump_map(x, P, after=after, p=p, t=t)
-        return linear.jump(self, x, after, own, t) if self.attitudes else own
-
-    def feedback_model(self, x0: Any, u0: Any = None, *, p: Any = None) -> LinearModel:
-        """The linear model in signals: attitude outputs for quaternions, angular velocities for the rates of turns.
-
-        Where an attitude turns at (x0, u0) it is left out; ValueError where the rest feels it.
-        """
-        return feedback_model(self, x0, u0, p) if self.attitudes else super().feedback_model(x0, u0, p=p)

@@ -34,9 +34,12 @@ BLOCKS = (  # of `jacobians`: what changes, with what
 def points(plant: Plant, count: int, seed: int) -> list[dict[str, Any]]:
     """[{t, x, u, w, p}] of which the plant's functions take each, nearer to zero where the equations end there."""
     drawn = random_points(plant, np.random.default_rng(seed), count)
-    for _ in range(SHRINKS):
+    drawn[1] = plant.consistent(drawn[1].T).T
+    for k in range(SHRINKS):
         try:
             plant.dynamics(drawn[1].T, drawn[2].T, w=drawn[3].T, p=drawn[4].T)
+            if k:  # once more, for differences are taken about them
+                drawn[1] = plant.consistent(drawn[1].T / 2).T
             break
         except PliantError:
             drawn[1] = plant.consistent(drawn[1].T / 2).T
@@ -123,7 +126,7 @@ def energy_balance(plant: Plant, at: list[dict[str, Any]]) -> tuple[str, list[st
         size = max(float(np.abs(rate).max()), abs(put_in), abs(lost), 1e-12)
         expected = put_in - lost
         if hasattr(plant, "power"):
-            off = np.abs(change - expected) - ROUNDING * abs(float(own.energy(point["x"], p=point["p"]))) / times
+            off = np.abs(change - expected) - _rounding(own.energy, point, rate, times[-1]) / times
             apart = max(float(off.min()), 0.0) / max(float(np.abs(change).max()), abs(put_in), 1e-9 * size)
             worst = max(worst, apart)
             if not apart <= APART:
@@ -143,6 +146,16 @@ def _along(energy: Callable[..., Any], point: dict[str, Any], rate: Array, h: fl
     """dE/dt where x moves at `rate`, by a central difference over h [s]."""
     ahead, back = (float(energy(point["x"] + sign * h * rate, p=point["p"])) for sign in (1, -1))
     return (ahead - back) / (2 * h)
+
+
+def _rounding(energy: Callable[..., Any], point: dict[str, Any], rate: Array, h: float) -> float:
+    """[J] that an energy is off by: how it scatters about a parabola over a motion of h [s]. More than its last digits
+    where it is a difference of large ones, as of weights about their places at rest.
+    """
+    along = np.linspace(-1.0, 1.0, 15)
+    E = np.array([float(energy(point["x"] + s * h * rate, p=point["p"])) for s in along])
+    scatter = np.ptp(E - np.polyval(np.polyfit(along, E, 2), along))
+    return max(ROUNDING * float(np.abs(E).max()), float(scatter))
 
 
 def wrong_masses(plant: Plant, at: list[dict[str, Any]]) -> Iterator[str]:

@@ -1,10 +1,12 @@
-"""Imports of two kinds of their own: modules that are imported when they are first used, and old names of modules.
+"""Imports of three kinds of their own: modules when they are first used, old names of modules, other packages' objects.
 
 Late    `linalg.expm` imports scipy.linalg, which costs as much as half of `import pliant.plants` without it
 serve   modules under the names that they had before the rooms: `pliant.plants.sensitivities` is
         `pliant.plants.integration.step_sensitivities`. The old name imports the same module object, with a
         DeprecationWarning that says the new one. A name that is now a room (`pliant.plants.linear`) is not served
         here: the room exports what the module did.
+offered objects that installed packages name in their pyproject.toml under an entry point's group, listed without being
+        imported; `loaded` imports the package of one
 """
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ import importlib.util
 import sys
 import warnings
 from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import metadata
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
@@ -70,3 +74,18 @@ def serve(package: str, rooms: Mapping[str, str]) -> None:
         for word in words.split():
             old, _, new = word.partition("=")
             _finder.places[f"{package}.{old}"] = ".".join(part for part in (package, room, new or old) if part)
+
+
+@cache
+def offered(group: str) -> dict[str, metadata.EntryPoint]:
+    """The entry points of a group by their names, of the packages that were installed at the first call."""
+    return {entry.name: entry for entry in metadata.entry_points(group=group)}
+
+
+def loaded(entry: metadata.EntryPoint, what: str) -> Any:
+    """The object of an entry point. ValueError that says that `what` cannot be had, of which package, and why."""
+    try:
+        return entry.load()
+    except Exception as error:  # whatever another package raises when it is imported
+        package = entry.dist.name if entry.dist else entry.value
+        raise ValueError(f"{what} of package {package!r} cannot be had: {error}") from error

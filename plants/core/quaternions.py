@@ -60,8 +60,10 @@ def about(axis: Any, angle: Any) -> ca.SX:
     return ca.SX.eye(3) + ca.sin(angle) * h + (1 - ca.cos(angle)) * hh
 
 
-def product(a: Any, b: Any) -> Array:
-    """The quaternion (..., 4) of R(a) R(b)."""
+def product(a: Any, b: Any) -> Any:
+    """The quaternion (..., 4) of R(a) R(b), or (4,) of expressions."""
+    if isinstance(a, ca.SX):
+        return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:]))
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
     scalar = a[..., :1] * b[..., :1] - (a[..., 1:] * b[..., 1:]).sum(-1, keepdims=True)
     vector = a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])

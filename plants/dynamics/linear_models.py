@@ -10,10 +10,10 @@ that by every third of them, and it is HARMLESS, nothing is hidden.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -41,26 +41,45 @@ HARMLESS = 1e-2  # times the span: of a multiplier
 MOST_NODES = 8  # times the nodes that were asked for
 
 
-def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
-    """The model at one point, f0 the rate there."""
+class Point(NamedTuple):
+    """Where a plant is linearised, and what it has there: [A, B, E, C, D, F], dx/dt, y."""
+
+    x: Array
+    u: Array
+    w: Array
+    jacobians: Sequence[Array]
+    dx: Array
+    y: Array
+
+
+def at_point(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> Point:
+    """ValueError where that is no point."""
     t = require_number("linearize.t", t, unit="s")
     (_, x, u, w, p), batch = plant._arguments(x0, u0, w, p, t)
     x = one_state(plant, x)
     if batch is not None:
         shapes = ", ".join(f"{name} {value.shape}" for name, value in zip("xuwp", (x, u, w, p)))
         raise ValueError(f"{type(plant).__name__}: {shapes} must be one point to linearise, not a batch of {batch}")
-    A, B, E, C, D, F = plant.jacobians(x, u, w=w, p=p, t=t)
+    options = {"w": w, "p": p, "t": t}
+    dx = plant.dynamics(x, u, **options)  # first: it says where a mass matrix is lost
+    return Point(x, u, w, plant.jacobians(x, u, **options), dx, plant.measure(x, u, **options))
+
+
+def about(plant: Plant, x0: Any, u0: Any, w: Any, p: Any, t: float) -> LinearModel:
+    """The model at one point, f0 the rate there."""
+    at = at_point(plant, x0, u0, w, p, t)
+    A, B, E, C, D, F = at.jacobians
     return LinearModel(
         *(A, B, E, C, D, F),
         states=plant.states,
         inputs=plant.inputs,
         disturbances=plant.disturbances,
         outputs=plant.outputs,
-        x0=x,
-        u0=u,
-        w0=w,
-        y0=plant.measure(x, u, w=w, p=p, t=t),
-        f0=plant.dynamics(x, u, w=w, p=p, t=t),
+        x0=at.x,
+        u0=at.u,
+        w0=at.w,
+        y0=at.y,
+        f0=at.dx,
     )
 
 

@@ -173,7 +173,10 @@ class MechanicalPlant(Plant):
 
 @dataclass(frozen=True, kw_only=True)
 class BalancedPlant(MechanicalPlant):
-    """A mechanical plant x = [q; v] whose forces are also known at accelerations that are given: see `ForceBalance`."""
+    """A mechanical plant x = [q; v] whose forces are also known at accelerations that are given: see `ForceBalance`.
+
+    Where quaternions are among q there are fewer speeds v than coordinates, n of them.
+    """
 
     @abstractmethod
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -181,8 +184,13 @@ class BalancedPlant(MechanicalPlant):
 
     @property
     def driven(self) -> dict[int, int]:
-        """Coordinates whose acceleration is an input: {coordinate index: input index}."""
+        """Speeds whose rate is an input: {index among the speeds: input index}."""
         return {}
+
+    @property
+    def speed_count(self) -> int:
+        """How many speeds v there are, and accelerations."""
+        return self.nx - len(self.coordinates)
 
     @property
     def _written_out(self) -> bool:
@@ -203,20 +211,17 @@ class BalancedPlant(MechanicalPlant):
         return self.output(t, x, u, w)
 
     @built_once
-    def force_balance(self) -> ForceBalance | None:
-        """Of the coordinates that are not driven; the others' accelerations are inputs. None where coordinates are
-        more than speeds, as quaternions are.
-        """
-        if self.nx != 2 * len(self.coordinates):
-            return None
+    def force_balance(self) -> ForceBalance:
+        """Of the speeds that are not driven; the others' accelerations are inputs."""
         t, x, u, w, _ = self.symbols
-        n, driven = len(self.coordinates), self.driven
+        n, driven = self.speed_count, self.driven
         free = [i for i in range(n) if i not in driven]
         a, moving = ca.SX.sym("a", len(free)), ca.SX(n, 1)
         moving[free] = a
         for i, k in driven.items():
             moving[i] = u[k]
-        return ForceBalance(self, self.symbolic.balance(t, x, u, w, moving)[free], a, driven)
+        lacking = self.symbolic.balance(t, x, u, w, moving)[free]
+        return ForceBalance(self, lacking, a, driven, self.coordinate_rates(x))
 
     def measure_at(self, t: Array, x: Array, u: Array, a: Array) -> Array:
         """y (B, ny) at rows of t, states, inputs and accelerations; see `output_at`."""
@@ -232,13 +237,11 @@ class BalancedPlant(MechanicalPlant):
     def _output_at(self) -> tuple[NumericFunction, list[bool]]:
         """(t, x, u, w, p, a) -> y, and which of y depend on a."""
         t, x, u, w, p = self.symbols
-        a = ca.SX.sym("a", len(self.coordinates))
+        a = ca.SX.sym("a", self.speed_count)
         y = ca.SX(self.symbolic.output_at(t, x, u, w, a))
         return function("output_at", [t, x, u, w, p, a], [y]), ca.which_depends(y, a, 1, True)
 
     def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
-        if self.force_balance is None:
-            return super().state_jacobians_along(nominal, p=p)
         check_signals(self, nominal)
         t, x, u, w, p = self._arguments(nominal.x, nominal.u, nominal.w, p, nominal.t)[0]
         a = self._accelerations(nominal, p)

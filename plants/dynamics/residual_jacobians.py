@@ -99,16 +99,19 @@ def from_energies(plant: Any, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) 
 
 
 class ForceBalance:
-    """M a = r of the `free` ones of n coordinates, the others `driven` by inputs.
+    """M a = r of the `free` ones of n speeds, the others `driven` by inputs.
 
     At rows (B, ..) of t, x, u and accelerations a (B, n), undisturbed where w is None, with the plant's own parameters
     where p is.
     """
 
-    def __init__(self, plant: PlantLike, lacking: ca.SX, a: ca.SX, driven: dict[int, int]) -> None:
-        """lacking: r - M a of the free coordinates at their accelerations a; driven: {coordinate: input}."""
+    def __init__(self, plant: PlantLike, lacking: ca.SX, a: ca.SX, driven: dict[int, int], rates: ca.SX) -> None:
+        """lacking: r - M a of the free speeds at their accelerations a; driven: {speed: input}; rates: dq/dt of x."""
         _, x, u, _, _ = plant.symbols
-        self.plant, self.driven, self.n = plant, driven, plant.nx // 2
+        self.plant, self.driven, self.first = plant, driven, rates.shape[0]  # speeds follow the coordinates
+        self.n = plant.nx - self.first
+        self._rates = _numeric("rates", [x], rates)
+        self._turning = NumericFunction(ca.Function("turning", [x], [ca.densify(ca.jacobian(rates, x))]), matrices=True)
         self.free = [i for i in range(self.n) if i not in driven]
         at = [*plant.symbols, a]
         along, pull = ca.SX.sym("dx", plant.nx), ca.SX.sym("da", a.shape[0])
@@ -128,22 +131,26 @@ class ForceBalance:
         return t[:, None], x, u, quiet_w if w is None else w, quiet_p if p is None else p
 
     def lacking(self, t: Array, x: Array, u: Array, a: Array, *, w: Any = None, p: Any = None) -> Array:
-        """r - M a of the free coordinates (B, m)."""
+        """r - M a of the free speeds (B, m)."""
         return self._lacking(*self._values(t, x, u, w, p), a[:, self.free], batch=len(x))[0]
 
     def mass(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> Array:
-        """M of the free coordinates (B, m, m)."""
+        """M of the free speeds (B, m, m)."""
         m = len(self.free)
         M = _columns(self._weighed, (*self._values(t, x, u, w, p), np.zeros((len(x), m))), m)
         return (M + np.swapaxes(M, 1, 2)) / 2
 
     def at_rest(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> list[Array]:
-        """[r (n, 1), dr/dq, dr/dv, dr/du, M] at one row, where nothing moves and no coordinate is driven."""
+        """[r (n, 1), dr/dq, dr/dv, dr/du, M] at one row, where nothing moves and no speed is driven."""
         values, still = self._values(t, x, u, w, p), np.zeros((1, self.n))
-        slopes = _columns(self._changed, (*values, still), 2 * self.n)[0]
+        slopes = _columns(self._changed, (*values, still), self.plant.nx)[0]
         forces, pushed = self._lacking(*values, still, batch=1)[0], self._pushed(*values, still, batch=1)[0]
         pushed = pushed.reshape(self.n, -1)
-        return [forces.T, slopes[:, : self.n], slopes[:, self.n :], pushed, self.mass(t, x, u, w=w, p=p)[0]]
+        return [forces.T, slopes[:, : self.first], slopes[:, self.first :], pushed, self.mass(t, x, u, w=w, p=p)[0]]
+
+    def rates(self, x: Array) -> Array:
+        """dq/dt (B, nx - n) of states."""
+        return self._rates(x, batch=len(x))[0]
 
     def accelerations(self, t: Array, x: Array, u: Array, M: Array) -> Array:
         """a (B, n) that solve the equations with M of `mass`."""
@@ -156,12 +163,12 @@ class ForceBalance:
 
     def state_jacobians(self, t: Array, x: Array, u: Array, a: Array, *, w: Any = None, p: Any = None) -> Array:
         """A (B, nx, nx) of dx/dt, the equations differentiated at accelerations a."""
-        n, m = self.n, len(self.free)
-        slopes = _columns(self._changed, (*self._values(t, x, u, w, p), a[:, self.free]), 2 * n)
-        A = np.zeros((len(x), 2 * n, 2 * n))
-        A[:, :n, n:] = np.eye(n)
-        if m:
-            A[:, [n + i for i in self.free]] = np.linalg.solve(self.mass(t, x, u, w=w, p=p), slopes)
+        nx, first = self.plant.nx, self.first
+        slopes = _columns(self._changed, (*self._values(t, x, u, w, p), a[:, self.free]), nx)
+        A = np.zeros((len(x), nx, nx))
+        A[:, :first] = self._turning(x, batch=len(x))[0]
+        if self.free:
+            A[:, [first + i for i in self.free]] = np.linalg.solve(self.mass(t, x, u, w=w, p=p), slopes)
         return A
 
 

@@ -7,7 +7,8 @@ from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.tree_beam import TreeBeam
 from pliant.plants.multibody_parts.tree_body import TreeBody
 
-from .bent_beam import BentBeam, family_signals
+from .beam_body import family_signals
+from .bent_beam import BentBeam
 from .elastic_body import ElasticBody
 from .modal_body import ModalBody, modal_signals, place_on
 from .strain_beam import StrainBeam

@@ -25,14 +25,15 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.quaternions import cross
 from pliant.plants.exact_rotations.quadrature import Points, applied, points, sparse
 from pliant.plants.exact_rotations.strain_link import StrainLink, constant_inertia, curvatures, enough, turns
 from pliant.plants.multibody_parts.rod_shapes import RodShapes
-from pliant.plants.multibody_parts.spatial import Inertia, Motion, Wrench, upper
-from pliant.plants.multibody_parts.tree_beam import Section, TreeBeam
+from pliant.plants.multibody_parts.spatial import Inertia, Motion, Wrench, axial, upper
+from pliant.plants.multibody_parts.tree_beam import Section
 
-from .bent_beam import centreline
-from .elastic_body import ElasticBody, Place
+from .beam_body import BeamBody
+from .elastic_body import Place
 
 STRETCHED = 2  # points more than shapes of twist and stretch
 
@@ -47,14 +48,8 @@ class _Tangents(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class StrainBeam(ElasticBody):
-    """`straight` holds the shapes, the parameters and the integrals of the straight beam."""
-
-    straight: TreeBeam
-
-    @property
-    def n(self) -> int:
-        return self.straight.n
+class StrainBeam(BeamBody):
+    """Exact rotations of its sections."""
 
     @cached_property
     def points(self) -> Points:
@@ -144,7 +139,7 @@ class StrainBeam(ElasticBody):
         for k in range(self.n):
             each = ca.horzcat(*[j[:, k] for j in J])
             V = each.T @ z  # sum of J_k z^T
-            n = ca.vertcat(V[2, 1] - V[1, 2], V[0, 2] - V[2, 0], V[1, 0] - V[0, 1])
+            n = axial(V)
             found.append(Wrench(moved[:, k], self._size * n + turning[k]))
         return found
 
@@ -161,10 +156,10 @@ class StrainBeam(ElasticBody):
         first, (still, turning) = self.points.first_moment, self._still()
         S, S_rate, S_bias, S_J = (m * self._summed(first, v) for v in (at.t, at.rate, at.bias, at.J))
         z, moving, left = (self._carried(v) for v in (at.t, at.rate, at.bias))
-        each = z @ U.T + 2 * (moving @ _crossing(w).T) + left  # acceleration of each point, (m, 3)
+        each = z @ U.T + 2 * (moving @ cross(w).T) + left  # acceleration of each point, (m, 3)
         V = self._size * (each.T @ z) + U @ still
         momentum = sum((rate[k] * h for k, h in enumerate(turning)), ca.SX.zeros(3))
-        n = ca.vertcat(V[2, 1] - V[1, 2], V[0, 2] - V[2, 0], V[1, 0] - V[0, 1])
+        n = axial(V)
         f = m * motion.a + U @ S + 2 * ca.cross(w, S_rate) + S_bias
         Q = S_J.T @ motion.a + ca.vertcat(*[ca.dot(h, motion.alpha) for h in turning])
         for c, j in enumerate(at.J):
@@ -228,17 +223,6 @@ class StrainBeam(ElasticBody):
     def strain_energy(self, eta: ca.SX) -> ca.SX:
         return ca.dot(eta, self.straight.stiffness() @ eta) / 2 + self._more(eta)
 
-    def dissipation(self, rate: ca.SX) -> ca.SX:
-        return self.straight.beam.damping * ca.dot(rate, self.straight.stiffness() @ rate) / 2
-
     def readings(self, eta: ca.SX, rate: ca.SX) -> list[ca.SX]:
         end = self.section(1.0, eta, rate)
         return [end.shift[1], end.shift[2], end.shift_rate[1], end.shift_rate[2], *self.straight.curvature(eta)]
-
-    def line(self, eta: np.ndarray, points: int) -> np.ndarray:
-        return centreline(self, eta, points)
-
-
-def _crossing(w: ca.SX) -> ca.SX:
-    """w~ (3, 3): w~ v = w x v."""
-    return ca.blockcat([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])

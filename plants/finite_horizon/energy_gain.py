@@ -23,7 +23,8 @@ from .stretches import Stretches
 Array = np.ndarray
 CLOSE = (1.001, 1.003, 1.006, 1.0099, 1.03, 1.1, 1.3, 2.0, 4.0)  # times the lower bound: gains tried as an upper one
 TURN = 1.0  # h |eigenvalue| of the Hamiltonian up to which P cannot run away and come back in a stretch: that takes pi
-LANCZOS = 1e-5  # relative tolerance of the iterations
+LANCZOS = 1e-4  # relative tolerance of the iterations
+RESTARTS, POWERS = 40, 40
 NEGATIVE, SMALL = 1e-9, 1e-12
 
 
@@ -47,7 +48,7 @@ def energy_gain(on: Stretches) -> Gain:
     lower, worst = _below(on)
     if not lower > 0:
         return Gain(0.0, 0.0 if not np.abs(on.C).max() or not np.abs(on.E).max() else np.inf, worst)
-    through = float(np.linalg.norm(on.F, 2, axis=(-2, -1)).max(initial=0.0)) if on.F.size else 0.0
+    through = max(float(np.linalg.norm(F, 2, axis=(-2, -1)).max(initial=0.0)) for F in on.passed)
     for times in CLOSE:
         gain = lower * times
         if gain > through and bounds(on, gain):
@@ -56,7 +57,7 @@ def energy_gain(on: Stretches) -> Gain:
 
 
 def _below(on: Stretches) -> tuple[float, Array]:
-    from scipy.sparse.linalg import LinearOperator, eigsh
+    from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
     (Phi, Gamma), Q, m, n, nw = on.held, on.costs, len(on.h), on.n, on.nw
     root = np.sqrt(on.h)[:, None]
@@ -83,7 +84,12 @@ def _below(on: Stretches) -> tuple[float, Array]:
         _, vectors = np.linalg.eigh((columns + columns.T) / 2)
     else:
         operator = LinearOperator((size, size), matvec=there_and_back, dtype=float)
-        _, vectors = eigsh(operator, k=1, which="LA", v0=start, tol=LANCZOS)
+        try:
+            _, vectors = eigsh(operator, k=1, which="LA", v0=start, tol=LANCZOS, maxiter=RESTARTS)
+        except ArpackNoConvergence:  # a spectrum without gaps: what the iterations began with is a disturbance too
+            vectors = start[:, None]
+            for _ in range(POWERS):
+                vectors = there_and_back(vectors[:, 0])[:, None] / np.linalg.norm(vectors)
     best = vectors[:, -1] / np.linalg.norm(vectors[:, -1])
     return float(np.sqrt(max(best @ there_and_back(best), 0.0))), np.vstack(
         [best.reshape(m, nw) / root, np.zeros((1, nw))]

@@ -123,21 +123,25 @@ def finite_horizon(
     most = _by_name("limits", limits, set(pushing))
     w, z, x = (np.array([sizes[s.name] for s in of]) for of in (signals, shown, model.states))
     direct = np.concatenate([rows.F, rows.D], axis=-1)[..., [known.index(s) for s in signals]]
-    on = Stretches(model, _into(model, signals) * w, rows.C / z[:, None], direct * w / z[:, None])
+    into, sees = _into(model, signals) * w, rows.C / z[:, None]
+    e, c = (float(np.abs(M).max(initial=0.0)) or 1.0 for M in (into, sees))  # so that no square leaves the numbers
+    on = Stretches(model, into / e, sees / c, direct * w / z[:, None] / (e * c))
     grown = amplification(on, x)
     l2 = energy_gain(on)
     furthest, upper = pushed_outputs.by_energy(on, pushed_outputs.gramians(on))
     allowed = np.array([most[s.name] for s in signals])
-    bounded = pushed_outputs.by_bounded(on, allowed / w)
+    bounded, beside = pushed_outputs.by_bounded(on, allowed / w)
+    unit = z * e * c
 
     def by_energy(row: int, at: int, most_of: float) -> Gain:
         worst, lower = pushed_outputs.worst_of_energy(on, at, row)
-        return Gain(lower * z[row], max(most_of, lower) * z[row], worst * w, float(on.t[at]))
+        return Gain(lower * unit[row], max(most_of, lower) * unit[row], worst * w, float(on.t[at]))
 
     def by_bound(row: int) -> Gain:
         at = int(bounded[:, row].argmax())
         worst, lower = pushed_outputs.worst_bounded(on, at, row, allowed / w)
-        return Gain(lower * z[row], max(bounded[at, row], lower) * z[row], worst * w, float(on.t[at]))
+        furthest = max(float(bounded[at, row]), float(beside[row]), lower)
+        return Gain(lower * unit[row], furthest * unit[row], worst * w, float(on.t[at]))
 
     y = pushed_outputs.nominal(on, rows.at)
     last, each = len(on.h), list(enumerate(names(shown)))
@@ -147,12 +151,12 @@ def finite_horizon(
         disturbances=signals,
         limits=most,
         scale=sizes,
-        l2=Gain(l2.lower, l2.upper, l2.disturbance * w),
+        l2=Gain(l2.lower * e * c, l2.upper * e * c, l2.disturbance * w),
         end={n: by_energy(i, last, float(furthest[-1, i]) if np.isfinite(upper[-1, i]) else np.inf) for i, n in each},
         peak={n: by_energy(i, int(furthest[:, i].argmax()), float(upper[:, i].max())) for i, n in each},
         bounded={n: by_bound(i) for i, n in each},
-        tube={n: y[:, i, None] + bounded[:, i, None] * z[i] * [-1.0, 1.0] for i, n in each},
-        from_start={n: a * z[i] for (i, n), a in zip(each, pushed_outputs.from_start(on, x).T, strict=True)},
+        tube={n: y[:, i, None] + bounded[:, i, None] * unit[i] * [-1.0, 1.0] for i, n in each},
+        from_start={n: a * z[i] * c for (i, n), a in zip(each, pushed_outputs.from_start(on, x).T, strict=True)},
         amplification=grown,
         _on=on,
     )

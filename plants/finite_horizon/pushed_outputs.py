@@ -15,7 +15,8 @@ from pliant.plants.linear.ltv import splined
 from .stretches import ACROSS, Stretches
 
 Array = np.ndarray
-BETWEEN = np.linspace(0.0, 1.0, 9)  # parts of a stretch
+BETWEEN = (0.2, 0.4, 0.6, 0.8)  # parts of a stretch
+STEADY = 1e-3  # by which C and F may be larger within a stretch than at its ends, and yet not be looked at there
 CURVED = ACROSS**2 / 8  # of its height, that a swing may be off the straight line between the ends of a stretch
 NEAR = 4  # stretches that hold a quarter of the fastest swing
 
@@ -34,32 +35,28 @@ def gramians(on: Stretches, start: Array | None = None) -> Array:
 def by_energy(on: Stretches, W: Array) -> tuple[Array, Array]:
     """The most that |z_i| can be at each end of a stretch (m + 1, nz), and what it is at most on the stretch before it.
 
-    Between the ends z_i^2, whose rate is 2 c W (c A + dc/dt)' + |c E|^2, is a cubic to within the fourth derivative's
-    share, (2 |lambda| h)^4/384 at most of the largest. What passes through without delay (F) has no bound at one time:
-    it is left out of the first, and makes the second infinite.
+    Between the ends W is a cubic of its rates there, to within the fourth derivative's share, (2 |lambda| h)^4/384 of
+    the largest; C is what it is. What passes through without delay (F) has no bound at one time: it is left out of the
+    first, and makes the second infinite.
     """
     A, E, C, F = on.nodes
     squares = np.maximum(np.einsum("kij,kjl,kil->ki", C, W, C), 0.0)
-    turning = C @ A + np.gradient(C, on.t, axis=0)
-    slope = 2 * np.einsum("kij,kjl,kil->ki", C, W, turning) + np.square(C @ E).sum(axis=-1)
-    within = [_hermite(s, squares, slope * _steps_after(on), slope * _steps_before(on)) for s in BETWEEN]
-    upper = np.vstack([squares[:1], np.max(within, axis=0) + (2 * ACROSS) ** 4 / 384 * squares.max(axis=0)])
+    rate = A @ W + W @ np.swapaxes(A, 1, 2) + E @ np.swapaxes(E, 1, 2)
+    within, h = [squares[:-1], squares[1:]], on.h[:, None, None]
+    for share in BETWEEN:
+        between = _hermite(share, W, h * rate[:-1], h * rate[1:])
+        sees = on.between(share)[2]
+        within.append(np.einsum("kij,kjl,kil->ki", sees, between, sees))
+    error = (2 * ACROSS) ** 4 / 384 * squares.max(axis=0)
+    upper = np.vstack([squares[:1], np.max(within, axis=0) + error])
     upper[:, np.abs(F).max(axis=(0, 2)) > 0] = np.inf
     return np.sqrt(squares), np.sqrt(np.maximum(upper, 0.0))
 
 
-def _steps_after(on: Stretches) -> Array:
-    return np.r_[on.h, 0.0][:, None]
-
-
-def _steps_before(on: Stretches) -> Array:
-    return np.r_[0.0, on.h][:, None]
-
-
-def _hermite(s: float, y: Array, after: Array, before: Array) -> Array:
+def _hermite(s: float, y: Array, begin: Array, end: Array) -> Array:
     """Between rows of y, at the part s of each stretch, from slopes times its length at its start and its end."""
-    start, end = (1 + 2 * s) * (1 - s) ** 2, s**2 * (3 - 2 * s)
-    return start * y[:-1] + end * y[1:] + s * (1 - s) ** 2 * after[:-1] - s**2 * (1 - s) * before[1:]
+    first, last = (1 + 2 * s) * (1 - s) ** 2, s**2 * (3 - 2 * s)
+    return first * y[:-1] + last * y[1:] + s * (1 - s) ** 2 * begin - s**2 * (1 - s) * end
 
 
 def backward(on: Stretches, at: int, row: int) -> Array:
@@ -90,8 +87,9 @@ def worst_bounded(on: Stretches, at: int, row: int, limits: Array) -> tuple[Arra
     return found * limits, float((np.abs(effect).sum(axis=0) + np.abs(through)) @ limits)
 
 
-def by_bounded(on: Stretches, limits: Array) -> Array:
-    """At most how far |z_i| can be at each end of a stretch (m + 1, nz) where |w_j| <= limits (nw,).
+def by_bounded(on: Stretches, limits: Array) -> tuple[Array, Array]:
+    """At most how far |z_i| can be where |w_j| <= limits (nw,): at each end of a stretch (m + 1, nz), and at most (nz,)
+    at other times, where C or F are larger within a stretch than at its ends.
 
     Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the integral of its modulus is that of itself. Where it
     does not, or may not, the straight line between its ends serves, with what the second derivative may add.
@@ -99,19 +97,42 @@ def by_bounded(on: Stretches, limits: Array) -> Array:
     (Phi, Gamma), (_, E, C, F) = on.held, on.nodes
     m, n, nw, h = len(on.h), on.n, on.nw, on.h[:, None]
     held, ends, found = np.zeros((n, m, nw)), np.zeros((n, m + 1, nw)), np.abs(F) @ limits
+    within, beside = _larger_within(on), np.zeros(on.nz)
     ends[:, 0] = E[0]
     for k in range(m):
         held[:, :k] = np.tensordot(Phi[k], held[:, :k], 1)
         ends[:, : k + 1] = np.tensordot(Phi[k], ends[:, : k + 1], 1)
         held[:, k], ends[:, k + 1] = Gamma[k], E[k + 1]
-        whole = np.abs(np.tensordot(C[k + 1], held[:, : k + 1], 1))  # (nz, k + 1, nw)
-        f = np.tensordot(C[k + 1], ends[:, : k + 2], 1)
-        size = np.abs(f)
-        a, b, curved = size[:, :-1], size[:, 1:], CURVED * _about(size)
-        crosses = (f[:, :-1] * f[:, 1:] < 0) | (np.minimum(a, b) <= curved)
-        line = (a**2 + b**2) / (2 * np.maximum(a + b, np.finfo(float).tiny)) + curved
-        most = np.where(crosses, np.maximum(whole, h[: k + 1] * line), whole)
-        found[k + 1] += most.sum(axis=1) @ limits
+        found[k + 1] += _pushed(C[k + 1], held[:, : k + 1], ends[:, : k + 2], h[: k + 1]) @ limits
+        for at in (k, k + 1):  # what stands between moves as at the nearer end
+            for sees, through in within.get(at, ()):
+                pushed = _pushed(sees, held[:, : k + 1], ends[:, : k + 2], h[: k + 1]) @ limits
+                beside = np.maximum(beside, pushed + np.abs(through) @ limits)
+    return found, beside
+
+
+def _pushed(sees: Array, held: Array, ends: Array, h: Array) -> Array:
+    """(nz, nw) the integral of |sees Phi(t, s) E(s)|."""
+    whole, f = np.abs(np.tensordot(sees, held, 1)), np.tensordot(sees, ends, 1)  # (nz, k + 1, nw), (nz, k + 2, nw)
+    size = np.abs(f)
+    a, b, curved = size[:, :-1], size[:, 1:], CURVED * _about(size)
+    crosses = (f[:, :-1] * f[:, 1:] < 0) | (np.minimum(a, b) <= curved)
+    line = (a**2 + b**2) / (2 * np.maximum(a + b, np.finfo(float).tiny)) + curved
+    return np.asarray(np.where(crosses, np.maximum(whole, h * line), whole).sum(axis=1))
+
+
+def _larger_within(on: Stretches) -> dict[int, list[tuple[Array, Array]]]:
+    """C and F at times within stretches where they are larger than at the ends, by the stretch."""
+    _, _, C, F = on.nodes
+    found: dict[int, list[tuple[Array, Array]]] = {}
+    for share in BETWEEN:
+        _, _, sees, through = on.between(share)
+        more = np.zeros(len(on.h), dtype=bool)
+        for inner, at in ((sees, C), (through, F)):
+            most = np.maximum(np.abs(at[:-1]), np.abs(at[1:]))
+            more |= (np.abs(inner) > most + STEADY * np.abs(at).max(axis=0, initial=0.0)).any(axis=(1, 2))
+        for k in np.flatnonzero(more):
+            found.setdefault(int(k), []).append((sees[k], through[k]))
     return found
 
 

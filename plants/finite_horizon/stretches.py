@@ -18,12 +18,13 @@ import numpy as np
 
 from pliant.plants.core.signals import GAUSS
 from pliant.plants.linear import magnus
-from pliant.plants.linear.even_units import even_expm
+from pliant.plants.linear.even_units import even_expm, even_units
 from pliant.plants.linear.ltv import LTVModel, held_steps, splined
 
 Array = np.ndarray
 ACROSS = 0.5  # |eigenvalue| of A times a stretch, at most
 FEWEST, MOST = 400, 40_000  # stretches
+LOOKED = 16  # nodes
 
 
 class Stretches:
@@ -31,10 +32,9 @@ class Stretches:
 
     def __init__(self, model: LTVModel, into: Array, seen: Array, direct: Array) -> None:
         self.model = model
-        parts = self._parts(model)
-        t = model.t
-        self.parts = parts
-        self.t = np.r_[(t[:-1, None] + np.diff(t)[:, None] * np.arange(parts) / parts).ravel(), t[-1]]
+        t, parts = model.t, _parts(model)
+        ends = [t[k] + (t[k + 1] - t[k]) * np.arange(n) / n for k, n in enumerate(parts)]
+        self.t = np.append(np.concatenate(ends), t[-1])
         self.h = np.diff(self.t)
         gauss = (self.t[:-1, None] + self.h[:, None] * GAUSS).ravel()
         self._values = model.A, into, seen, direct
@@ -42,25 +42,22 @@ class Stretches:
         self.A, self.E, self.C, self.F = at_gauss
         self.n, self.nw, self.nz = self.A.shape[-1], into.shape[-1], seen.shape[-2]
 
-    @staticmethod
-    def _parts(model: LTVModel) -> int:
-        """Equal parts of each interval, so that the fastest mode and a short nominal are both resolved."""
-        few = model.A[:: max(1, len(model.t) // 8)]
-        fastest = float(np.abs(np.linalg.eigvals(few)).max(initial=0.0))
-        h = float(np.diff(model.t).max())
-        parts = max(1, int(np.ceil(fastest * h / ACROSS)), int(np.ceil(FEWEST / (len(model.t) - 1))))
-        if parts * (len(model.t) - 1) > MOST:
-            raise ValueError(
-                f"finite_horizon: modes of up to {fastest:.4g} 1/s need {parts} stretches in each of "
-                f"{len(model.t) - 1} intervals, more than {MOST:,}: leave out the fastest modes"
-            )
-        return parts
-
     @cached_property
     def nodes(self) -> tuple[Array, Array, Array, Array]:
         """A, E, C, F at the ends of stretches, (n + 1, ..)."""
         found = tuple(splined(self.model.t, a, self.t) for a in self._values)
         return found[0], found[1], found[2], found[3]
+
+    def between(self, share: float) -> tuple[Array, Array, Array, Array]:
+        """The same at a share of each stretch, (n, ..)."""
+        at = self.t[:-1] + share * self.h
+        found = tuple(splined(self.model.t, a, at) for a in self._values)
+        return found[0], found[1], found[2], found[3]
+
+    @property
+    def passed(self) -> tuple[Array, ...]:
+        """F at Gauss points, at ends and in the middle of stretches."""
+        return self.F, self.nodes[3], self.between(0.5)[3]
 
     @cached_property
     def held(self) -> tuple[Array, Array]:
@@ -104,3 +101,26 @@ class Stretches:
 
 def _t(M: Array) -> Array:
     return np.swapaxes(M, -1, -2)
+
+
+def _parts(model: LTVModel) -> Array:
+    """Equal parts (nt - 1,) of each interval, so that the fastest mode and a short nominal are both resolved.
+
+    Eigenvalues are found at a few nodes, and where the matrix, in even units, is largest.
+    """
+    none = np.zeros(model.A.shape[-1])
+    unit = even_units(model.A, none, none)
+    size = np.linalg.norm(model.A * unit / unit[:, None], axis=(1, 2))
+    looked = np.union1d(np.arange(0, len(size), max(1, len(size) // LOOKED)), np.argsort(size)[-LOOKED:])
+    rates = np.abs(np.linalg.eigvals(model.A[looked])).max(axis=1, initial=0.0)
+    share = float((rates / np.maximum(size[looked], np.finfo(float).tiny)).max(initial=0.0))
+    fastest = np.minimum(share * size, float(rates.max(initial=0.0)))  # [1/s] at each node
+    h = np.diff(model.t)
+    wanted = np.maximum(np.maximum(fastest[1:], fastest[:-1]) * h / ACROSS, FEWEST * h / h.sum())
+    parts = np.maximum(np.ceil(wanted * (1 - 1e-9)), 1.0)
+    if parts.sum() > MOST:
+        raise ValueError(
+            f"finite_horizon: modes of up to {fastest.max():.4g} 1/s need {parts.sum():,.0f} stretches, more than "
+            f"{MOST:,}: leave out the fastest modes"
+        )
+    return parts.astype(int)

@@ -42,23 +42,26 @@ def read_experiment(
         raise ValueError(f"{str(place)!r} has {place.stat().st_size} bytes, must be at most {LARGEST}")
     try:
         with place.open(newline="", encoding="utf-8-sig") as file:
-            rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
+            reader = csv.reader(file)
+            rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
     except (UnicodeDecodeError, csv.Error) as error:
         raise ValueError(f"{str(place)!r} is no CSV file of text: {error}") from None
     if len(rows) < 3:
-        raise ValueError(f"{str(place)!r} has {len(rows)} lines, must have a head and at least two samples")
-    columns = [_column(place, cell, plant) for cell in rows[0]]
+        raise ValueError(
+            f"{str(place)!r} has {len(rows)} lines that are not blank, must have a head and at least two samples"
+        )
+    columns = [_column(place, cell, plant) for cell in rows[0][1]]
     if len(set(columns)) != len(columns):
         twice = next(c for c in columns if columns.count(c) > 1)
         raise ValueError(f"{str(place)!r} has the column {twice!r} twice")
     if "t" not in columns:
         raise ValueError(f"{str(place)!r} has no column 't [s]'")
-    values = np.array([_numbers(place, k, row, columns) for k, row in enumerate(rows[1:], 2)])
+    values = np.array([_numbers(place, line, row, columns) for line, row in rows[1:]])
     by_name = dict(zip(columns, values.T))
     inputs = {n: by_name[n] for n in names(plant.inputs) if n in by_name}
     for key in ("t", *inputs):
         if np.isnan(by_name[key]).any():
-            line = int(np.argmax(np.isnan(by_name[key]))) + 2
+            line, _ = rows[1 + int(np.argmax(np.isnan(by_name[key])))]
             raise ValueError(f"{str(place)!r} line {line}: {key} is missing, only what is measured may be")
     read = {n: column for n, column in by_name.items() if n != "t" and n not in inputs}
     options = {"start": start, "unknown": unknown, "hold": hold, "name": name or place.stem}

@@ -17,15 +17,15 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import in_order, require_by_name, require_choice
+from pliant.plants.core.argument_gates import require_choice
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
 
-from .experiment import Experiment, checked
-from .fisher_information import Untold, covariance, untold
-from .output_error import OutputError
-from .parameter_space import ParameterSpace, varied
+from .experiment import Experiment
+from .fisher_information import Untold, covariance, triangle, untold
+from .output_error import stated
+from .parameter_space import ParameterSpace
 
 Array = np.ndarray
 CRITERIA = ("D", "A", "E")
@@ -73,7 +73,7 @@ class Ranking:
 
 def rank_motions(
     plant: Plant,
-    motions: Sequence[Experiment | Trajectory],
+    motions: Experiment | Trajectory | Sequence[Experiment | Trajectory],
     *,
     noise: Mapping[str, float],
     criterion: str = "D",
@@ -82,8 +82,8 @@ def rank_motions(
     """Motions ranked by what they tell of the varied parameters of a plant at its own values, or at `start`.
 
     plant      one that varies parameters: `plant.vary("link1.E", "payload.mass")`
-    motions    Trajectories or Experiments, simulated or measured; what they measured does not count, only when,
-               where from, under which inputs and by which sensors
+    motions    a Trajectory or Experiment, or several, simulated or measured; what they measured does not count, only
+               when, where from, under which inputs and by which sensors
     noise      {signal: standard deviation of a sample}, of every signal that any motion measures
     criterion  "D", "A" or "E": see this module
 
@@ -93,21 +93,14 @@ def rank_motions(
     >>> ranking.best.name, ranking.best.standard_errors["link1.E"]
     """
     owner = "rank_motions"
-    plant = varied(owner, plant)
     require_choice(owner, "criterion", criterion, CRITERIA)
-    given = in_order(f"{owner}.motions", motions, "motions")
-    if not given:
-        raise ValueError(f"{owner}.motions = () must hold at least one motion")
-    experiments = [checked(plant, motion, f"{owner}.motions[{k}]", k) for k, motion in enumerate(given)]
-    signals = tuple(dict.fromkeys(s for e in experiments for s in e.signals))
-    levels = require_by_name(f"{owner}.noise", noise, signals, "signal", "positive")
-    lacking = [s for s in signals if s not in levels]
+    problem, levels = stated(owner, plant, motions, noise, None, start)
+    lacking = [s for s in problem.signals if s not in levels]
     if lacking:
         raise ValueError(f"{owner}.noise lacks {', '.join(lacking)}: each measured signal needs a standard deviation")
-    space = ParameterSpace.of(owner, plant, None, start)
-    problem = OutputError(plant, experiments, space)
+    space = problem.space
     found, parts = [], []
-    for k, one in enumerate(experiments):
+    for k, one in enumerate(problem.experiments):
         played = problem.play(problem.start, k)
         if played is None:
             raise IntegrationError(
@@ -115,9 +108,7 @@ def rank_motions(
             )
         parts.append(problem.information_of(k, played, levels))
         found.append(_told(k, one.name, parts[-1], space))
-    together = np.zeros((len(space.start),) * 2)
-    R = np.linalg.qr(np.vstack(parts), mode="r")
-    together[: len(R)] = R
+    together = triangle(np.vstack(parts))
     order = sorted(found, key=lambda one: one.criteria[criterion])
     units: dict[str, Any] = dict(zip(space.names, space.units))
     return Ranking(criterion, tuple(order), _told(-1, "all of them", together, space), units)

@@ -42,13 +42,17 @@ class Untold:
         return f"{' and '.join(self.names)} cannot be told apart: relative changes by {ratio} do not show"
 
 
-def condensed(J: Array, r: Array) -> Array:
-    """(n + 1, n + 1) upper triangular [[R, Q'r], [0, rest]] of a Jacobian (m, n) and a residual (m,)."""
-    whole = np.hstack([J, r[:, None]])
-    R = np.linalg.qr(whole, mode="r")
-    found = np.zeros((whole.shape[1], whole.shape[1]))
+def triangle(rows: Array) -> Array:
+    """R (n, n), upper triangular, with R'R = rows'rows of any number of rows (m, n)."""
+    R = np.linalg.qr(rows, mode="r")
+    found = np.zeros((rows.shape[1],) * 2)
     found[: len(R)] = R
     return found
+
+
+def condensed(J: Array, r: Array) -> Array:
+    """(n + 1, n + 1) upper triangular [[R, Q'r], [0, rest]] of a Jacobian (m, n) and a residual (m,)."""
+    return triangle(np.hstack([J, r[:, None]]))
 
 
 def covariance(R: Array) -> Array:

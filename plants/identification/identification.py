@@ -19,6 +19,7 @@ from .output_error import Fit, OutputError, Played
 
 Array = np.ndarray
 Interval = tuple[float, float]
+COLUMNS = ("parameter", "value", "standard error", "95 % interval", "unit")
 NOTHING: Interval = (-math.inf, math.inf)
 
 
@@ -88,13 +89,18 @@ class Identification(OwnsArrays):
         bound = [f"{n} stands at a bound of its search; no interval is claimed for it" for n in self.at_bound]
         return (*self.doubts, *(group.words for group in self.unidentifiable), *bound)
 
-    def summary(self) -> str:
-        """The result as text, a line a parameter."""
-        rows = [("parameter", "value", "standard error", "95 % interval", "unit")]
+    def rows(self) -> list[tuple[str, ...]]:
+        """A row a parameter, as text under COLUMNS."""
+        found: list[tuple[str, ...]] = []
         for name, value in self.values.items():
             low, high = self.intervals[name]
             span = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
-            rows.append((name, f"{value:.6g}", f"{self.standard_errors[name]:.3g}", span, self.units[name]))
+            found.append((name, f"{value:.6g}", f"{self.standard_errors[name]:.3g}", span, self.units[name]))
+        return found
+
+    def summary(self) -> str:
+        """The result as text, a line a parameter."""
+        rows = [COLUMNS, *self.rows()]
         widths = [max(map(len, column)) for column in zip(*rows)]
         lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
         levels = [

@@ -15,18 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import in_order, require_by_name, require_count, require_function
+from pliant.plants.core.argument_gates import require_count, require_function
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
 
 from . import bounded_least_squares, residual_tests
 from .bounded_least_squares import Found, Linearised
-from .experiment import Experiment, checked
+from .experiment import Experiment
 from .fisher_information import covariance
 from .identification import Identification, conclude
-from .output_error import Fit, OutputError, Played
-from .parameter_space import ParameterSpace, varied
+from .output_error import Fit, OutputError, Played, stated
 
 Array = np.ndarray
 NOISE_ROUNDS, NOISE_SETTLED = 12, 1e-3  # searches between which the noise is estimated, and its relative change
@@ -66,32 +65,24 @@ def identify(
     >>> found.values["link1.E"], found.intervals["link1.E"], found.unidentifiable, found.doubts
     """
     began, owner = clock.perf_counter(), "identify"
-    plant = varied(owner, plant)
-    one = isinstance(motions, (Experiment, Trajectory))
-    given = (motions,) if one else in_order(f"{owner}.motions", motions, "motions")
-    if not given:
-        raise ValueError(f"{owner}.motions = () must hold at least one motion")
-    experiments = [checked(plant, motion, f"{owner}.motions[{k}]", k) for k, motion in enumerate(given)]
-    signals = tuple(dict.fromkeys(s for e in experiments for s in e.signals))
-    levels = require_by_name(f"{owner}.noise", {} if noise is None else noise, signals, "signal", "positive")
-    space = ParameterSpace.of(owner, plant, bounds, start)
+    problem, levels = stated(owner, plant, motions, noise, bounds, start)
     tries, seed = require_count(owner, "tries", tries, 1, TRIES), require_count(owner, "seed", seed, 0, 2**63)
     tell = require_function(f"{owner}.progress", progress) if progress is not None else lambda part, doing: None
-    search = _Search(OutputError(plant, experiments, space), levels, tell)
-    fit = search.best(space.tried(owner, tries, seed))
+    search = _Search(problem, levels, tell)
+    fit = search.best(problem.space.tried(owner, tries, seed))
     if fit is None:
         raise IntegrationError(
             "no search has a start whose motion is finite; give a start nearer to the truth, or bounds",
-            float(experiments[0].t[0]),
-            experiments[0].start,
-            search.problem.steps[0],
+            float(problem.experiments[0].t[0]),
+            problem.experiments[0].start,
+            problem.steps[0],
         )
     fit, step_error = search.refined(fit)
-    stats: dict[str, Any] = {"tries": tries, "evaluations": search.evaluations, "steps": list(search.problem.steps)}
+    stats: dict[str, Any] = {"tries": tries, "evaluations": search.evaluations, "steps": list(problem.steps)}
     assert search.played is not None
     doubts = search.doubts(fit, step_error)
     stats["seconds"] = clock.perf_counter() - began
-    return conclude(search.problem, fit, search.played, levels, doubts, step_error, stats)
+    return conclude(problem, fit, search.played, levels, doubts, step_error, stats)
 
 
 class _Search:
@@ -233,7 +224,8 @@ class _Search:
         """What speaks against believing the end of the searches."""
         floor = {s: SMALLEST_NOISE * self._loudest(s) for s in fit.sigma}
         residuals = [one.residual for one in self.played or ()]
-        tested = residual_tests.doubts(self.problem.experiments, residuals, fit.sigma, self.levels, floor)
+        squares = self.problem.squares(self.played or ())
+        tested = residual_tests.doubts(self.problem.experiments, residuals, squares, fit.sigma, self.levels, floor)
         return (*_of_search(fit, step_error), *tested)
 
 

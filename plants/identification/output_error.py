@@ -7,17 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_parts
+from pliant.plants.core.argument_gates import in_order, require_by_name, require_parts
+from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.integration.step_maps import step_limit
 
 from .bounded_least_squares import Linearised
-from .experiment import Checked
-from .fisher_information import condensed
-from .parameter_space import ParameterSpace
+from .experiment import Checked, Experiment, checked
+from .fisher_information import condensed, triangle
+from .parameter_space import ParameterSpace, varied
 from .tangent_motion import METHOD, MOST_STEPS, SAME, TangentMotion, measured_function
 
 Array = np.ndarray
@@ -166,11 +168,7 @@ class OutputError:
 
     def information(self, played: Sequence[Played], sigma: Mapping[str, float]) -> Array:
         """The same (np, np) of all experiments together."""
-        left = [self.information_of(k, this, sigma) for k, this in enumerate(played)]
-        R = np.linalg.qr(np.vstack(left), mode="r")
-        found = np.zeros((self.np, self.np))
-        found[: len(R)] = R
-        return found
+        return triangle(np.vstack([self.information_of(k, this, sigma) for k, this in enumerate(played)]))
 
     @property
     def samples(self) -> int:
@@ -186,3 +184,20 @@ class OutputError:
                 s, n = found[name]
                 found[name] = s + float(np.nansum(r**2)), n + int((~np.isnan(r)).sum())
         return found
+
+
+def stated(
+    owner: str, plant: Plant, motions: Any, noise: Any, bounds: Any, start: Any
+) -> tuple[OutputError, dict[str, float]]:
+    """The problem that a plant's varied parameters and one motion or several pose, and the noise {signal: sigma} that
+    is given; ValueError, which names `owner`, where they pose none.
+    """
+    plant = varied(owner, plant)
+    one = isinstance(motions, (Experiment, Trajectory))
+    given = (motions,) if one else in_order(f"{owner}.motions", motions, "motions")
+    if not given:
+        raise ValueError(f"{owner}.motions = () must hold at least one motion")
+    experiments = [checked(plant, motion, f"{owner}.motions[{k}]", k) for k, motion in enumerate(given)]
+    signals = tuple(dict.fromkeys(s for e in experiments for s in e.signals))
+    levels = require_by_name(f"{owner}.noise", {} if noise is None else noise, signals, "signal", "positive")
+    return OutputError(plant, experiments, ParameterSpace.of(owner, plant, bounds, start)), levels

@@ -51,19 +51,16 @@ def too_large(squares: float, freedom: float) -> bool:
 def doubts(
     experiments: Sequence[Checked],
     residuals: Sequence[Array],
+    squares: Mapping[str, tuple[float, int]],
     sigma: Mapping[str, float],
     given: Mapping[str, float],
     floor: Mapping[str, float],
 ) -> Iterator[str]:
-    """What residuals [(nt, ny) ..] say against their noise sigma, as sentences. Estimated noise at its `floor` is no
-    noise: such residuals are rounding, and are not looked at.
+    """What residuals [(nt, ny) ..] and their `squares` {signal: (sum, samples)} say against their noise sigma, as
+    sentences. Estimated noise at its `floor` is no noise: such residuals are rounding, and are not looked at.
     """
-    sums = dict.fromkeys(sigma, 0.0)
-    counts = dict.fromkeys(sigma, 0)
     for one, values in zip(experiments, residuals):
         for name, r in zip(one.signals, values.T):
-            sums[name] += float(np.nansum(r**2))
-            counts[name] += int((~np.isnan(r)).sum())
             near = coloured(r) if name in given or sigma[name] > floor[name] else None
             if near is not None:
                 yield (
@@ -71,6 +68,7 @@ def doubts(
                     "a false minimum, physics that lack, or disturbances; try bounds with tries, or a finer plant"
                 )
     for name, level in given.items():
-        if too_large(sums[name] / level**2, counts[name]):
-            times = np.sqrt(sums[name] / counts[name]) / level
+        total, count = squares[name]
+        if too_large(total / level**2, count):
+            times = np.sqrt(total / count) / level
             yield f"the residuals of {name} are {times:.3g} times the noise that was given"

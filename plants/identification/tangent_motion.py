@@ -163,7 +163,7 @@ class TangentMotion:
         step: float,
         hold: str = "zero-order",
     ) -> tuple[Array, Array]:
-        """x (nt, nx) and its tangents (nt, m, nx) at the times t (nt,) [s], in RK4 steps of at most `step` [s].
+        """x (nt, nx) and its tangents (nt, m, nx) at the times t (nt,) [s], in steps of order 8, at most `step` [s].
 
         x0 (nx,), u (nt, nu), w (nw,), p (np,); of each of m tangents seeds (m, nx) are dx(0)/d(theta), directions
         (m, np) dp/d(theta). From where the motion is no longer of finite numbers on, all is NaN.

@@ -23,6 +23,7 @@ from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.quaternions import skew
 from pliant.plants.core.signals import read_only
 
+from .data_sheet import fields_of_factors
 from .modal_fields import ModalNode
 
 Array = np.ndarray
@@ -57,18 +58,17 @@ def craig_bampton(
         raise ValueError(f"from_craig_bampton.stiffness: mode 1 has omega^2 = {squares[0]:.3g} 1/s^2, must be > 0")
     Q, squares = Q[:, :modes], squares[:modes]
     damping = require_number("from_craig_bampton.damping", damping, "nonnegative")
-    found = _integrals(whole, Q.T @ driven)
-    centre = found["first"] / found["mass"]
+    driven = Q.T @ driven
+    nearest = driven @ np.linalg.pinv(whole, rcond=1e-12, hermitian=True)
+    mass = float(np.trace(whole[:3, :3]) / 3)
+    first = np.array([whole[1, 5] - whole[2, 4], whole[2, 3] - whole[0, 5], whole[0, 4] - whole[1, 3]]) / 2
+    owner, J, omega = "from_craig_bampton.mass", _even(whole[3:, 3:]), np.sqrt(squares)
+    found = fields_of_factors(owner, mass, first, J, driven, nearest, omega, damping)
     named = [_mixed(node, Q, n, at) for node in require_all("from_craig_bampton.nodes", nodes, ModalNode)]
+    places, shapes = [node.position for node in named], [node.shapes for node in named]
     return found | {
-        "stiffness": np.diag(squares),
-        "damping": np.diag(2 * damping * np.sqrt(squares)),
-        "tip": centre,
-        "tip_shapes": found["R"] / found["mass"],
-        "outline": np.array([np.zeros(3), centre, *(node.position for node in named)]),
-        "outline_shapes": np.stack(
-            [np.zeros((modes, 3)), found["R"] / found["mass"], *(node.shapes for node in named)], axis=1
-        ),
+        "outline": np.array([*found["outline"], *places]),
+        "outline_shapes": np.concatenate([found["outline_shapes"], *(s[:, None] for s in shapes)], axis=1),
         "nodes": tuple(named),
     }
 
@@ -101,43 +101,6 @@ def _check(K: Array, T: Array, b: int) -> None:
             f"from_craig_bampton.stiffness couples boundary and modes by {between.max():.2g} (<= {COUPLED}): "
             "the modes must be those of a held boundary"
         )
-
-
-def _integrals(whole: Array, driven: Array) -> dict[str, Any]:
-    """From the rigid body's M (6, 6) about the origin and participation factors (n, 6) of modes of unit modal mass."""
-    mass = float(np.trace(whole[:3, :3]) / 3)
-    first = np.array([whole[1, 5] - whole[2, 4], whole[2, 3] - whole[0, 5], whole[0, 4] - whole[1, 3]]) / 2
-    J = _even(whole[3:, 3:])
-    second = np.trace(J) / 2 * np.eye(3) - J
-    Pi = np.block([[np.full((1, 1), mass), first[None]], [first[:, None], second]])
-    nearest = driven @ np.linalg.pinv(whole, rcond=1e-12, hermitian=True)
-    motions = np.concatenate([nearest[:, :3, None], skew(nearest[:, 3:])], axis=2)  # (n, 3, 4) of (1, r)
-    overlaps = np.einsum("kia,ab,ljb->klij", motions, Pi, motions)
-    rest = np.eye(len(driven)) - np.einsum("klii->kl", overlaps)
-    least = np.linalg.eigvalsh(rest)[0] if len(rest) else 0.0
-    if least < -1e-6:
-        raise ValueError(
-            f"from_craig_bampton.mass: rigid motions take {1 - least:.6g} of the modes' modal mass, must be at most 1"
-        )
-    return {
-        "mass": mass,
-        "first": first,
-        "second": second,
-        "R": driven[:, :3],
-        "moments": np.einsum("ab,kib->kai", Pi[1:], motions),
-        "overlaps": overlaps + rest[:, :, None, None] / 3 * np.eye(3),
-        **_unknown(len(driven)),
-    }
-
-
-def _unknown(n: int) -> dict[str, Array]:
-    """Shortening, of which such matrices say nothing."""
-    return {
-        "shortening": np.zeros((n, n, 3)),
-        "shortening_moments": np.zeros((n, n, 3, 3)),
-        "shortening_overlaps": np.zeros((n, n, n, 3, 3)),
-        "shortening_squares": np.zeros((n, n, n, n, 3, 3)),
-    }
 
 
 def _mixed(node: ModalNode, Q: Array, n: int, origin: Array) -> ModalNode:

@@ -20,13 +20,14 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.beams.payload import check_inertia
 from pliant.plants.core.argument_gates import real_array, require_finite, require_number
+from pliant.plants.core.quaternions import skew
 from pliant.plants.core.signals import read_only
 
-from .integrals import AXES
-
 Array = np.ndarray
-ROUNDED = 1e-9  # share of what a body has by which rounding may make its modes take more
+ROUNDED = 1e-9  # of factors, and of mass: arithmetic's rounding; modes that take more of it no `ModalFields` passes
+GIVE_MORE = "; give more of the craft's inertia to the body, less to the hub"
 
 
 def rigid(mass: float, first: Any, inertia: Any) -> dict[str, Any]:
@@ -34,7 +35,8 @@ def rigid(mass: float, first: Any, inertia: Any) -> dict[str, Any]:
     I = read_only("ModalData.inertia", inertia, (3, 3))
     first = read_only("ModalData.first", first, (3,))
     mass = require_number("ModalData.mass", mass, "positive", "kg")
-    return _fields(mass, first, I, np.zeros((0, 6)), np.zeros((0, 6)), np.zeros(0), np.zeros(0))
+    none = np.zeros((0, 6))
+    return fields_of_factors("ModalData.rigid", mass, first, I, none, none, np.zeros(0), np.zeros(0))
 
 
 def from_participation(
@@ -62,40 +64,35 @@ def from_participation(
     L_t = np.zeros((n, 3)) if L_translation is None else L_translation
     L_t = require_finite(f"{owner}.L_translation", L_t, (n, 3))
     L_r = require_finite(f"{owner}.L_rotation", L_rotation, (n, 3))
-    if np.abs(I - I.T).max() > ROUNDED * np.abs(I).max():
-        raise ValueError(f"{owner}.inertia = {I.tolist()} must be symmetric")
-    principal = np.linalg.eigvalsh(I)
-    if principal[0] < 0 or principal[2] > (principal[0] + principal[1]) * (1 + ROUNDED):
-        raise ValueError(
-            f"{owner}.inertia has the principal moments {principal.tolist()}, must be >= 0 and none above the sum of "
-            "the others [kg m^2]: give more of the craft's inertia to the body, less to the hub"
-        )
-    X = np.einsum("cij,i->cj", AXES, mass * d)  # X w = m d x w
+    check_inertia(f"{owner}.inertia", tuple(map(tuple, I.tolist())), GIVE_MORE)
+    X = skew(mass * d)
     M = np.block([[mass * np.eye(3), -X], [X, I]])
     L = np.hstack([L_t, L_r])
     field = np.linalg.lstsq(M, L.T, rcond=None)[0].T
     size = np.abs(L).max(initial=0.0)
     if n and np.abs(field @ M - L).max() > ROUNDED * size:
         raise ValueError(f"{owner}.L_rotation asks a turn about an axis about which the body has no inertia")
-    return _fields(mass, mass * d, I, L, field, omega, zeta)
+    return fields_of_factors(owner, mass, mass * d, I, L, field, omega, zeta)
 
 
-def _fields(mass: float, first: Array, I: Array, L: Array, field: Array, omega: Array, zeta: Array) -> dict[str, Any]:
-    """All integrals of the rigid field (n, 6) of each mode, and of the rest of its unit mass."""
+def fields_of_factors(
+    owner: str, mass: float, first: Array, I: Array, L: Array, field: Array, omega: Array, zeta: Any
+) -> dict[str, Any]:
+    """Fields of ModalData of modes of unit mass with factors L (n, 6), from their rigid fields (n, 6), M_rr field = L,
+    and the rest of their mass; `owner` is named where they have more of it than there is.
+    """
     n = len(L)
     second = np.trace(I) / 2 * np.eye(3) - I
-    a, b = field[:, :3], np.einsum("cij,ki->kcj", AXES, field[:, 3:])  # b w = turn x w
+    a, b = field[:, :3], skew(field[:, 3:])  # b w = turn x w
     rest = np.eye(n) - field @ L.T
     if n and (least := np.linalg.eigvalsh((rest + rest.T) / 2)[0]) < -ROUNDED:
         raise ValueError(
-            f"ModalData.from_participation: the modes take {1 - least:.4g} times what mass or inertia the body has, "
-            "must be at most 1"
+            f"{owner}: the modes take {1 - least:.8g} times what mass or inertia the body has, must be at most 1"
         )
     turned = b @ first
     overlaps = mass * np.einsum("ki,lj->klij", a, a) + np.einsum("ki,lj->klij", a, turned)
     overlaps = overlaps + np.einsum("ki,lj->klij", turned, a) + np.einsum("kia,ab,ljb->klij", b, second, b)
-    tip = first / mass
-    moving = (a + b @ tip)[:, None] if n else np.zeros((0, 1, 3))
+    centre, moving = first / mass, L[:, :3] / mass
     return {
         "mass": mass,
         "first": first,
@@ -109,8 +106,8 @@ def _fields(mass: float, first: Array, I: Array, L: Array, field: Array, omega: 
         "shortening_moments": np.zeros((n, n, 3, 3)),
         "shortening_overlaps": np.zeros((n, n, n, 3, 3)),
         "shortening_squares": np.zeros((n, n, n, n, 3, 3)),
-        "tip": tip,
-        "tip_shapes": moving[:, 0],
-        "outline": np.array([np.zeros(3), tip]),
-        "outline_shapes": np.concatenate([np.tile(a[:, None], (1, 1, 1)), moving], axis=1),
+        "tip": centre,
+        "tip_shapes": moving,
+        "outline": np.array([np.zeros(3), centre]),
+        "outline_shapes": np.stack([np.zeros((n, 3)), moving], axis=1),  # clamped at the root
     }

@@ -52,7 +52,8 @@ class ModalData(ModalFields):
         """From a data sheet: modes of unit mass, their factors about the attachment point (`data_sheet`).
 
         centre (3,) [m], inertia (3, 3) [kg m^2] there, frequencies (n,) [rad/s], damping a ratio or (n,),
-        L_translation (n, 3) [kg^0.5] (None: zero), L_rotation (n, 3) [kg^0.5 m]. Its tip moves rigidly: no shapes.
+        L_translation (n, 3) [kg^0.5] (None: zero), L_rotation (n, 3) [kg^0.5 m]. Its tip is its mass
+        centre, which they move by L_translation / mass.
         """
         return cls(**from_participation(mass, centre, inertia, frequencies, damping, L_translation, L_rotation))
 

@@ -9,7 +9,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from pliant.plants.arms.physics import BENT
 from pliant.plants.core.signals import Sensed
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics.plant_contract import PINION
@@ -17,7 +16,7 @@ from pliant.plants.modal_data.driven_families import before_the_last, left_out
 from pliant.plants.multibody_joints.freedoms import freedoms
 from pliant.plants.multibody_parts.geared_inputs import GearedInputs
 from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
-from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached
+from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reached, longer
 
 from .declaration import TreeDeclaration
 from .measurements import sensed
@@ -79,8 +78,9 @@ class TreeFidelity(TreeDeclaration):
         return f"{self.kinematics}, {self.basis} {modes}"
 
     def _with(self, kinematics: str, most: int) -> Self:
-        """With as many shapes of each family that a body has, and of its modes."""
-        bodies = [dataclasses.replace(b, modes=tuple(min(n, 1) * most for n in b.modes)) for b in self.bodies]
+        """With as many shapes of each family that a beam has, and of a body's modes."""
+        shapes = [tuple(min(n, 1) * most for n in b.modes) if b.beam else b.modes for b in self.bodies]
+        bodies = [dataclasses.replace(b, modes=n) for b, n in zip(self.bodies, shapes, strict=True)]
         fewer = [b if b.modal is None else dataclasses.replace(b, modal_modes=min(most, b.modal.n)) for b in bodies]
         return dataclasses.replace(self, bodies=tuple(fewer), kinematics=kinematics)
 
@@ -103,8 +103,8 @@ class TreeFidelity(TreeDeclaration):
         """Every driven joint on a motion of the profile, the gears taken as stiff: what twists them is left out."""
         if not self.motors:
             return super().rest_to_rest(begin, end, time, profile=profile)
-        geared = ((f"{joint.name}_motor_torque", joint.elastic) for joint in self.moving)
-        ratios = {name: float(gear.ratio) for name, gear in geared if gear is not None}
+        geared = zip(self.freedoms[-len(self.motors) :], (self.moving[i].elastic for i in self.motors), strict=True)
+        ratios = {f.force.name: float(gear.ratio) for f, gear in geared if gear is not None}
         return GearedInputs(self, self.stiff_geared, ratios, begin, end, time, profile)
 
     def ladder(self) -> tuple[Self, ...]:
@@ -135,19 +135,17 @@ class TreeFidelity(TreeDeclaration):
         return max((left_out(one, turned=False) for one in data), default=super().left_out)
 
     def estimates(self, motion: Trajectory) -> dict[str, tuple[Self, ...]]:
-        """Stretch: each beam without shapes of it longer for good, as `PlanarArm.estimates` has it of arms."""
+        """Stretch: each beam without shapes of it `longer` for good."""
         if self.kinematics != "strain":
             return {}
         strains, turns = (iter(largest_reached(self, motion, what)) for what in (AXIAL, TURN))
-        longer, changed = list(self.bodies), False
+        bodies, changed = list(self.bodies), False
         for k, body in enumerate(self.bodies):
             planes = sum(n > 0 for n in body.modes[:2]) if body.beam is not None else 0
             strain, turn = (max((next(each) for _ in range(planes)), default=0.0) for each in (strains, turns))
             if body.beam is not None and planes and not body.modes[3]:
-                by, beam = 1 + strain * (1 + BENT * turn), body.beam
-                beam = dataclasses.replace(beam, length=beam.length * by, density=beam.density / by)
-                longer[k], changed = dataclasses.replace(body, beam=beam), True
-        return {STRETCH: (dataclasses.replace(self, bodies=tuple(longer)),)} if changed else {}
+                bodies[k], changed = dataclasses.replace(body, beam=longer(body.beam, strain, turn)), True
+        return {STRETCH: (dataclasses.replace(self, bodies=tuple(bodies)),)} if changed else {}
 
     @property
     def effects(self) -> dict[str, bool]:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.quaternions import of_matrix
+from pliant.plants.core.quaternions import of_matrix, product
 from pliant.plants.multibody_parts.spatial import AROUND
 from pliant.plants.multibody_parts.steps import Ball, Fixed, Move, Spin
 
 from .layout import BASE
 from .walk import Walk
+
+SLIDING = ("prismatic", "planar", "free")  # joints that shift
 
 
 class Pose(NamedTuple):
@@ -61,18 +63,13 @@ def quaternions(walk: Walk) -> list[ca.SX]:
             if isinstance(step, Spin):
                 half = ca.SX.zeros(4)
                 half[0], half[1 + step.axis] = ca.cos(step.angle / 2), ca.sin(step.angle / 2)
-                q = _product(q, half)
+                q = product(q, half)
             elif isinstance(step, Ball):
-                q = _product(q, step.quaternion)
+                q = product(q, step.quaternion)
             elif isinstance(step, Fixed):
-                q = _product(q, ca.SX(ca.DM(of_matrix(np.array(step.R)))))
+                q = product(q, ca.SX(ca.DM(of_matrix(np.array(step.R)))))
         found.append(q)
     return found
-
-
-def _product(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Of R(a) R(b)."""
-    return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:]))
 
 
 def twists(walk: Walk) -> list[Twist]:
@@ -108,31 +105,40 @@ def weight_energy(walk: Walk, gravity: ca.SX) -> ca.SX:
 
 
 def drawn(walk: Walk, points: int) -> list[np.ndarray]:
-    """Lines (points, 3) [m] of a walk at numbers: a beam along its sections, else to what hangs on the body."""
-    nodes, stands, found = walk.tree.nodes, poses(walk), list[np.ndarray]()
-    ends = [np.array(ca.DM(pose.p)).reshape(3) for pose in stands]
-    for k, (node, pose) in enumerate(zip(nodes, stands, strict=True)):
+    """Lines (points, 3) [m] of a walk at numbers: a beam along its sections, else to what hangs on the body. As many at
+    every state: one to what slides also where it stands at its parent's place, one for two places that are the same.
+    """
+    nodes, found, led = walk.tree.nodes, list[np.ndarray](), set[tuple[Any, ...]]()
+    stands = [_numbers(pose) for pose in poses(walk)]
+    for k, (node, (R, end)) in enumerate(zip(nodes, stands, strict=True)):
         if node.beam is not None:
-            eta, R = np.array(ca.DM(walk.bent(k)[0])).reshape(-1), np.array(ca.DM(pose.R))
-            found.append(ends[k] + node.beam.line(eta, points) @ R.T)
+            eta = np.array(ca.DM(walk.bent(k)[0])).reshape(-1)
+            found.append(end + node.beam.line(eta, points) @ R.T)
         parent = nodes[node.parent] if node.parent != BASE else None
-        if parent is None or parent.beam is None:
-            floats = parent is None and node.joint is not None and node.joint.kind in ("planar", "free")
-            if floats or k <= walk.tree.root:
-                continue  # nothing leads there
-            start = ends[node.parent] if parent is not None else np.zeros(3)
-            known = any(np.array_equal([start, ends[k]], line[[0, -1]]) for line in found)  # of two places in one
-            if np.linalg.norm(ends[k] - start) > 0 and not known:
-                found.append(np.linspace(start, ends[k], points))
+        if parent is not None and parent.beam is not None:
+            continue
+        kind = "" if node.joint is None else node.joint.kind
+        if k <= walk.tree.root or (parent is None and kind in ("planar", "free")):
+            continue  # nothing leads there
+        way = (node.parent, *np.array(ca.DM(node.r)).reshape(3), k if kind in SLIDING else BASE)
+        if way not in led and (kind in SLIDING or any(way[1:4])):
+            led.add(way)
+            start = stands[node.parent][1] if parent is not None else np.zeros(3)
+            found.append(np.linspace(start, end, points))
     return found
+
+
+def _numbers(pose: Pose) -> tuple[np.ndarray, np.ndarray]:
+    return np.array(ca.DM(pose.R)), np.array(ca.DM(pose.p)).reshape(3)
 
 
 def in_plane(walk: Walk, normal: int) -> bool:
     """Whether all joints of a walk at numbers move in the plane across an axis of the base: 0, 1, 2 for x, y, z."""
-    for (k, joint), pose in zip(walk.tree.joints, [poses(walk)[k] for k, _ in walk.tree.joints], strict=True):
+    stands = poses(walk)
+    for k, joint in walk.tree.joints:
         if joint.kind in ("spherical", "free"):
             return False
-        along = np.array(ca.DM(pose.R)) @ np.array(walk.tree.nodes[k].own).T @ np.array(joint.axis)
+        along = _numbers(stands[k])[0] @ np.array(walk.tree.nodes[k].own).T @ np.array(joint.axis)
         turned = abs(abs(along[normal]) - 1.0) < 1e-6
         if not (abs(along[normal]) < 1e-6 if joint.slides else turned):
             return False

@@ -59,7 +59,7 @@ class FlexibleTree(TreeElasticity):
 
     `bodies` stand parents first. `tip` is the body or the frame that holds the payload ("": the end of the last body);
     `frames` are further places, of which `loads` feel forces. `modes` of the bodies, `kinematics` ("rigid", "linear",
-    "stiffened") and `basis` ("polynomial", "clamped-free") are the fidelity.
+    "stiffened", "strain") and `basis` ("polynomial", "clamped-free") are the fidelity.
 
     `base`: "fixed", "free" (of inertia `platform`, its offset from the base's origin), or "driven" in `base_freedoms`,
     whose accelerations are inputs. `state` makes states by name, with unit quaternions.

@@ -11,7 +11,7 @@ import numpy as np
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
 
 Array = np.ndarray
-BASE = 6  # speeds of a free base, the first
+FREE_SPEEDS = 6  # speeds of a free base, the first
 
 
 class Floating(InverseDynamics):
@@ -20,7 +20,7 @@ class Floating(InverseDynamics):
     def _carried(self, x: Array) -> Array:
         v = slice(len(self.plant.coordinates), None)
         M, x = self.plant.mass_matrix(x), x.copy()
-        momentum = (M[:, :BASE, BASE:] @ x[:, v][:, BASE:, None])[:, :, 0]
+        momentum = (M[:, :FREE_SPEEDS, FREE_SPEEDS:] @ x[:, v][:, FREE_SPEEDS:, None])[:, :, 0]
         at = v.start
-        x[:, at : at + BASE] = -np.linalg.solve(M[:, :BASE, :BASE], momentum[:, :, None])[:, :, 0]
+        x[:, at : at + FREE_SPEEDS] = -np.linalg.solve(M[:, :FREE_SPEEDS, :FREE_SPEEDS], momentum[:, :, None])[:, :, 0]
         return x

@@ -14,54 +14,61 @@ from pliant.plants.multibody_parts.joint import Joint
 
 AXES = ("x", "y", "z")
 TURNS = {"spherical": 0, "free": 3}  # where among the coordinates, and the speeds, of the joint its turn begins
+SHIFTS = {"planar": 2, "free": 3}  # of joints that turn as well: how many come first
 
 
 class Freedom(NamedTuple):
-    """One speed of a joint: what is told of its place, its rate, and the unit of its force (rad: a torque)."""
+    """One speed of a joint: what is told of its place, its rate, and its inputs: a force or torque, or where the motion
+    is given the acceleration.
+    """
 
     place: Signal  # a coordinate, or a component of the attitude
     rate: Signal
     force: Signal
-
-    @property
-    def acceleration(self) -> Signal:
-        """The input where the motion is given."""
-        word = self.force.name.replace("_force", "_acceleration").replace("_torque", "_acceleration")
-        return Signal(word, per_second(self.rate.unit))
+    acceleration: Signal
 
 
-def _shift(name: str, word: str, force: str) -> Freedom:
-    place = f"{name}{word}"
-    return Freedom(Signal(place, "m"), Signal(f"{place}_rate", "m/s"), Signal(force, "N"))
+def _freedom(place: Signal, rate: Signal, name: str, ending: str = "") -> Freedom:
+    """Its inputs are called after the joint, with an `ending` where that has several."""
+    kind, unit = ("force", "N") if rate.unit == "m/s" else ("torque", "N m")
+    force = Signal(f"{name}_{kind}{ending}", unit)
+    return Freedom(place, rate, force, Signal(f"{name}_acceleration{ending}", per_second(rate.unit)))
+
+
+def _shift(name: str, ending: str = "") -> Freedom:
+    place = f"{name}{ending}"
+    return _freedom(Signal(place, "m"), Signal(f"{place}_rate", "m/s"), name, ending)
 
 
 def _turn(name: str, axis: str) -> Freedom:
     """About one of the axes beyond."""
-    return Freedom(
-        Signal(f"{name}_attitude_{axis}", "1"),
-        Signal(f"{name}_rate_{axis}", "rad/s"),
-        Signal(f"{name}_torque_{axis}", "N m"),
-    )
+    place, rate = Signal(f"{name}_attitude_{axis}", "1"), Signal(f"{name}_rate_{axis}", "rad/s")
+    return _freedom(place, rate, name, f"_{axis}")
 
 
-def _angle(name: str, word: str) -> Freedom:
+def _angle(name: str, word: str = "") -> Freedom:
     place = f"{name}{word}"
-    return Freedom(Signal(place, "rad"), Signal(f"{place}_rate", "rad/s"), Signal(f"{name}_torque", "N m"))
+    return _freedom(Signal(place, "rad"), Signal(f"{place}_rate", "rad/s"), name)
 
 
 def freedoms(joint: Joint) -> tuple[Freedom, ...]:
     """The speeds of a joint, in order."""
     n = joint.name
     if joint.kind == "revolute":
-        return (_angle(n, ""),)
+        return (_angle(n),)
     if joint.kind == "prismatic":
-        return (_shift(n, "", f"{n}_force"),)
+        return (_shift(n),)
     if joint.kind == "planar":
-        return (*(_shift(n, f"_{c}", f"{n}_force_{c}") for c in AXES[:2]), _angle(n, "_angle"))
+        return (*(_shift(n, f"_{c}") for c in AXES[:2]), _angle(n, "_angle"))
     turns = tuple(_turn(n, c) for c in AXES)
     if joint.kind == "spherical":
         return turns
-    return (*(_shift(n, f"_{c}", f"{n}_force_{c}") for c in AXES), *turns) if joint.kind == "free" else ()
+    return (*(_shift(n, f"_{c}") for c in AXES), *turns) if joint.kind == "free" else ()
+
+
+def motor_of(joint: Joint) -> Freedom:
+    """The speed of a motor behind an elastic gear."""
+    return _angle(f"{joint.name}_motor")
 
 
 def coordinates(joint: Joint) -> tuple[Signal, ...]:

@@ -17,7 +17,7 @@ from pliant.plants.core.casadi_functions import entries
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.multibody_parts.joint import Joint, Sliding
 
-from .freedoms import Slot, freedoms
+from .freedoms import SHIFTS, Slot, freedoms
 
 Sides = list[tuple[Any, Any]]  # (dz by the coordinate, z) of each stop
 
@@ -84,7 +84,7 @@ def _slid(part: Sliding | None, q: ca.SX, v: ca.SX) -> ca.SX:
 
 def _parts(slot: Slot, q: ca.SX, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """(shifts and their rates, the turn and its) of a joint that has several freedoms."""
-    nv, shifts = len(freedoms(slot.joint)), {"planar": 2, "free": 3}.get(slot.joint.kind, 0)
+    nv, shifts = len(freedoms(slot.joint)), SHIFTS.get(slot.joint.kind, 0)
     turn = 4 if slot.turn is not None else 1
     return (
         entries(q, slice(slot.q, slot.q + shifts)),
@@ -126,6 +126,6 @@ def _over(part: Joint | Sliding, there: Sides, at_zero: Sides) -> ca.SX:
 def lost(slot: Slot, v: ca.SX) -> ca.SX:
     """Rayleigh's function [W]: half the power lost to damping."""
     joint, part, n = slot.joint, slot.joint.sliding, len(freedoms(slot.joint))
-    shifts = {"planar": 2, "free": 3}.get(joint.kind, 0)
+    shifts = SHIFTS.get(joint.kind, 0)
     D = _lost(joint, entries(v, slice(slot.v + shifts, slot.v + n)))
     return D if part is None else D + _lost(part, entries(v, slice(slot.v, slot.v + shifts)))

@@ -17,7 +17,7 @@ from pliant.plants.integration.inverse_dynamics import InverseDynamics
 from pliant.plants.multibody_parts.joint import Joint
 
 from .floating import Floating
-from .freedoms import TURNS, Freedom, Slot, coordinates, ends, freedoms, slots
+from .freedoms import TURNS, Freedom, Slot, coordinates, ends, freedoms, motor_of, slots
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,14 +61,8 @@ class TreeJoints(TurningPlant):
     @cached_property
     def freedoms(self) -> tuple[Freedom, ...]:
         """Of all joints, then of the motors."""
-        motors = [self.moving[i].name for i in self.motors]
-        return (
-            *(f for joint in self.moving for f in freedoms(joint)),
-            *(
-                Freedom(Signal(f"{n}_motor", "rad"), Signal(f"{n}_motor_rate", "rad/s"), Signal(f"{n}_torque", "N m"))
-                for n in motors
-            ),
-        )
+        own = (f for joint in self.moving for f in freedoms(joint))
+        return (*own, *(motor_of(self.moving[i]) for i in self.motors))
 
     @property
     def speeds(self) -> tuple[Signal, ...]:
@@ -92,10 +86,12 @@ class TreeJoints(TurningPlant):
         found, n = [], ends(self.slots)[1]
         for i, (joint, _, v) in enumerate(self.slots):
             if i in self.motors:
-                found.append((Signal(f"{joint.name}_motor_torque", "N m"), n + self.motors.index(i)))
+                at = n + self.motors.index(i)
+                found.append((self.freedoms[at].force, at))
             elif joint.drive != "none":
                 given = joint.drive == "acceleration"
-                found += [(f.acceleration if given else f.force, v + k) for k, f in enumerate(freedoms(joint))]
+                own = enumerate(self.freedoms[v : v + len(freedoms(joint))], v)
+                found += [(f.acceleration if given else f.force, at) for at, f in own]
         return tuple(found)
 
     @property

@@ -19,6 +19,7 @@ from typing import Any, Self
 
 import casadi as ca
 
+from pliant.plants.beams.elastic_link import second_derivative
 from pliant.plants.beams.section import Beam, Material
 from pliant.plants.core.signals import index
 from pliant.plants.validity.ranges import Range
@@ -122,7 +123,7 @@ class SliderCrank(SliderCrankMechanism):
         q, v = x[:n], x[n:]
         c, s = self.direction(q)
         shift = ca.vertcat(*self.elastic.middle(*self._split(q)))
-        moved = _second(self.middle(q), q, v, a)
+        moved = second_derivative(self.middle(q), q, v, a)
         pin, slider = self._reactions(q, v, a, w)
         torque = self.crank_inertia * a[0] + self.crank_friction * v[0]
         torque += self.crank_radius * (ca.cos(q[0]) * pin[1] - ca.sin(q[0]) * pin[0])
@@ -133,7 +134,7 @@ class SliderCrank(SliderCrankMechanism):
             shift[0],
             c * moved[1] - s * moved[0],
             c * moved[0] + s * moved[1],
-            _second(shift[1], q, v, a),
+            second_derivative(shift[1], q, v, a),
             pin,
             c * slider[0] + s * slider[1],
             slider[1] + self.slider_mass * self.gravity,
@@ -166,12 +167,7 @@ class SliderCrank(SliderCrankMechanism):
         speed = ca.jtimes(self.slider(q), q, v)
         drag = self.slider_friction * speed
         drag += self.dry_friction * speed / ca.sqrt(speed**2 + DRY_SPEED**2)
-        along = -(self.slider_mass * _second(self.slider(q), q, v, a) + self.force + w[0] + drag)
+        along = -(self.slider_mass * second_derivative(self.slider(q), q, v, a) + self.force + w[0] + drag)
         across = load[2] / self.elastic.chord(*self._split(q))  # in the rod's axes
         slider = ca.vertcat(along, (s * along + across) / c)
         return ca.vertcat(c * load[0] - s * load[1], s * load[0] + c * load[1]) - slider, slider
-
-
-def _second(e: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
-    """d2e/dt2 of an expression of q alone."""
-    return ca.jtimes(ca.jtimes(e, q, v), q, v) + ca.jtimes(e, q, a)

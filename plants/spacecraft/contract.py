@@ -78,10 +78,6 @@ class SpacecraftContract(SpacecraftDeclaration):
         return names(self.outputs[6:])
 
     @property
-    def attitude_states(self) -> tuple[str, ...]:
-        return names(self.states[self.layout.quaternion])
-
-    @property
     def attitude_outputs(self) -> tuple[str, ...]:
         return names(self.outputs[:3])
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from abc import abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -12,12 +11,13 @@ from typing import Any, Self
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.argument_gates import real_array, require_all, require_by_name
+from pliant.plants.attitudes.attitude_plant import AttitudePlant
+from pliant.plants.attitudes.deviations import Attitude
+from pliant.plants.core.argument_gates import require_all
 from pliant.plants.core.parameters import flag, part, require_choice, validate
 from pliant.plants.core.quaternions import matrix
-from pliant.plants.core.signals import Signal, index
+from pliant.plants.core.signals import Signal
 from pliant.plants.dynamics.arguments import line_points, one_state
-from pliant.plants.dynamics.mechanical import MechanicalPlant
 from pliant.plants.modal_data.deformed_body import constant
 from pliant.plants.modal_data.driven_families import before_the_last, left_out
 from pliant.plants.modal_data.modal_data import ModalData
@@ -28,12 +28,11 @@ from pliant.plants.spacecraft_parts.hub import Hub
 from .layout import Layout
 
 KINEMATICS = ("rigid", "linear", "stiffened")
-UNIT = 1e-3  # how far from 1 the norm of a quaternion that is given may be
 AXES = "xyz"
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpacecraftDeclaration(MechanicalPlant):
+class SpacecraftDeclaration(AttitudePlant):
     """A hub and the appendages hinged to it; `FlexibleSpacecraft` adds their equations of motion."""
 
     hub: Hub = part(Hub)
@@ -70,8 +69,15 @@ class SpacecraftDeclaration(MechanicalPlant):
         )
 
     @cached_property
+    def attitudes(self) -> tuple[Attitude, ...]:
+        """The hub's."""
+        return (Attitude("", self.layout.quaternion.start, self.layout.omega.start),)
+
+    @cached_property
     def deviations(self) -> tuple[Signal, ...]:
-        """The states of its linear models, see `linearisation`."""
+        """The states of its linear models, those of the paper: y = [p, q, hinge angles, eta] and dy/dt, then wheel
+        momenta; p is the change of position in reference axes, q the small turn of the hub in nominal hub axes.
+        """
         place = tuple(Signal(f"p_{c}", "m") for c in AXES if self.translation)
         y = (*place, *(Signal(f"q_{c}", "rad") for c in AXES), *self.coordinates)
         return y + tuple(Signal(f"{s.name}_rate", f"{s.unit}/s") for s in y) + self.states[self.layout.wheels]
@@ -180,38 +186,12 @@ class SpacecraftDeclaration(MechanicalPlant):
     def unmodelled(self) -> tuple[str, ...]:
         return "exact rotations of the appendages", "modes that their modal data leave out", "fuel that moves"
 
-    def state(self, values: Mapping[str, float] | None = None, **named: float) -> np.ndarray:
-        """x (nx,) with these states by name; the others at rest with body and reference axes aligned."""
-        x = np.zeros(self.nx)
-        x[self.layout.quaternion.start] = 1.0
-        values = {} if values is None else require_by_name("FlexibleSpacecraft.state.values", values)
-        given = values | require_by_name("FlexibleSpacecraft.state", named)
-        for name, value in given.items():
-            x[index(self.states, name, "state")] = value
-        return x
-
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         at, found = self.layout, [2 * x[self.layout.quaternion][1:], x[self.layout.omega]]
         for i, a in enumerate(self.appendages):
             eta = x[at.modes[i]]
             found.append(constant(a.data.tip_shapes[: eta.shape[0]].T) @ eta if eta.shape[0] else ca.SX.zeros(3))
         return ca.vertcat(*found)
-
-    def check_state(self, x: np.ndarray) -> None:
-        """Raise ValueError where the quaternion of x (..., nx) is not of unit length."""
-        norm = np.atleast_1d(np.linalg.norm(x[..., self.layout.quaternion], axis=-1))
-        worst = float(norm[np.argmax(np.abs(norm - 1))])
-        if not abs(worst - 1) <= UNIT:
-            raise ValueError(f"FlexibleSpacecraft.x: the quaternion has norm {worst:.6g}, must be 1; see `state`")
-
-    def consistent(self, x: np.ndarray) -> np.ndarray:
-        """x (..., nx) with a unit quaternion: no turn where it is zero."""
-        x, s = np.array(real_array("FlexibleSpacecraft.x", x)), self.layout.quaternion
-        if x.shape[-1:] != (self.nx,):
-            raise ValueError(f"FlexibleSpacecraft.x has shape {x.shape}, must be (..., {self.nx})")
-        x[..., s.start] += (x[..., s] == 0).all(axis=-1)
-        x[..., s] /= np.linalg.norm(x[..., s], axis=-1, keepdims=True)
-        return x
 
     def turn(self, x: Any) -> np.ndarray:
         """R (3, 3), hub axes to reference axes, at a state x (nx,)."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import casadi as ca
 import numpy as np
@@ -23,12 +23,9 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import real_array, require_finite
 from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
-from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics import arguments
 from pliant.plants.dynamics.residual_jacobians import Differentiated
-from pliant.plants.linear.lti import LinearModel
-from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.spacecraft_parts.appendage import Appendage
 from pliant.plants.spacecraft_parts.hub import Hub
 from pliant.plants.validity.appendages import of_appendage
@@ -36,11 +33,7 @@ from pliant.plants.validity.ranges import Range
 
 from . import energies, equations, linearisation
 from .contract import SpacecraftContract
-from .feedback_model import feedback_model
 from .jacobian_blocks import differentiated, residual_function
-
-Attitude = Literal["rotation", "quaternion"]
-ATTITUDES = ("rotation", "quaternion")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,37 +154,5 @@ class FlexibleSpacecraft(SpacecraftContract):
             raise ValueError(f"FlexibleSpacecraft.natural_frequencies: locked = {locked} must be (): it is free")
         return linearisation.natural_frequencies(self, self.state() if x0 is None else x0, p)
 
-    def linearize(
-        self, x0: Any, u0: Any = None, *, w: Any = None, p: Any = None, t: float = 0.0, attitude: Attitude = "rotation"
-    ) -> LinearModel:
-        """The linear model at (x0, u0). attitude "rotation": deviations are [p, q, hinges, eta] and their rates, see
-        `linearisation`; "quaternion": the plant's own states, as for any plant.
-        """
-        require_choice("linearize", "attitude", attitude, ATTITUDES)
-        if attitude == "quaternion":
-            self.check_state(arguments.one_state(self, x0))
-            return super().linearize(x0, u0, w=w, p=p, t=t)
-        return linearisation.linearize(self, x0, u0, w, p, t)
-
-    def linearize_along(self, nominal: Trajectory, *, p: Any = None, attitude: Attitude = "rotation") -> LTVModel:
-        """The time-varying model about any nominal motion of this plant's states, as `linearize`."""
-        require_choice("linearize_along", "attitude", attitude, ATTITUDES)
-        if attitude == "quaternion":
-            return super().linearize_along(nominal, p=p)
-        return linearisation.linearize_along(self, nominal, p)
-
     def _accelerations(self, nominal: Trajectory, p: Any) -> np.ndarray:
         return linearisation.nominal_accelerations(self, nominal, p)
-
-    def jump_map(
-        self, x: np.ndarray, P: np.ndarray, *, after: np.ndarray, p: Any = None, t: float = 0.0
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """As of any plant, in this one's deviations [y, dy/dt, wheels]."""
-        return linearisation.jump_in_deviations(self, x, after, super().jump_map(x, P, after=after, p=p, t=t), t)
-
-    def feedback_model(self, x0: Any, u0: Any = None, *, p: Any = None) -> LinearModel:
-        """The linear model in signals: attitude outputs for the quaternion, rates relative to inertial space.
-
-        Where the attitude turns at (x0, u0) it is left out; ValueError where the rest feels it.
-        """
-        return feedback_model(self, x0, u0, p)

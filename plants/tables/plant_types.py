@@ -11,13 +11,12 @@ and is imported when the first of them is asked for.
 from __future__ import annotations
 
 import dataclasses
-from functools import cache
-from importlib import metadata
 from typing import TypeVar
 
 from pliant.plants.arms.single_link import SingleLinkArm
 from pliant.plants.arms.two_link import TwoLinkArm
 from pliant.plants.core.argument_gates import require_text, shown
+from pliant.plants.core.imports import loaded, offered
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.large_deflection.large_beam import LargeDeflectionBeam
 from pliant.plants.multibody.tree import FlexibleTree
@@ -55,14 +54,9 @@ def _require_kind(name: str, kind: object) -> type[Plant]:
     return kind
 
 
-@cache
-def _offered() -> dict[str, metadata.EntryPoint]:
-    return {entry.name: entry for entry in metadata.entry_points(group=GROUP)}
-
-
 def names() -> tuple[str, ...]:
     """The names of all types of plants that are known, those of installed packages among them."""
-    return tuple(dict.fromkeys((*SHIPPED, *_registered, *_offered())))
+    return tuple(dict.fromkeys((*SHIPPED, *_registered, *offered(GROUP))))
 
 
 def named(owner: str, name: str) -> type[Plant]:
@@ -72,17 +66,13 @@ def named(owner: str, name: str) -> type[Plant]:
         return SHIPPED[name]
     if name in _registered:
         return _registered[name]
-    if name not in _offered():
+    if name not in offered(GROUP):
         raise ValueError(
             f"{owner} = {shown(name)} must be one of {', '.join(names())}, or registered: `pliant --with FILE.py` runs "
             "a file of your own first"
         )
-    entry = _offered()[name]
-    try:
-        kind = _require_kind(f"entry point {GROUP} {name}", entry.load())
-    except Exception as error:  # whatever another package raises when it is imported
-        package = entry.dist.name if entry.dist else entry.value
-        raise ValueError(f"{owner} = {shown(name)} of package {package!r} cannot be had: {error}") from error
+    what = f"{owner} = {shown(name)}"
+    kind = _require_kind(f"{what}: entry point {GROUP} {name}", loaded(offered(GROUP)[name], what))
     if kind.__name__ != name:
         raise ValueError(f"{owner} = {shown(name)} is the class {kind.__name__}, must have the name of its class")
     _registered[name] = kind

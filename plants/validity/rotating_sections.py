@@ -16,6 +16,7 @@ Twisted     A sub-beam's bends are stiff about the axes of its frame, not of its
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import casadi as ca
@@ -35,8 +36,20 @@ MOMENTS = ("I_z", "I_y")  # that bending about z and about y feel
 ONE_TURN = 2 * np.pi  # [rad]
 SKEW = 0.1  # [rad]
 RESOLVED = 3.0  # [rad]
+BENT = 1.5  # [1/rad] by which a beam's turn raises what its stretch does
 MORE_POINTS = "LargeDeflectionBeam with more points"
 FINER = 'more segments, or kinematics="strain"'
+
+
+def longer(beam: Beam, strain: float, turn: float) -> Beam:
+    """For good as much longer as its root is strained at most, of the same mass: an estimate of what stretch does.
+
+    A bent beam that stretches is pulled and moved across as well: the share is raised with the turn of its sections.
+    Against extensible beams that were spun this was 1.1 to 3 times what extension did, 0.3 to 6 times where links bend
+    by a radian: it serves to see that extension is nothing.
+    """
+    by = 1 + strain * (1 + BENT * turn)
+    return dataclasses.replace(beam, length=beam.length * by, density=beam.density / by)
 
 
 def largest_reached(plant: PlantLike, motion: Trajectory, what: str) -> list[float]:

@@ -1,8 +1,9 @@
 """The scene that a controller is scored on: its own, on a plant that knows more than the design model.
 
-The rule   every elastic body gets one more mode: the plant then holds the first mode that the design model leaves out,
-           the one that spillover is about. Where a body holds no more modes, the next variant of the plant's ladder.
-           Shapes and parameters stay, so that states of the same name are the same quantities.
+The rule   every elastic body gets one more mode, a body of a tree one more of each family in which it bends, twists or
+           stretches: the plant then holds the first mode that the design model leaves out, the one that spillover is
+           about. Where a body holds no more modes, the next variant of the plant's ladder. Shapes and parameters stay,
+           so that states of the same name are the same quantities.
 Varied     what the plant calls uncertain (payload, stiffness, damping), each by +-30 %, beside what the scene itself
            randomises
 Steps      RK4, as many in a control period as the fastest mode and the accuracy of the compared outputs ask for
@@ -23,6 +24,7 @@ from pliant.plants import Plant, PliantError
 from pliant.plants.core import parameters
 from pliant.plants.core.signals import names
 from pliant.plants.integration.step_maps import step_limit
+from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
 
 SPREAD = 0.3  # of payload, stiffness and damping
 CORNERS = 64  # parameter corners at which the step limit is looked at, at most
@@ -48,6 +50,8 @@ def finer(plant: Plant) -> Plant:
 def _one_more_mode(plant: Any) -> Plant | None:
     if hasattr(plant, "appendages"):
         return dataclasses.replace(plant, appendages=tuple(_longer(a) for a in plant.appendages))
+    if hasattr(plant, "bodies"):
+        return dataclasses.replace(plant, bodies=tuple(_richer(b) for b in plant.bodies))
     modes = getattr(plant, "modes", None)
     if modes is None:
         return None
@@ -63,6 +67,15 @@ def _longer(appendage: Any) -> Any:
     if modes is None or modes >= getattr(appendage.body, "n", modes + 1):
         return appendage
     return dataclasses.replace(appendage, modes=modes + 1)
+
+
+def _richer(body: TreeBody) -> TreeBody:
+    """The body of a tree with one more shape in each family that it has, or one more of its modes."""
+    if body.modal is not None and body.modal_modes:
+        return dataclasses.replace(body, modal_modes=min(body.modal_modes + 1, body.modal.n))
+    if body.beam is None:
+        return body
+    return dataclasses.replace(body, modes=tuple(min(n + 1, MOST_MODES) if n else 0 for n in body.modes))
 
 
 def differing_states(design: Scene, played: Scene) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""What the commands share: a progress bar on stderr, plain errors, settings by name."""
+"""What the commands share: a progress bar on stderr, plain errors, tables."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from pliant.envs.scene_files.settings import with_settings
-from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Progress
@@ -231,8 +229,3 @@ def _text(value: Any) -> str:
     if value is None:
         return "-"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def scene_with(name: str, settings: Sequence[str]) -> Scene:
-    """A scene, by name or by its file, with NAME=VALUE settings; see `with_settings`."""
-    return with_settings(name, settings)

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scenes import SCENES
 from pliant.plants.core.argument_gates import require_choice
 from pliant.plants.files.atomic_files import Together
@@ -23,7 +24,7 @@ from pliant.studies.figures.effectivity import effectivity as histogram
 from pliant.studies.figures.speed_accuracy import save as save_chart
 from pliant.studies.figures.style import save
 
-from .console import bar, complain, drawable, print_json, say, scene_with, show, writable, writable_folder
+from .console import bar, complain, drawable, print_json, say, show, writable, writable_folder
 from .options import AsJson, Budget, Picture, SceneName, Settings
 
 
@@ -50,7 +51,7 @@ def chart(
         return
     if scene is None:
         raise ValueError("chart: name a scene, or give --all and --out")
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     folder = out if out is not None and out.suffix != ".json" else None
     table = out if folder is None else None
     writable("--out", table)
@@ -142,7 +143,7 @@ def choose(
 
     The picture of --plot is the chart, measured within the budget, with the chosen model and method ringed.
     """
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     drawable(plot)
     motions = Motions(chosen)
     with bar(f"choose {chosen.name}") as tell:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
+from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Trajectory, ValidityWarning
+from pliant.plants.identification.identification import COLUMNS
 from pliant.plants.validity.ranges import in_words
 from pliant.studies.closed_loop.closed_loop import regulator
 from pliant.studies.common.operating_point import words
@@ -21,7 +22,7 @@ from pliant.studies.identification import scene_data
 from pliant.studies.identification.residual_plot import residual_plot
 from pliant.studies.report.json_tables import linear_table, motion_table
 
-from .console import bar, drawable, print_json, say, scene_with, show, writable, writable_folder
+from .console import bar, drawable, print_json, say, show, writable, writable_folder
 from .options import AsJson, Picture, SceneName, Settings
 
 
@@ -39,7 +40,7 @@ def simulate(
     as_json: AsJson = False,
 ) -> None:
     """Play a scene: its nominal inputs, or its LQR."""
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     if not 0 < rtol < 1:
         raise ValueError(f"--rtol {rtol} must be within (0, 1)")
     writable("--out", out)
@@ -94,7 +95,7 @@ def linearize(
     as_json: AsJson = False,
 ) -> None:
     """The exact linear model of a scene's plant at its goal or start: modes, matrices with --json."""
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     drawable(plot)
     model = chosen.plant.linearize(*(chosen.target if at == "goal" else chosen.initial))
     if plot is not None:
@@ -129,7 +130,7 @@ def identify(
     as_json: AsJson = False,
 ) -> None:
     """Estimate parameters of a scene's plant from measured motions, with intervals and what cannot be told."""
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     drawable(plot)
     writable_folder("--out", out)
     levels = scene_data.numbers("--noise", noise or [], 1)
@@ -144,13 +145,8 @@ def identify(
     if as_json:
         print_json(scene_data.table(chosen, data, found))
         return
-    rows = []
-    for name, value in found.values.items():
-        low, high = found.intervals[name]
-        claimed = f"{low:.6g} to {high:.6g}" if math.isfinite(high - low) else "none claimed"
-        rows.append((name, found.units[name], f"{value:.6g}", f"{found.standard_errors[name]:.3g}", claimed))
     levels_found = ", ".join(f"{name} {level:.3g}" for name, level in found.noise.items())
     caption = f"{chosen.plant.label}; {found.samples} samples; noise {levels_found}; {found.stats['seconds']:.3g} s"
-    show(chosen.name, ("parameter", "unit", "value", "standard error", "95 % interval"), rows, caption=caption)
+    show(chosen.name, COLUMNS, found.rows(), caption=caption)
     for remark in found.remarks:
         say(f"{remark[0].upper()}{remark[1:]}.")

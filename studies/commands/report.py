@@ -9,11 +9,12 @@ from typing import Annotated
 
 import typer
 
+from pliant.envs.scene_files.settings import with_settings
 from pliant.plants.core.argument_gates import require_choice
 from pliant.studies.papers import registry
 from pliant.studies.report.report import report as write
 
-from .console import bar, scene_with, writable_folder
+from .console import bar, writable_folder
 from .options import AsJson, SceneName, Settings
 
 
@@ -25,7 +26,7 @@ def report(
     as_json: AsJson = False,
 ) -> None:
     """Everything about one scene in one folder: report.html, the pictures, the tables."""
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     folder = Path("reports") / chosen.name if out is None else out
     writable_folder("--out", folder)
     with bar(f"report {chosen.name}") as tell:

@@ -9,6 +9,7 @@ import typer
 
 from pliant.envs import environment_id
 from pliant.envs import scenes as known
+from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scene_files.starts import plant_start, scene_start
 from pliant.envs.scenes.registry import is_file
 from pliant.envs.scenes.scene import Scene
@@ -18,7 +19,7 @@ from pliant.plants.tables.plant_types import named
 from pliant.studies.common.formatting import measured
 from pliant.studies.report.json_tables import scene_table
 
-from .console import complain, listed, print_json, scene_with
+from .console import complain, listed, print_json
 from .options import AsJson, Settings
 
 
@@ -71,5 +72,5 @@ def check(
     known_scene = is_file(plant) or plant in known.names()
     if not known_scene and settings:
         raise ValueError("check: --set must follow a scene's name or file")
-    made = scene_with(plant, settings or []).plant if known_scene else named("check: plant", plant)()
+    made = with_settings(plant, settings or []).plant if known_scene else named("check: plant", plant)()
     print(checked(made))

@@ -6,12 +6,13 @@ from typing import Annotated
 
 import typer
 
+from pliant.envs.scene_files.settings import with_settings
 from pliant.plants.core.argument_gates import LEAST, require_seconds
 from pliant.studies.figures.stability import evidence
 from pliant.studies.figures.style import save
 from pliant.studies.stability.verdicts import left_out, verdict_at_goal, verdict_of
 
-from .console import bar, drawable, print_json, say, scene_with, show
+from .console import bar, drawable, print_json, say, show
 from .options import AsJson, Picture, SceneName, Settings
 
 
@@ -27,7 +28,7 @@ def stability(
     as_json: AsJson = False,
 ) -> None:
     """Say whether deviations from a scene's nominal motion grow, by which method, and where no method can tell."""
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     period = None if period is None else require_seconds("--period", period, LEAST)
     window = None if window is None else require_seconds("--window", window, LEAST)
     drawable(plot)

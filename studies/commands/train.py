@@ -11,13 +11,14 @@ import typer
 
 from pliant.controllers import rl
 from pliant.controllers.learning.evaluation import Training
+from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import regulator
 from pliant.studies.figures import style
 from pliant.studies.figures.controllers import learning_curve
 
-from .console import bar, complain, print_json, scene_with, writable_folder
+from .console import bar, complain, print_json, writable_folder
 from .options import AsJson, SceneName, Settings
 
 PICTURE = "curve.png"
@@ -66,7 +67,7 @@ def command(
     as_json: AsJson = False,
 ) -> None:
     """Learn to play a scene: a policy as arrays and JSON, its evaluation curve, a checkpoint to go on from."""
-    chosen = scene_with(scene, settings or [])
+    chosen = with_settings(scene, settings or [])
     folder = Path("trained") / chosen.name if out is None else out
     writable_folder("--out", folder)
     words = ["pliant", "train", scene, *(w for s in settings or [] for w in ("--set", s)), "--algorithm", algorithm]

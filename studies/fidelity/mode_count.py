@@ -12,7 +12,6 @@ import numpy as np
 from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
 from pliant.plants.core.argument_gates import require_count, require_function, require_instance, require_number, shown
 from pliant.plants.linear.rest_spaces import conserved_by
-from pliant.plants.spacecraft.linearisation import deviation_maps
 from pliant.plants.stability import assess, growth
 
 FACTOR = 2.0  # by which the margins of settled answers differ at most
@@ -185,4 +184,4 @@ def _maps(plant: Any, x: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """From the n deviations of the linear model to those of the states at x (nx,), and back."""
     if n == plant.nx:
         return np.eye(n), np.eye(n)
-    return deviation_maps(plant, x)
+    return plant.small.forward(x), plant.small.back(x)

@@ -8,8 +8,9 @@ runs without a failure the share that fails is below 1 - 0.05^(1/n) with 95 % co
 from __future__ import annotations
 
 import dataclasses
-import hashlib
+import pickle
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -117,7 +118,8 @@ def monte_carlo(
     largest factor by name of parameter, as `Plant.vary` names them, drawn uniformly: a stiffness of 0.64 to 1.44 times
     its own is a frequency within 20 %. noise: of readings, as sensors have it. delay: control periods. A run depends on
     (seed, its number) alone, not on `runs`, `jobs` or the backend of joblib, "dask" and "ray" among them. kept: a file
-    of JSON lines that holds the runs done, is read first and added to; ValueError where it holds those of others.
+    of JSON lines that holds the runs done, is read first and added to; ValueError where it holds those of others: of
+    another scene, seed, or design of the law, every array and nested law of it counted.
 
     Example
     -------
@@ -142,7 +144,7 @@ def monte_carlo(
     told, path = progress or silent, None if kept is None else require_path("monte_carlo.kept", kept)
     played = dataclasses.replace(scene, randomise=factors)
     designed = _designed(law, scene)
-    mark = _mark(played, designed, seed, noise, delay)
+    mark = "" if path is None else _mark(played, designed, seed, noise, delay)
     rows = _done(path, mark, runs)
     left = [k for k in range(runs) if k not in rows]
     told(len(rows) / runs, f"{len(rows)} done before")
@@ -178,11 +180,17 @@ def _ends(path: str, pair: Any) -> tuple[float, float]:
 
 
 def _mark(scene: Scene, law: Controller, seed: int, noise: bool, delay: int) -> str:
-    """What the rows of one study have in common; gains in their digits, so that another design is another study."""
-    gains = getattr(law, "K", None)
-    own = b"" if gains is None else np.ascontiguousarray(gains, dtype=float).tobytes()
-    what = (repr(scene), type(law).__name__, getattr(law, "reads", ()), law.dt, seed, noise, delay)
-    return hashlib.sha256(repr(what).encode() + own).hexdigest()[:16]
+    """What the rows of one study have in common: scene and law as they travel, the law as `reset` leaves it."""
+    import joblib
+
+    try:
+        fresh = deepcopy(law)
+        fresh.reset()
+        return str(joblib.hash((scene, fresh, seed, noise, delay)))
+    except (pickle.PicklingError, TypeError, AttributeError) as error:
+        raise ValueError(
+            f"monte_carlo.kept needs a law whose design can be told from others: {shown(law)} does not pickle: {error}"
+        ) from error
 
 
 def _done(path: Path | None, mark: str, runs: int) -> dict[int, Row]:

@@ -28,9 +28,9 @@ def lacking(fine: Plant, t: Array, x: Array, u: Array, rate: Array, inverse: Arr
     balance = fine.force_balance
     if balance is None or inverse is None:
         return np.asarray(fine.dynamics(x, u, t=t)) - rate
-    n, c = balance.n, np.empty_like(x)
+    n, c = balance.first, np.empty_like(x)
     a = rate[:, n:]
-    c[:, :n] = x[:, n:] - rate[:, :n]
+    c[:, :n] = balance.rates(x) - rate[:, :n]
     for i, k in balance.driven.items():
         c[:, n + i] = u[:, k] - a[:, i]
     c[:, [n + i for i in balance.free]] = (inverse @ balance.lacking(t, x, u, a)[..., None])[..., 0]
@@ -65,7 +65,7 @@ def trajectory(fine: Any, t: Array, x: Array, u: Array) -> Trajectory:
     if balance is None:
         return Trajectory.from_arrays(t, x, u, plant=fine, dx=fine.dynamics(x, u, t=t))
     a = balance.accelerations(t, x, u, masses(fine, t, x, u))
-    dx = np.hstack([x[:, balance.n :], a])
+    dx = np.hstack([balance.rates(x), a])
     return Trajectory.from_arrays(t, x, u, plant=fine, y=fine.measure_at(t, x, u, a), dx=dx)
 
 

@@ -44,9 +44,9 @@ Cost is the scene's, mean over the runs, with the charge for an early end. / bou
 least that a full-information optimal control problem reaches in the same runs; median and 10 - 90 %: of the single
 runs' ratios. Failed: runs that diverged, left a bound or whose controller gave up. Settled: median time from which on
 all that the goal names stays within 5 % of its way. Peak: largest deflection; residual: half of what it still swings
-in the last tenth. At limit: share of the control periods with an input at its limit. Effort: root mean square of the
-inputs, of their limits. Act: median and 99th percentile of the time of one call. Controllers are designed on the
-design plant, for bounds 10 % inside those that end a run.
+in the last tenth (where no body bends: of the lengths that the scene compares). At limit: share of the control periods
+with an input at its limit. Effort: root mean square of the inputs, of their limits. Act: median and 99th percentile of
+the time of one call. Controllers are designed on the design plant, for bounds 10 % inside those that end a run.
 """
 
 

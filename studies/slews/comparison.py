@@ -18,8 +18,6 @@ from pliant.plants import Trajectory
 from pliant.plants.core.argument_gates import require_count, require_instance, require_names
 from pliant.plants.integration.minimum_jerk import PROFILES, profile_of
 
-ROUNDED = 1e-12  # [of the largest] energy below which rounding is all there is
-
 
 @dataclass(frozen=True, eq=False)
 class Slew:
@@ -29,7 +27,7 @@ class Slew:
     motion: Trajectory
     largest: float
     energy: np.ndarray  # (nt,) above that of the goal
-    left: float  # [J] its mean after the motion has ended
+    left: float  # [J] its mean after the motion has ended; where next to nothing is left rounding may make it negative
     ends: float  # [s]
 
 
@@ -70,8 +68,7 @@ def compare_slews(
         motion = plant.simulate(scene.initial[0], _shaped(u, shaper), t, rtol=1e-8, atol=1e-10)
         energy = np.asarray(plant.energy(motion.x)) - rest
         left = float(energy[t >= ends].mean())
-        least = ROUNDED * float(np.abs(energy).max(initial=0.0))
-        found.append(Slew(name, motion, float(np.abs(motion.u).max()), energy, max(left, least), ends))
+        found.append(Slew(name, motion, float(np.abs(motion.u).max()), energy, left, ends))
     return tuple(found)
 
 

@@ -20,7 +20,7 @@ FLOOR = 1e-6  # of the largest energy, below which the picture does not go
 
 @styled
 def slews_picture(slews: Sequence[Slew], way: str) -> Figure:
-    """way: the state or output that the turn brings to its goal. Time [s] along x; each slew in its own colour."""
+    """way: the state or output that the turn brings to its goal. Time [s] along x; a colour a slew, in turn."""
     found = require_all("slews_picture.slews", slews, Slew)
     if not found:
         raise ValueError("slews_picture.slews = () must hold at least one Slew")
@@ -28,8 +28,8 @@ def slews_picture(slews: Sequence[Slew], way: str) -> Figure:
     first = found[0].motion
     main = int(np.argmax(np.abs(found[0].motion.u).max(axis=0)))
     most = max(float(slew.energy.max()) for slew in found)
-    for slew, colour in zip(found, COLOURS, strict=False):
-        motion = slew.motion
+    for k, slew in enumerate(found):
+        motion, colour = slew.motion, COLOURS[k % len(COLOURS)]
         above.plot(motion.t, motion.u[:, main], color=colour, label=f"{slew.profile}, largest {slew.largest:.3g}")
         middle.plot(motion.t, motion[way], color=colour)
         shown = np.maximum(slew.energy, FLOOR * most)

@@ -40,13 +40,14 @@ def main(
     rows = [r for r in rows if r["seed"] in wanted]
     done = {r["seed"] for r in rows}
     seeds = [k for k in wanted if k not in done]
-    began = time.perf_counter()
+    began = told = time.perf_counter()
     with given.out.open("a") as file, multiprocessing.get_context("forkserver").Pool(given.jobs) as pool:
         for k, row in enumerate(pool.imap(run, seeds) if given.jobs > 1 else map(run, seeds), start=1):
             rows.append(row)
             file.write(json.dumps(row) + "\n")
-            if k % 50 == 0 or k == len(seeds):
-                file.flush()
+            file.flush()
+            if k % 50 == 0 or k == len(seeds) or time.perf_counter() - told > 10:
+                told = time.perf_counter()
                 left = (time.perf_counter() - began) / k * (len(seeds) - k)
                 print(f"\r{k} of {len(seeds)}, {left:.0f} s left ", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)

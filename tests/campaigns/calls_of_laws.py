@@ -168,6 +168,7 @@ REASONS = {  # patterns of module and name
     "studies.fidelity.climb.*": INNER,
     "studies.identification.scene_data.*": INNER,
     "studies.identification.residual_plot.residual_plot": "takes what identify gives, by its gate",
+    "studies.identification.residual_plot.draw": INNER,
     "studies.physics.block_collocation.*": INNER,
     "studies.physics.effects.*": INNER,
     "studies.physics.fine_model.*": INNER,

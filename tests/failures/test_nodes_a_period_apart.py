@@ -13,7 +13,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pliant.plants import FlexibleSpacecraft, Plant, Signal, Trajectory
-from pliant.plants.spacecraft.linearisation import _of_unit_length
 from pliant.plants.stability import assess, growth
 
 
@@ -110,7 +109,7 @@ def test_a_craft_that_turns_between_its_nodes():
     assert (model.t == t).all()
     between = nominal.resample(t[:-1] + 0.4)
     assert np.abs(np.linalg.norm(between.x[:, q], axis=1) - 1).max() > 1e-4  # the naive way
-    np.testing.assert_allclose(np.linalg.norm(_of_unit_length(craft, between).x[:, q], axis=1), 1.0, atol=1e-15)
+    np.testing.assert_allclose(np.linalg.norm(craft.consistent(between.x)[:, q], axis=1), 1.0, atol=1e-15)
 
 
 def test_a_model_that_is_no_more_of_its_motion_keeps_its_nodes():

@@ -6,6 +6,7 @@ from exported import answers_in_c, compiled, needs_compiler, run, same_loop
 
 from pliant.controllers import MPC
 from pliant.controllers.export import export_c
+from pliant.controllers.solvers.daqp_model import INFINITE
 from pliant.plants.linear.lti import LinearModel
 
 pytestmark = needs_compiler
@@ -43,6 +44,10 @@ def test_random_programs_with_soft_limits_that_cannot_be_kept(tmp_path, seed) ->
     found = run(compiled(sources, tmp_path / "answers"))
     assert not found[:, -1].any()
     assert np.abs(found[:, :-1] - wanted).max() < 1e-9
+
+
+def test_a_bound_that_stands_for_none_is_a_number_in_single_precision() -> None:
+    assert np.finfo(np.float32).max > INFINITE
 
 
 @pytest.mark.parametrize("definite", ["1e-12", "1e-13"])

@@ -1,4 +1,4 @@
-"""The program in C: a case whose answer is known by hand, and one that has none."""
+"""The program in C: cases whose answers are known by hand, and one that has none."""
 
 import subprocess
 
@@ -6,25 +6,26 @@ from exported import COMPILERS, STRICT, needs_compiler
 
 from pliant.controllers.export.qp_source import QP
 
-# min |z|^2 / 2 over z_1 + z_2 >= 2 (hard) and z_1 <= a; the second row is soft at a price of 0.25 or hard
+# min |z|^2 / 2 over z_1 + z_2 >= 2 (hard) and z_1 <= a, soft at a price of 0.25 or hard; a third row -z_1 - z_2 >= b
 PROGRAM = """#include <math.h>
 #include <stdio.h>
 #define REAL double
 #define SQRT(x) sqrt(x)
-enum { P_ROWS = 2, P_NZ = 2, P_ROUNDS = 40 };
+enum { P_ROWS = 3, P_NZ = 2, P_ROUNDS = 40 };
 #define P_TOLERANCE 1e-9
 #define P_DEFINITE 1e-12
 #define P_KEPT 1e-6
 #define P_PRICE 0.25
 #define P_COMPLIANCE 1e9
-typedef struct { int count, set[2]; signed char side[2], yields[2]; double mu[2], d[2], dz[2], K[3]; } P_work;
-static const double P_M[4] = {1, 1, 1, 0};
-static const char P_soft[2] = {0, 1};
+typedef struct { int count, set[3]; signed char side[3], yields[3]; double mu[3], d[3], dz[2], K[6]; } P_work;
+static const double P_M[6] = {1, 1, 1, 0, -1, -1};
+static const char P_soft[3] = {0, 1, 0};
 """
 MAIN = """int main(void)
 {
     static P_work w;
-    const double lower[2] = {2, -1e30}, upper[2] = {1e30, -1}, none[2] = {1e30, 0.9}, impossible[2] = {1, -1e30};
+    const double lower[3] = {2, -1e30, -1e30}, upper[3] = {1e30, -1, 1e30}, none[3] = {1e30, 0.9, 1e30};
+    const double against[3] = {2, -1e30, -1};
     double z[2];
     int found = P_qp(&w, lower, upper, 1, z);
     printf("%d %.12f %.12f\\n", found, z[0], z[1]); /* hard: z_1 = -1, z_2 = 3 */
@@ -32,8 +33,11 @@ MAIN = """int main(void)
     printf("%d %.6f %.6f\\n", found, z[0], z[1]); /* soft: z_1 - z_2 = -price */
     found = P_qp(&w, lower, none, 0, z);
     printf("%d %.6f %.6f\\n", found, z[0], z[1]); /* z_1 = 0.9 costs 0.2 < price */
-    w.count = 0;
-    return impossible[0] > 2;
+    found = P_qp(&w, against, upper, 1, z);
+    printf("%d\\n", found); /* z_1 + z_2 <= 1 too: no z */
+    found = P_qp(&w, against, none, 0, z);
+    printf("%d\\n", found); /* nor where the second row may yield */
+    return 0;
 }
 """
 
@@ -47,3 +51,4 @@ def test_a_program_by_hand(tmp_path) -> None:
     assert rows[0] == "1 -1.000000000000 3.000000000000"
     assert rows[1] == "1 0.875000 1.125000"
     assert rows[2] == "1 0.900000 1.100000"
+    assert rows[3:] == ["0", "0"]

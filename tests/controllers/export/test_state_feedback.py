@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from exported import compiled, loop_in_c, needs_compiler, plant_objects, run, same_loop
+from exported import compiled, loop_in_c, needs_compiler, plant_objects, run, same_loop, strict_everywhere
 
-from pliant.controllers import LQR, TVLQR, Feedback
+from pliant.controllers import LQR, TVLQR, Feedback, Filtered, roll_off
 from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.controllers.export import export_c
 
@@ -17,6 +17,12 @@ def test_lqr(tmp_path, reach, near) -> None:
 
 def test_integrals_that_stand_still_at_a_limit(tmp_path, reach, near_double) -> None:
     same_loop(tmp_path, reach, LQR.for_scene(reach, integral={"tip_x": 1.0, "tip_y": 1.0}), near_double)
+
+
+def test_a_file_whose_name_has_two_underscores(tmp_path) -> None:
+    """Also a law inside another has them in its prefix: both call the file's own product."""
+    law = Filtered(Feedback(np.eye(2), ("a", "b"), dt=0.1), (roll_off(0.6),))
+    strict_everywhere(export_c(law, tmp_path / "my__law.c")[0])
 
 
 @pytest.mark.campaign

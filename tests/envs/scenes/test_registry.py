@@ -10,6 +10,7 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.envs.scenes import registry
+from pliant.plants.core import imports
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 
 NAMES = tuple(scenes.SCENES)
@@ -123,8 +124,8 @@ def test_scenes_of_packages_are_known_by_their_entry_points(own, monkeypatch) ->
     broken = ImportError("no module named 'x'")
     entries = [Entry("far-reach", own), Entry("near-reach", lambda mass=1.0: own), Entry("broken", broken)]
     entries += [Entry("two-link-reach", broken), Entry("Bad Name", own), Entry("number", 3)]
-    monkeypatch.setattr(registry.metadata, "entry_points", lambda group: entries)
-    registry._offered.cache_clear()
+    monkeypatch.setattr(imports.metadata, "entry_points", lambda group: entries)
+    imports.offered.cache_clear()
     try:
         assert scenes.names()[len(scenes.SCENES) :] == ("far-reach", "near-reach", "broken", "number")
         assert scenes.get("far-reach") == own and registry.keywords("near-reach") == {"mass": 1.0}
@@ -135,4 +136,4 @@ def test_scenes_of_packages_are_known_by_their_entry_points(own, monkeypatch) ->
             scenes.get("number")
     finally:
         monkeypatch.undo()
-        registry._offered.cache_clear()
+        imports.offered.cache_clear()

@@ -1,6 +1,5 @@
 """A free hub with an arm and a ball that hangs on a wall, which the tests of this room share."""
 
-import numpy as np
 import pytest
 
 from pliant.plants import FlexibleTree, Joint, Payload, TreeBody
@@ -22,13 +21,3 @@ def pendulum():
     """A rod that hangs on a ball joint."""
     rod = TreeBody(name="rod", joint=Joint(name="ball", kind="spherical"), mass=2.0, centre=(0, 0, -0.5), inertia=0.1)
     return FlexibleTree.serial([rod])
-
-
-@pytest.fixture(scope="session")
-def moved():
-    """A random state of a plant."""
-
-    def made(plant, seed, size=1.0):
-        return plant.consistent(size * np.random.default_rng(seed).uniform(-1, 1, plant.nx))
-
-    return made

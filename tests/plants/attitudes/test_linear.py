@@ -4,12 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
+from moved_states import moved
 
 from pliant.plants import LinearModel, LTVModel
 from pliant.plants.core.quaternions import product, quaternion
 
 
-def test_along_a_motion(craft, moved):
+def test_along_a_motion(craft):
     """The error of the LTV model falls with the square of the deviation."""
     x, t = moved(craft, 5, 0.5), np.linspace(0, 1, 101)
     motion = craft.simulate(x, [0.3], t)
@@ -38,7 +39,7 @@ def between(plant, x, y):
     return plant.small.back(x) @ (y - x)
 
 
-def test_signs(craft, moved):
+def test_signs(craft):
     """A nominal whose quaternion changes its sign without rates is refused; with them it is the same model."""
     motion = craft.simulate(moved(craft, 5, 0.5), [0.3], np.linspace(0, 0.5, 26))
     a = craft.attitudes[0]
@@ -52,7 +53,7 @@ def test_signs(craft, moved):
         craft.linearize_along(dataclasses.replace(motion, x=x))
 
 
-def test_own_states(craft, moved):
+def test_own_states(craft):
     x = moved(craft, 7)
     model = craft.linearize(x, attitude="quaternion")
     assert isinstance(model, LinearModel)
@@ -61,7 +62,7 @@ def test_own_states(craft, moved):
         craft.linearize(x, attitude="euler")
 
 
-def test_jumps(craft, moved):
+def test_jumps(craft):
     """An impulse changes speeds alone: turns pass, and the map is that of the equations."""
     x = moved(craft, 8, 0.3)
     after = x.copy()
@@ -70,7 +71,6 @@ def test_jumps(craft, moved):
     n = craft.small.n // 2
     np.testing.assert_allclose(J[:n, :n], np.eye(n), atol=1e-12)
     np.testing.assert_allclose(j, 0.0, atol=1e-10)
-    after[:7] = craft.consistent(np.roll(after, 0))[:7]
     after[craft.attitudes[0].quaternion] = [0, 1, 0, 0]
     with pytest.raises(ValueError, match="the attitude of 'base' jumps by"):
         craft.jump_map(x, np.array([0.2]), after=after)

@@ -1,7 +1,10 @@
 """What a plant with quaternions says of itself, and what its motions keep."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+from moved_states import moved
 
 from pliant.plants import FlexibleTree, Joint, TreeBody
 
@@ -23,10 +26,22 @@ def test_names(craft):
     assert {"base_turn_x_rate", "base_rate_x", "arm_rate"} <= set(craft.velocities)
 
 
-def test_quaternions_keep_their_length(craft, moved):
+def test_quaternions_keep_their_length(craft):
     motion = craft.simulate(moved(craft, 0), [0.5], np.linspace(0, 2, 9))
     for a in craft.attitudes:
         np.testing.assert_allclose(np.linalg.norm(motion.x[:, a.quaternion], axis=1), 1.0, atol=1e-9)
+
+
+def test_jacobians_from_the_balance_of_forces(craft):
+    """Of equations as they stand, along unit vectors, against the model of the solved ones: the same along a motion,
+    and at accelerations that are not the plant's own.
+    """
+    motion = craft.simulate(moved(craft, 1, 0.5), [0.3], np.linspace(0, 0.2, 5))
+    for nominal in (motion, dataclasses.replace(motion, dx=motion.derivative() + 0.3)):
+        A = craft.linearize_along(nominal, attitude="quaternion").A
+        np.testing.assert_allclose(craft.state_jacobians_along(nominal), A, atol=1e-11 * np.abs(A).max())
+    rates = craft.force_balance.rates(motion.x)
+    np.testing.assert_allclose(rates, craft.dynamics(motion.x, [0.3])[:, : len(craft.coordinates)], atol=1e-14)
 
 
 def test_states_are_checked(craft):

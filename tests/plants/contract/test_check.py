@@ -7,6 +7,7 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import LagrangianPlant, Plant, Signal, check
+from pliant.plants.contract import equations
 from pliant.plants.contract.check import ContractError
 
 
@@ -102,6 +103,15 @@ def test_a_sound_plant_is_told_what_was_found():
 @pytest.mark.every(4)
 def test_shipped_plants_keep_the_contract(name):
     check(scenes.get(name).plant, points=2)
+
+
+def test_an_energy_is_known_to_its_rounding_and_at_states():
+    """Of weights about their places at rest it is a difference of large ones, and quaternions are of unit length."""
+    for name, kinematics in (("crane-swing", "stiffened"), ("satellite-arm", "rigid")):
+        tree = dataclasses.replace(scenes.get(name).plant, kinematics=kinematics)
+        _, wrong = equations.energy_balance(tree, equations.points(tree, 4, 0))
+        assert not wrong
+        assert not list(equations.wrong_outline(tree, equations.points(tree, 4, 0)))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,5 @@
-"""Modules of 0.1 under their old names are the modules in the rooms; late modules are imported by their first use."""
+"""Modules of 0.1 under their old names are the modules in the rooms; late modules are imported by their first use,
+what packages offer when it is asked for."""
 
 import copy
 import importlib
@@ -13,9 +14,10 @@ import pliant.envs
 import pliant.plants
 import pliant.studies  # noqa: F401  (each registers its old names)
 from pliant.plants.core import imports
-from pliant.plants.core.imports import Late
+from pliant.plants.core.imports import Late, loaded, offered
 
 OLD = sorted(imports._finder.places.items())
+GROUP = "pliant.tried"  # of entry points
 
 
 @pytest.mark.parametrize(("old", "new"), OLD, ids=[old for old, _ in OLD])
@@ -72,3 +74,32 @@ def test_plants_import_no_scipy():
     code = "import sys, pliant.plants; print(sorted(m for m in sys.modules if m.split('.')[0] == 'scipy'))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.stdout.strip() == "[]", done.stdout + done.stderr
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A folder as pip leaves it: a module, and entry_points.txt beside its metadata."""
+    (tmp_path / "cranes_tried.py").write_text("crane = 7\n")
+    info = tmp_path / "cranes_tried-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: cranes-tried\nVersion: 1.0\n")
+    lines = f"[{GROUP}]\ncrane = cranes_tried:crane\nlost = cranes_tried:lost\nabsent = cranes_absent:crane\n"
+    (info / "entry_points.txt").write_text(lines)
+    monkeypatch.syspath_prepend(tmp_path)
+    offered.cache_clear()
+    yield
+    sys.modules.pop("cranes_tried", None)
+    offered.cache_clear()
+
+
+def test_what_a_package_offers_is_listed_first_and_imported_when_it_is_asked_for(package):
+    found = offered(GROUP)
+    assert set(found) == {"crane", "lost", "absent"} and "cranes_tried" not in sys.modules
+    assert loaded(found["crane"], "plant 'crane'") == 7 and "cranes_tried" in sys.modules
+    assert offered("pliant.nothing") == {}
+
+
+@pytest.mark.parametrize(("name", "why"), [("lost", "has no attribute 'lost'"), ("absent", "No module named")])
+def test_what_cannot_be_had_is_told_with_its_package_and_the_reason(package, name, why):
+    with pytest.raises(ValueError, match=rf"scene 'x' of package 'cranes-tried' cannot be had: .*{why}"):
+        loaded(offered(GROUP)[name], "scene 'x'")

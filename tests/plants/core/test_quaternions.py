@@ -25,6 +25,8 @@ def test_matrices_products_and_rotation_vectors_are_scipys():
     np.testing.assert_allclose(np.array(ca.DM(matrix(ca.SX(ca.DM(Q[0]))))), scipys[0].as_matrix(), atol=1e-15)
     both = (scipys[:-1] * scipys[1:]).as_matrix()
     np.testing.assert_allclose(matrix_of(product(Q[:-1], Q[1:])), both, atol=1e-15)
+    expression = product(ca.SX(ca.DM(Q[0])), ca.SX(ca.DM(Q[1])))
+    np.testing.assert_allclose(np.array(ca.DM(expression)).ravel(), product(Q[0], Q[1]), atol=1e-15)
     vectors = scipys.as_rotvec()
     np.testing.assert_allclose(matrix_of(quaternion(vectors)), scipys.as_matrix(), atol=1e-15)
 

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import Beam
-from pliant.plants.elastic_bodies.bent_beam import BentBeam, centreline, family_signals
+from pliant.plants.elastic_bodies.bent_beam import BentBeam
 from pliant.plants.multibody_parts.tree_beam import TreeBeam
 
 BEAM = Beam(length=1.3, area=2e-4, I_y=3e-9, I_z=5e-9, J=6e-9, density=2700.0, E=7e10, G=2.7e10, damping=2e-4)
@@ -22,13 +22,8 @@ def test_forces_are_gradients():
     np.testing.assert_allclose(float(V), BEAM.EI / (2 * BEAM.length**3) * 20.0, rtol=1e-12)
 
 
-def test_line_and_readings():
+def test_readings():
     eta = np.array([0.02, -0.03, 0.1, 1e-3])
-    line = centreline(BODY, eta, 7)
-    np.testing.assert_array_equal(line, BODY.line(eta, 7))
-    np.testing.assert_allclose(line[0], 0.0, atol=1e-15)
-    np.testing.assert_allclose(line[-1, 1:], np.sqrt(5) * eta[:2], rtol=1e-12)
     read = [float(ca.DM(e)) for e in BODY.readings(ca.SX(ca.DM(eta)), ca.SX(ca.DM(2 * eta)))]
     np.testing.assert_allclose(read[:4], np.sqrt(5) * np.r_[eta[:2], 2 * eta[:2]], rtol=1e-12)
     np.testing.assert_allclose(read[4:], 2 * np.sqrt(5) * eta[:2] / BEAM.length**2, rtol=1e-12)
-    assert [s.unit for s in family_signals((1, 1, 1, 1))] == ["m", "m", "rad", "m"]

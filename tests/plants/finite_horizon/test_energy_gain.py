@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from horizon_models import constant, random_ltv
+from horizon_models import constant, made, random_ltv
 from scipy.optimize import brentq
 
 from pliant.plants.finite_horizon import finite_horizon
-from pliant.plants.finite_horizon.energy_gain import bounds
+from pliant.plants.finite_horizon.energy_gain import bounds, energy_gain
+from pliant.plants.finite_horizon.stretches import Stretches
 
 
 @pytest.mark.parametrize(("a", "span"), [(0.5, 1.0), (2.0, 3.0), (-0.4, 2.0)])
@@ -55,11 +56,30 @@ def test_bounds_meet_and_the_disturbance_attains_the_lower(seed):
 
 def test_no_gain_below_the_lower_is_shown():
     """The Riccati equation runs away before the start where the gain is larger."""
-    on = finite_horizon(random_ltv(3))
-    assert bounds(on._on, 1.01 * on.l2.lower)
-    assert not any(bounds(on._on, part * on.l2.lower) for part in (0.99, 0.9, 0.5, 0.1))
+    model = random_ltv(3)
+    on = Stretches(model, model.E, model.C, model.F)
+    lower = energy_gain(on).lower
+    assert bounds(on, 1.01 * lower)
+    assert not any(bounds(on, part * lower) for part in (0.99, 0.9, 0.5, 0.1))
 
 
 def test_an_output_that_nothing_moves():
     found = finite_horizon(constant([[0.0, 0.0], [0.0, -1.0]], [[1.0], [0.0]], [[0.0, 1.0]], 1.0)).l2
     assert found.lower == 0.0
+
+
+@pytest.mark.parametrize("seed", [27, 28])
+def test_mixed_units_change_nothing(seed):
+    """States, disturbances and outputs in units that are twelve orders apart."""
+    model, rng = random_ltv(seed % 10), np.random.default_rng(seed)
+    d, dw, dz = (10.0 ** rng.uniform(-6, 6, n) for n in (model.A.shape[1], model.E.shape[2], model.C.shape[1]))
+    E, C, F = model.E / dw, model.C * dz[:, None], model.F * dz[:, None] / dw
+    plain = finite_horizon(made(model.t, model.A, E, C, F)).l2
+    mixed = finite_horizon(made(model.t, model.A * d[:, None] / d, E * d[:, None], C / d, F)).l2
+    assert mixed.lower == pytest.approx(plain.lower, rel=1e-3) and mixed.gap < 0.01 and plain.gap < 0.01
+
+
+def test_sizes_at_the_ends_of_numbers():
+    for size in (1e-80, 1e80):
+        found = finite_horizon(constant([[-1.0]], [[size]], [[1.0]], 3.0)).l2
+        assert found.lower / size == pytest.approx(finite_horizon(constant([[-1.0]], [[1.0]], [[1.0]], 3.0)).l2.lower)

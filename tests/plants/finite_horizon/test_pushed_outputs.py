@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from horizon_models import constant, random_ltv
+from horizon_models import constant, made, random_ltv
 
 from pliant.plants.finite_horizon import finite_horizon
 
@@ -86,3 +86,22 @@ def test_units_of_states_change_nothing(unit):
     for kind in ("peak", "bounded"):
         for a, b in zip(getattr(one, kind).values(), getattr(two, kind).values(), strict=True):
             assert b.lower == pytest.approx(a.lower, rel=1e-9) and b.upper == pytest.approx(a.upper, rel=1e-6)
+
+
+@pytest.mark.parametrize("nodes", [3, 12])
+def test_an_output_that_is_sensitive_for_a_moment(nodes):
+    """dx/dt = -x + w, z = C x, C five times as large for a few nodes: at their peak, between two of them."""
+    t = np.linspace(0.0, 4.0, 481)
+    one = np.ones((481, 1, 1))
+
+    def sensitivity(at):
+        return 1 + 4 * np.exp(-(((at - 2.0049) / (nodes * t[1])) ** 2))
+
+    fine = np.linspace(1.9, 2.1, 20001)
+    found = finite_horizon(made(t, -one, one, sensitivity(t)[:, None, None], 0 * one))
+    bounded = (sensitivity(fine) * (1 - np.exp(-fine))).max()
+    by_energy = (sensitivity(fine) * np.sqrt((1 - np.exp(-2 * fine)) / 2)).max()
+    assert bounded * (1 - 1e-3) < found.bounded["z1"].upper < 1.02 * bounded
+    assert by_energy * (1 - 1e-6) < found.peak["z1"].upper < 1.01 * by_energy
+    passed = finite_horizon(made(t, -one, one, 0 * one, sensitivity(t)[:, None, None]))
+    assert passed.bounded["z1"].upper > 4.99 and passed.l2.upper > 4.99

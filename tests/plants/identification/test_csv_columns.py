@@ -36,8 +36,8 @@ def test_a_spreadsheets_file_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "has 0 lines"),
-        (HEAD + "0,0,0\n", "has 2 lines, must have a head and at least two samples"),
+        ("", "has 0 lines that are not blank"),
+        (HEAD + "0,0,0\n", "has 2 lines that are not blank, must have a head and at least two samples"),
         ("force [N],place [m]\n0,0\n1,1\n", r"has no column 't \[s\]'"),
         ("t [s],speed [m]\n0,0\n1,1\n", r"column 'speed \[m\]'; the plant has force, x, v, place"),
         ("t [s],place [mm]\n0,0\n1,1\n", r"column 'place \[mm\]', must be 'place \[m\]'"),
@@ -47,6 +47,9 @@ def test_a_spreadsheets_file_is_read(tmp_path):
         (HEAD + "0,0,0\n1,0,fast\n", "line 3: place = 'fast' must be a number"),
         (HEAD + "0,0,0\n1,,0\n", "line 3: force is missing, only what is measured may be"),
         (HEAD + "0,0,0\n,0,0\n", "line 3: t is missing"),
+        ("\n" + HEAD + "\n0,0,0\n,,\n\n1,0\n", "line 7 has 2 cells"),
+        (HEAD + "\n0,0,0\n1,0,fast\n", "line 4: place = 'fast'"),
+        (HEAD + "\n\n0,0,0\n1,,0\n", "line 5: force is missing"),
         (HEAD + "1,0,0\n0,0,0\n", r"Experiment\.t"),
         (HEAD + "0,0,0\n1,0,inf\n", "must be finite, or NaN"),
         ("t [s],force [N]\n0,0\n1,1\n", "must name at least one output or state"),

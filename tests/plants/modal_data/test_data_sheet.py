@@ -52,8 +52,7 @@ def test_its_linear_model_is_the_equation_of_the_data_sheet() -> None:
     whole = craft()
     model = whole.feedback_model(whole.state())
     M = np.block([[J, DELTA.T], [DELTA, np.eye(4)]])
-    rates = [model.state_names.index(f"rate_{c}") if f"rate_{c}" in model.state_names else None for c in "xyz"]
-    rates = rates if None not in rates else [model.state_names.index(f"body_rate_{c}") for c in "xyz"]
+    rates = [model.state_names.index(f"rate_{c}") for c in "xyz"]
     moving = rates + [model.state_names.index(f"eta1_{k}_rate") for k in range(1, 5)]
     assert M @ model.B[moving] == pytest.approx(np.eye(7, 3), abs=1e-12)
     eta = [model.state_names.index(f"eta1_{k}") for k in range(1, 5)]
@@ -68,10 +67,31 @@ def test_a_rigid_body_has_what_it_is_given() -> None:
     assert body.n == 0 and body.inertia == pytest.approx(np.diag([2.0, 3.0, 4.0])) and body.centre[2] == 0.6 / 3
 
 
+def test_its_root_is_clamped_and_its_mass_centre_moves_as_the_factors_say() -> None:
+    """int (r + sum phi_k eta_k) dm / m, of which int phi_k dm is L_translation."""
+    rng = np.random.default_rng(1)
+    L = 0.5 * rng.standard_normal((2, 6))
+    body = ModalData.from_participation(20.0, (0.5, 0.2, -0.1), 40.0 * np.eye(3), (1.0, 2.0), 0.0, L[:, :3], L[:, 3:])
+    assert not body.outline_shapes[:, 0].any() and not body.outline[0].any()
+    assert body.tip_shapes == pytest.approx(L[:, :3] / 20.0, rel=1e-14) and body.tip == pytest.approx(body.centre)
+    assert (body.outline_shapes[:, 1] == body.tip_shapes).all()
+
+
+def test_a_mode_may_take_all_of_the_mass_and_no_more() -> None:
+    """A point mass of 3 kg on a spring: L = sqrt(3) kg^0.5, which rounded up to seven digits is 1.3e-7 too much."""
+
+    def sprung(L):
+        return ModalData.from_participation(3.0, (0, 0, 0), np.eye(3), (1.0,), 0.0, [[0, 0, L]], [[0, 0, 0]])
+
+    assert sprung(np.sqrt(3.0)).R[0, 2] == np.sqrt(3.0) and sprung(1.732050).n == 1
+    with pytest.raises(ValueError, match=r"the modes take 1\.0000002 times"):
+        sprung(1.732051)
+
+
 def test_what_no_body_can_have_is_told() -> None:
     with pytest.raises(ValueError, match=r"take .* times what mass or inertia"):
         ModalData.from_participation(100.0, (0, 0, 0), J / 10, FREQUENCIES, DAMPING, None, DELTA)
-    with pytest.raises(ValueError, match="none above the sum of the others"):
+    with pytest.raises(ValueError, match=r"no principal moment above the sum .* give more of the craft"):
         ModalData.from_participation(100.0, (0, 0, 0), DELTA.T @ DELTA, FREQUENCIES, DAMPING, None, DELTA)
     with pytest.raises(ValueError, match="frequencies"):
         ModalData.from_participation(100.0, (0, 0, 0), J, (-1.0, 1.0, 1.0, 1.0), DAMPING, None, DELTA)

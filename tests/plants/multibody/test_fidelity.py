@@ -82,6 +82,15 @@ def test_bodies_given_by_modes_have_their_rungs():
     assert [s.device for s in tree.sensors()] == ["encoder"]
 
 
+def test_a_tree_with_rigid_bodies_stands_on_its_own_ladder():
+    """Shapes of a body without a beam mean nothing, and stay as they are."""
+    beam = Beam.rectangular(1.0, 0.02, 0.01, beams.ALUMINIUM)
+    bodies = [TreeBody(name="column", joint=Joint(name="turn"), mass=2.0, inertia=0.01)]
+    bodies.append(TreeBody(name="b", joint=Joint(name="j"), beam=beam, modes=(2, 0, 0, 0)))
+    tree = FlexibleTree.serial(bodies)
+    assert tree.ladder().index(tree) == 4 and tree.ladder()[5].bodies[1].modes == (3, 0, 0, 0)
+
+
 def test_stretch_is_estimated_by_longer_beams():
     """A spun beam's axial strain at its root, m omega^2 L/2 over E A: by so much it is lengthened, of the same mass."""
     beam = Beam.rectangular(1.0, 0.02, 0.01, beams.ALUMINIUM)
@@ -89,7 +98,7 @@ def test_stretch_is_estimated_by_longer_beams():
     tree = FlexibleTree.serial([body], kinematics="strain", gravity=(0, 0, 0))
     x = np.zeros(tree.nx)
     x[3] = 20.0
-    longer = tree.estimates(tree.simulate(x, [0.0], [0.0, 0.01]))[STRETCH].bodies[0].beam
+    longer = tree.estimates(tree.simulate(x, [0.0], [0.0, 0.01]))[STRETCH][0].bodies[0].beam
     strain = beam.mass * 20.0**2 / 2 / (beam.E * beam.area)
     np.testing.assert_allclose(longer.length - 1.0, strain, rtol=0.02)
     np.testing.assert_allclose(longer.mass, beam.mass, rtol=1e-14)

@@ -34,5 +34,19 @@ def test_weight():
 
 
 def test_lines():
+    """To the second body, to the eye: the tip is where that body is."""
     lines = drawn(walk([np.pi / 2, 0.0], [0, 0]), 3)
     np.testing.assert_allclose(lines[0], [[0, 0, 0], [0, 0.5, 0], [0, 1, 0]], atol=1e-14)
+    assert len(lines) == 2
+
+
+def test_as_many_lines_at_every_state():
+    """A slider at its parent's place keeps its line, of no length; of two places in one there is one line."""
+    slide = TreeBody(name="c", joint=Joint(name="c", kind="prismatic", axis=(1, 0, 0)), mass=1.0)
+    arm = TreeBody(name="d", joint=Joint(name="d", axis=(0, 1, 0)), mass=1.0, centre=(0, 0, -1), inertia=0.1)
+    hook = [Frame(name=name, body="d", position=(0, 0, -1)) for name in ("hook", "end")]
+    crane = FlexibleTree.serial([slide, arm], frames=hook, tip="hook")
+    for place in (0.0, 0.5):
+        rail, rope = crane.lines([place, 0.0, 0, 0], 3)
+        np.testing.assert_allclose(rail[[0, -1]], [[0, 0, 0], [place, 0, 0]], atol=1e-14)
+        np.testing.assert_allclose(rope[[0, -1]], [[place, 0, 0], [place, 0, -1]], atol=1e-14)

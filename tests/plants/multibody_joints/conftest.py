@@ -1,6 +1,5 @@
 """One body on a joint of any kind, which the tests of this room share."""
 
-import numpy as np
 import pytest
 
 from pliant.plants import FlexibleTree, Joint, Payload, TreeBody
@@ -28,13 +27,3 @@ def held(request):
         TreeBody(name="b", joint=Joint(name="k", axis=(0, 1, 0), position=(0.2, 0, 0)), mass=0.4, inertia=0.01),
     ]
     return FlexibleTree.serial(bodies, payload=Payload(mass=0.2, inertia=0.001, offset=(0.1, 0, 0.1)))
-
-
-@pytest.fixture(scope="session")
-def moved():
-    """A random state of a plant."""
-
-    def made(plant, seed, size=1.0):
-        return plant.consistent(size * np.random.default_rng(seed).uniform(-1, 1, plant.nx))
-
-    return made

@@ -3,7 +3,7 @@
 import pytest
 
 from pliant.plants import Joint
-from pliant.plants.multibody_joints.freedoms import coordinates, ends, freedoms, slots
+from pliant.plants.multibody_joints.freedoms import coordinates, ends, freedoms, motor_of, slots
 
 
 @pytest.mark.parametrize(
@@ -32,6 +32,17 @@ def test_names_and_units():
     assert (first.acceleration.name, first.acceleration.unit) == ("j_acceleration_x", "m/s^2")
     (turn,) = freedoms(Joint(name="hub"))
     assert (turn.place.unit, turn.acceleration.name, turn.acceleration.unit) == ("rad", "hub_acceleration", "rad/s^2")
+
+
+def test_inputs_are_called_by_the_joints_own_name():
+    """Also where that holds the word of another input."""
+    (turn,) = freedoms(Joint(name="my_torque_tube"))
+    assert (turn.force.name, turn.acceleration.name) == ("my_torque_tube_torque", "my_torque_tube_acceleration")
+    x, *_ = freedoms(Joint(name="a_force_b", kind="planar"))
+    assert (x.force.name, x.acceleration.name) == ("a_force_b_force_x", "a_force_b_acceleration_x")
+    motor = motor_of(Joint(name="hub"))
+    words = [s.name for s in motor]
+    assert words == ["hub_motor", "hub_motor_rate", "hub_motor_torque", "hub_motor_acceleration"]
 
 
 def test_slots():

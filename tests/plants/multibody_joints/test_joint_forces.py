@@ -3,12 +3,13 @@
 import casadi as ca
 import numpy as np
 import pytest
+from moved_states import moved
 
 from pliant.plants import FlexibleTree, Joint, TreeBody
 from pliant.plants.core.quaternions import quaternion
 
 
-def test_power_is_the_rate_of_energy(held, moved):
+def test_power_is_the_rate_of_energy(held):
     t, x, u, w, _ = held.symbols
     _, _, T, V = held.equations(t, x, u, w)
     balance = ca.Function("b", [x, u, w], [ca.jtimes(T + V, x, held.expressions[0]) - held.net_power(), V])
@@ -52,11 +53,14 @@ def test_a_turn_in_space_is_sprung_by_its_sine():
 
 
 def test_a_turn_in_space_is_stopped():
-    """Beyond the limit by 0.05 rad: k times that, within the curvature of the cosine; far within it nothing."""
+    """k z dz/dtheta = k z sin(theta)/sin(upper) with z = (cos(upper) - cos(theta))/sin(upper), far from its rounded
+    corner; far within the limit nothing.
+    """
     tree = ball(stop_stiffness=1e4, stop_width=1e-4, upper=0.8)
     axis = np.array([0.6, 0.0, 0.8])
     torque = -0.5 * tree.dynamics(turned(tree, 0.85 * axis))[4:] @ axis
-    np.testing.assert_allclose(torque, 1e4 * 0.05, rtol=0.1)
+    z = (np.cos(0.8) - np.cos(0.85)) / np.sin(0.8)
+    np.testing.assert_allclose(torque, 1e4 * z * np.sin(0.85) / np.sin(0.8), rtol=1e-8)
     assert np.abs(tree.dynamics(turned(tree, 0.5 * axis))[4:]).max() < 1e-3
 
 

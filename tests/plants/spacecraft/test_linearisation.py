@@ -10,7 +10,6 @@ from craft_cases import deviations, motor_hinged, random_nominal, slew
 
 from pliant.plants import MassMatrixError, Trajectory
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
-from pliant.plants.spacecraft.linearisation import deviation_maps, in_deviations
 from pliant.plants.spacecraft.plant import FlexibleSpacecraft
 from pliant.plants.spacecraft_parts.environment import Environment, Orbit
 from pliant.plants.stability import assess
@@ -117,7 +116,7 @@ def test_the_map_of_deviations_across_a_jump():
     t, still = np.array([0.0, 0.1, 0.2, 0.3]), np.zeros((4, 4))
     runs = [Trajectory.from_arrays(t + 0.3 * k, np.tile(v, (4, 1)), still, plant=made) for k, v in enumerate((x, new))]
     J, _ = linearize_pieces(made, runs, [impulse]).jumps[0]
-    T = deviation_maps(made, x)[0]
+    T = made.small.forward(x)
     for xi in rng.normal(size=(4, made.nx - 1)):
         ends = []
         for h in (1e-5, -1e-5):
@@ -155,12 +154,11 @@ def test_both_kinds_of_state_give_one_model(translation):
     nominal = slew(made, np.linspace(0, 3, 7))
     small, own = made.linearize_along(nominal), made.linearize_along(nominal, attitude="quaternion")
     assert own.A.shape[1] == small.A.shape[1] + 1 == made.nx
-    maps = [deviation_maps(made, x) for x in nominal.x]
     h = 1e-5
     for k in (2, 4):
-        T, L = maps[k]
+        T, L = made.small.forward(nominal.x[k]), made.small.back(nominal.x[k])
         ahead, behind = (  # T along the nominal's own motion
-            deviation_maps(made, nominal.x[k] + s * h * nominal.dx[k])[0] for s in (1, -1)
+            made.small.forward(nominal.x[k] + s * h * nominal.dx[k]) for s in (1, -1)
         )
         wanted = L @ (own.A[k] @ T - (ahead - behind) / (2 * h))
         np.testing.assert_allclose(small.A[k], wanted, atol=1e-7 * np.abs(wanted).max())
@@ -194,7 +192,7 @@ def test_a_nominal_that_does_not_turn_as_its_rates_say_keeps_its_own_rows():
     x[CRAFT.layout.omega] = [0.1, -0.2, 0.05]
     dx, jacobians = CRAFT.dynamics(x), list(CRAFT.jacobians(x))
     q = slice(CRAFT.layout.quaternion.start, CRAFT.layout.quaternion.stop - 1)
-    assert not in_deviations(CRAFT, x, dx, jacobians)[0][q, q].any()
+    assert not CRAFT.small.model(x, dx, jacobians)[0][q, q].any()
     still = dx.copy()
     still[CRAFT.layout.quaternion] = 0.0
-    assert np.abs(in_deviations(CRAFT, x, still, jacobians)[0][q, q]).max() > 0.01
+    assert np.abs(CRAFT.small.model(x, still, jacobians)[0][q, q]).max() > 0.01

@@ -11,7 +11,6 @@ from scipy.interpolate import CubicSpline
 from pliant.plants import SingleLinkArm, Trajectory
 from pliant.plants.core.quaternions import matrix_of, rates, skew
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
-from pliant.plants.spacecraft.linearisation import in_deviations
 from pliant.plants.spacecraft_parts.appendage import Hinge
 from pliant.plants.spacecraft_parts.hub import Wheel
 from pliant.plants.spacecraft_perturbation.perturbation import RigidNominal, perturbation
@@ -114,7 +113,7 @@ def test_error_falls_with_the_square_about_a_slewing_rigid_nominal():
     assert slope == pytest.approx(2, abs=0.1)
     assert errors[-1] < 0.002 * sizes[-1]
     own = made.jacobians(nominal.x, nominal.u, t=t)
-    A, B, E, *_ = in_deviations(made, nominal.x, nominal.dx, own)
+    A, B, E, *_ = made.small.model(nominal.x, nominal.dx, own)
     other = dataclasses.replace(model, A=A, B=B, E=E).simulate(np.zeros(made.nx - 1))[0]
     assert np.abs(true - other)[:, :n].max() > 100 * errors[-1]
 

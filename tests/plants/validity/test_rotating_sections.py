@@ -157,3 +157,11 @@ def test_quadrature_errs_by_less_than_is_said_up_to_the_turn(n) -> None:
     exact = inertia(points(64), bent)
     lacking = np.linalg.eigvals(np.linalg.solve(exact, inertia(enough(basis), bent) - exact))
     assert 1e-4 < np.abs(lacking).max() < 0.05
+
+
+def test_a_longer_beam_keeps_its_mass():
+    """By the strain of a straight one, by one and a half times as much for each radian of turn more."""
+    beam = BEAM.beam
+    straight, bent = (rotating_sections.longer(beam, 1e-3, turn) for turn in (0.0, 0.5))
+    np.testing.assert_allclose([straight.length, bent.length], beam.length * np.array([1.001, 1.00175]), rtol=1e-14)
+    np.testing.assert_allclose([straight.mass, bent.mass], beam.mass, rtol=1e-14)

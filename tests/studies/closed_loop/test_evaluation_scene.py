@@ -40,6 +40,23 @@ def test_every_appendage_gets_one_more_mode_of_its_modal_data():
     assert differing_states(design, played) == ()
 
 
+@pytest.mark.parametrize("name", ["crane-swing", "three-link-flexible", "six-axis-pick"])
+def test_every_family_of_a_tree_gets_one_more_shape_and_the_lower_ones_stay(name):
+    design = scenes.get(name)
+    played = design.with_plant(finer(design.plant))
+    bends = [b.name for b in design.plant.bodies if b.beam is not None]
+    for before, after in zip(design.plant.bodies, played.plant.bodies, strict=True):
+        assert after.modes == (tuple(n + (n > 0) for n in before.modes) if before.name in bends else before.modes)
+    assert {s.name for s in design.plant.states} < {s.name for s in played.plant.states}
+    assert played.plant.nx > design.plant.nx
+    assert differing_states(design, played) == ()
+
+
+def test_a_tree_without_beams_is_the_finest_that_there_is():
+    with pytest.raises(ValueError, match="the finest that there is"):
+        finer(scenes.get("flexible-joint-slew").plant)
+
+
 def test_plant_without_more_modes_goes_up_its_ladder_to_the_end():
     plant = scenes.get("spacecraft-slew").plant
     whole = dataclasses.replace(plant, appendages=tuple(dataclasses.replace(a, modes=None) for a in plant.appendages))

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 from pliant.envs import environment_id, scenes
 from pliant.studies.commands import console
 from pliant.studies.commands.cli import app
-from pliant.studies.commands.console import BORDERS, column_widths, listed, say, scene_with, show
+from pliant.studies.commands.console import BORDERS, column_widths, listed, say, show
 
 LADDER = ("rigid", "stiffened, payload 4", "linear, 2 appendages, 2 modes, rotation only")
 
@@ -59,13 +59,6 @@ def test_lists_and_sentences_break_between_words(monkeypatch, capsys):
     ]
     say("a two-link-reach-weak-long-name stays")
     assert "two-link-reach-weak-long-name" in capsys.readouterr().out.splitlines()
-
-
-def test_settings_change_keywords_parameters_and_fields():
-    scene = scene_with("spin-up", ["speed=4", "link.E=8e10", "duration=30"])
-    assert dict(scene.goal)["hub_angle_rate"] == 4.0 and scene.plant.link.E == 8e10 and scene.duration == 30.0
-    with pytest.raises(ValueError, match="must be NAME=VALUE"):
-        scene_with("spin-up", ["speed"])
 
 
 @pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="a folder with rights, and without room for files")

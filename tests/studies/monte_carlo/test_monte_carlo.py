@@ -1,11 +1,15 @@
 """Runs drawn by seed: the same whatever is asked beside them, resumed where they stopped, failures counted."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from data_sheet_craft import pointing, scene
 from scipy.stats import binom
 
-from pliant.controllers import Filtered, notch, roll_off
+from pliant.controllers import LQG, LQR, MPC, NMPC, Filtered, notch, roll_off
+from pliant.envs.scenes import get
+from pliant.plants import Payload
 from pliant.studies.monte_carlo import MonteCarlo, monte_carlo
 
 NEAR = {"appendages.0.stiffness_factor": (0.95, 1.05)}
@@ -32,8 +36,45 @@ def test_it_goes_on_where_it_stopped(found, tmp_path) -> None:
     monte_carlo(SCENE, LAW, RANGES, runs=2, seed=3, kept=path)
     rest = monte_carlo(SCENE, LAW, RANGES, runs=4, seed=3, kept=path, progress=lambda share, words: told.append(words))
     assert rest.rows == found.rows[:4] and len(told) == 3 and told[0] == "2 done before"
+    again = Filtered(pointing(0.1, 0.25), (notch(0.8305, depth=0.1),))  # the same, designed anew and not yet played
+    assert monte_carlo(SCENE, again, RANGES, runs=4, seed=3, kept=path).rows == rest.rows
     with pytest.raises(ValueError, match="another study"):
         monte_carlo(SCENE, LAW, RANGES, runs=2, seed=4, kept=path)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        Filtered(pointing(0.2, 0.25), (notch(0.8305, depth=0.1),)),
+        Filtered(pointing(np.nextafter(0.1, 1), 0.25), (notch(0.8305, depth=0.1),)),
+        Filtered(pointing(0.1, 0.25), (notch(0.8306, depth=0.1),)),
+        Filtered(pointing(0.1, 0.25), (notch(0.8305, depth=0.1), roll_off(0.6))),
+    ],
+)
+def test_another_design_is_another_study(other, tmp_path) -> None:
+    """Of the same class, reading the same signals: gains and filters within count."""
+    path = tmp_path / "runs.jsonl"
+    monte_carlo(SCENE, LAW, RANGES, runs=1, kept=path)
+    with pytest.raises(ValueError, match="another study"):
+        monte_carlo(SCENE, other, RANGES, runs=1, kept=path)
+
+
+@pytest.mark.parametrize("kind", [LQR, LQG, MPC, NMPC])
+def test_a_law_that_has_played_is_the_same_design(kind, tmp_path) -> None:
+    reach, path = dataclasses.replace(get("two-link-reach"), duration=0.3), tmp_path / "runs.jsonl"
+    law, near = kind.for_scene(reach), {"payload.mass": (0.9, 1.1)}
+    one = monte_carlo(reach, law, near, runs=1, kept=path)
+    assert monte_carlo(reach, law, near, runs=2, kept=path).rows[:1] == one.rows
+    lighter = kind.for_scene(reach.with_plant(dataclasses.replace(reach.plant, payload=Payload(mass=0.4))))
+    with pytest.raises(ValueError, match="another study"):
+        monte_carlo(reach, lighter, near, runs=1, kept=path)
+
+
+def test_what_does_not_pickle_is_told(tmp_path) -> None:
+    law = pointing(0.1, 0.25)
+    object.__setattr__(law, "note", lambda: None)
+    with pytest.raises(ValueError, match=r"monte_carlo\.kept needs a law .* does not pickle"):
+        monte_carlo(SCENE, law, RANGES, runs=1, kept=tmp_path / "runs.jsonl")
 
 
 def test_quantiles_are_runs_that_occurred(found) -> None:

@@ -15,6 +15,7 @@ PHYSICS = {
     name: scenes.get(name).plant.physics()
     for name in ("two-link-reach", "spin-up", "cantilever-drop", "slider-crank-run", "spacecraft-slew")
 }
+PHYSICS["satellite-arm"] = scenes.get("satellite-arm").plant  # quaternions: more coordinates than speeds
 RNG = np.random.default_rng(0)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pliant.plants import SingleLinkArm
+from pliant.studies.figures.style import COLOURS
 from pliant.studies.slews import Slew, slews_picture
 
 
@@ -18,6 +19,13 @@ def test_three_panels() -> None:
     assert [len(axes.get_lines()) for axes in figure.axes] == [3, 3, 3]  # with the motion's end
     words = [text.get_text() for axes in figure.axes if axes.get_legend() for text in axes.get_legend().get_texts()]
     assert "bang-bang, largest 2.5" in words and "jerk-limited, 0.25 J left" in words
+
+
+def test_more_slews_than_colours() -> None:
+    many = len(COLOURS) + 2
+    figure = slews_picture([made_up(f"profile {k}") for k in range(many)], "hub_angle")
+    assert [len(axes.get_lines()) for axes in figure.axes] == [many + 1] * 3
+    assert figure.axes[0].get_legend().get_texts()[-1].get_text() == f"profile {many - 1}, largest 2.5"
 
 
 def test_no_slews() -> None:

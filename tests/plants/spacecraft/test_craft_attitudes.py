@@ -1,4 +1,4 @@
-"""The linear model in signals against the rates of those signals on the nonlinear plant."""
+"""A spacecraft's linear model in signals against the rates of those signals on the nonlinear plant."""
 
 import dataclasses
 
