@@ -30,7 +30,7 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_all, require_text
-from pliant.plants.core.casadi_functions import entries, last_call
+from pliant.plants.core.casadi_functions import Built, NumericFunction, built_once, entries, function, last_call
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
@@ -195,9 +195,19 @@ class FlexibleTree(TreeElasticity):
 
     def lines(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 3) [m] in the base's axes, at a state x (nx,)."""
-        own, n = self.nominal, len(self.coordinates)
         x, points = one_state(self, x), line_points(self, points)
-        return drawn(own._walk(ca.SX(ca.DM(x[:n])), ca.SX(ca.DM(x[n:]))), points)
+        drawing = self.nominal._drawings.of(points, lambda: self.nominal._drawing(points))
+        return [line.T for line in drawing(x[: len(self.coordinates)])]
+
+    def _drawing(self, points: int) -> NumericFunction:
+        """q -> `lines`, transposed."""
+        q, still = ca.SX.sym("q", len(self.coordinates)), ca.SX.zeros(len(self.speeds))
+        return function("lines", [q], drawn(self._walk(q, still), points), matrices=True)
+
+    @built_once
+    def _drawings(self) -> Built[int, NumericFunction]:
+        """By how many points a line has."""
+        return Built()
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
