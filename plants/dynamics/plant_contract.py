@@ -290,6 +290,11 @@ class PlantContract(PhysicsContract):
         return np.zeros((0, points, 2))
 
     @property
+    def outline_axes(self) -> tuple[str, str]:
+        """What the two coordinates of `outline` are called."""
+        return "x", "y"
+
+    @property
     def seen_from(self) -> str | None:
         """A state, the angle of a hub that the whole machine turns with; pictures may be seen from there."""
         return None

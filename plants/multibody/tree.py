@@ -190,8 +190,12 @@ class FlexibleTree(TreeElasticity):
         """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
         else along z.
         """
-        seen = [0, 2] if self.nominal.gravity[2] else [0, 1]
+        seen = ["xyz".index(axis) for axis in self.outline_axes]
         return [line[:, seen] for line in self.lines(x, points)]
+
+    @property
+    def outline_axes(self) -> tuple[str, str]:
+        return ("x", "z") if self.nominal.gravity[2] else ("x", "y")
 
     def lines(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 3) [m] in the base's axes, at a state x (nx,)."""

@@ -201,8 +201,8 @@ def _peer_marker(chart: Chart, name: str) -> str:
 
 def _title(chart: Chart) -> str:
     known = measured(chart.reference.uncertainty, chart.unit)
-    told = f"{chart.scene}: speed against accuracy; errors from physics, {chart.reference.variant}, known to {known}"
-    return "\n".join(textwrap.wrap(told, LONGEST_TITLE))
+    told = f"errors from physics, {chart.reference.variant}, known to {known}"
+    return "\n".join([f"{chart.scene}: speed against accuracy", *textwrap.wrap(told, LONGEST_TITLE)])
 
 
 def _legend(chart: Chart, colours: dict[str, str], low: float, mark: Row | None) -> list[Any]:

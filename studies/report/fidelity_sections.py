@@ -57,7 +57,7 @@ def choice(found: Findings) -> str:
         for r in choice.rungs
     ]
     marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
-    text += table(("variant", "states", "from physics", "at most", ""), rows, marked=marked)
+    text += table(("variant", "states", "from physics", "and what physics is known to", ""), rows, marked=marked)
     effects = [(e.name, measured(e.change, choice.unit), "kept" if e.kept else "left out") for e in choice.effects]
     if effects:
         text += paragraph("What each effect of physics is worth, left out alone:")

@@ -43,7 +43,8 @@ def _drawers(found: Findings) -> dict[str, Callable[[], Figure | None]]:
             return None
         cases = [(name, scene.plant, motion) for name, motion in first()]
         until = 1.2 * scene.move_time if scene.drive is None else arm_outline.first_turn(scene.plant, found.open_loop)
-        return figures.stroboscopic(cases, until=until)
+        draw = figures.strobe_in_space if scene.plant.drawn_as == "tree" else figures.stroboscopic
+        return draw(cases, until=until)
 
     def tip_path() -> Figure | None:
         if not arm_outline.has_shape(scene.plant) or len(scene.compare) < 2:
