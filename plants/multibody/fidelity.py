@@ -73,7 +73,7 @@ class TreeFidelity(TreeDeclaration):
     @property
     def label(self) -> str:
         if not self.flexible:
-            return "rigid"
+            return "rigid, elastic joints" if self.motors else "rigid"
         modes = ", ".join("+".join(map(str, self.counts(b))) for b in self.flexible)
         return f"{self.kinematics}, {self.basis} {modes}"
 

@@ -24,6 +24,11 @@ def words(choice: Choice) -> str:
             f"No variant is chosen: how far any of them is from physics{everywhere} is not known. "
             f"{choice.plant.label} ({choice.plant.nx} states) is returned unchecked."
         ]
+    elif choice.met and len(choice.rungs) == 1 and choice.physics.startswith(f"{rung.variant},"):
+        parts = [
+            f"{rung.variant} ({rung.states} states) is the plant's only variant, and physics as far as it is modelled "
+            f"here: it keeps {outputs} within {said(choice.tolerance)}{everywhere}."
+        ]
     elif choice.met:
         parts = [
             f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "

@@ -167,7 +167,7 @@ def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
         ax.set_aspect("auto" if flat else "equal", adjustable="box")
         ax.set_box_aspect(0.6 if flat else None)
         if not flat and wide < high:
-            ax.locator_params(axis="x", nbins=3)
+            ax.locator_params(axis="x", nbins=2)
         ax.set_xlabel(f"{words(x)} [m]")
         ax.set_ylabel(f"{words(y)} [m]" + (", stretched" if flat and high < wide else ""))
     axes[0].set_title("Tip path, a dot every 0.25 s")
@@ -219,7 +219,7 @@ def strobe_in_space(
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
-    figure = Figure(figsize=(WIDTH, 0.52 * WIDTH))
+    figure = Figure(figsize=(1.15 * WIDTH, 0.56 * WIDTH))
     spans = []
     for column, (name, plant, motion) in enumerate(cases):
         axes: Any = figure.add_subplot(1, len(cases), column + 1, projection="3d")
@@ -242,14 +242,14 @@ def strobe_in_space(
     middle, half = (low + high) / 2, np.maximum((high - low) / 2, 0.15 * float(np.max(high - low)))
     for axes, _, _ in spans:
         axes.set(**{f"{a}lim": (m - h, m + h) for a, m, h in zip("xyz", middle, half)})
-        axes.set_box_aspect(tuple(half), zoom=1.0)
+        axes.set_box_aspect(tuple(half), zoom=0.88)
         axes.view_init(**VIEW)
         for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
             axis.set_major_locator(MaxNLocator(3))
             axis.labelpad = 8
             axis.pane.set_alpha(0.0)
         axes.patch.set_alpha(0.0)
-    figure.subplots_adjust(left=0.03, right=0.97, bottom=0.05, top=0.92, wspace=0.12)
+    figure.subplots_adjust(left=0.05, right=0.98, bottom=0.07, top=0.92, wspace=0.16)
     return figure
 
 

@@ -40,7 +40,7 @@ class Effect:
 
 def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[Effect, ...]:
     """The effects that physics has, the largest first, and what is estimated of those that it has not; none where
-    physics had to be simulated.
+    physics had to be simulated. Where the chosen plant does not bend, what refines bending is part of that.
 
     Those that the chosen plant leaves out and SHAPES, what more shapes of its own kinematics would change, sum up to
     its error, as far as effects add up.
@@ -48,7 +48,9 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
     if physics is None or physics.motion is None:  # each would be another long simulation
         return ()
     has, rough = chosen.effects, _Rough(motions, chosen)
-    names = {name: has.get(name, False) for name in physics.physics.effects}
+    names = {name: has.get(name, False) for name, modelled in physics.physics.effects.items() if modelled}
+    if not names.get("bending", True):
+        names = {"bending": False}  # all others are of what bends
     found = [_effect(motions, physics, rough, name, kept) for name, kept in names.items()]
     if physics.physics != chosen and names.get("bending", True):
         found.append(_shapes(motions, physics, rough, [name for name, kept in names.items() if not kept]))

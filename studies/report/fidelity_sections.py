@@ -46,6 +46,11 @@ def choice(found: Findings) -> str:
         "The cheapest rung whose difference from physics, with what physics is known to, keeps the tolerance is taken; "
         "that rungs agree with each other shows nothing, as they may lack the same effect."
     )
+    if choice.motions > 1:
+        text += paragraph(
+            f"Asked for {choice.motions} motions, the open loop and the closed loops above; `pliant choose` asks for "
+            "the open loop alone, and may take a cheaper one."
+        )
     rows = [
         (
             r.variant,
