@@ -51,6 +51,11 @@ def choice(found: Findings) -> str:
             f"Asked for {choice.motions} motions, the open loop and the closed loops above; `pliant choose` asks for "
             "the open loop alone, and may take a cheaper one."
         )
+    if found.unasked:
+        text += paragraph(
+            f"Not asked for the closed loop of {' and '.join(found.unasked)}: physics of one motion takes long here.",
+            "warning",
+        )
     rows = [
         (
             r.variant,

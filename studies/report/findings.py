@@ -46,6 +46,7 @@ class Findings(OwnsArrays):
     contests: tuple[Contest, ...] = field(init=False)  # controllers side by side, none without inputs
     chart: Chart = field(init=False)
     choice: Choice = field(init=False)
+    unasked: tuple[str, ...] = ()  # controllers whose motions the choice was not asked for, for want of time
     scene_error: float = field(init=False)  # of the scene's own plant against physics
     machine: dict[str, str] = field(default_factory=machine.describe)
     seconds: float = 0.0

@@ -22,6 +22,7 @@ from .findings import Findings
 
 CHART_BUDGET = 8.0  # [s] beside the reference, less on a machine so slow or busy that the whole would take long
 WHOLE = 40.0  # [s] that a report should take at most
+CHOOSING = 30.0  # [s] that physics of closed loops may take, as long as that of the open loop took each
 AFTER = 0.4  # what comes after the chart, as a share of what comes before it
 RTOL = 1e-9
 FINER, NODES = 10, 4_000  # times a control period, and in all, of the motion that is linearised along
@@ -57,7 +58,9 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     against = share(progress, 0.27, 0.35)
     find("contests", lambda: compare(scene, found.law, found.loops, progress=against) if scene.plant.nu else ())
     told(0.35, "reference")  # before the chart, whose budget is for what it measures
+    before = clock.perf_counter()
     truth = found.attempt("physics", lambda: physics_motion(motions, scene.tolerance))
+    of_physics = clock.perf_counter() - before
     if budget is None:
         spent = clock.perf_counter() - began
         budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
@@ -65,7 +68,10 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     measuring = share(progress, 0.4, 0.85)
     find("chart", lambda: chart(scene, budget=seconds, motions=motions, progress=measuring))
     contests: tuple[Contest, ...] = () if "contests" in found.lost else found.contests
-    played = [motions, *(c.motion for c in contests if c.plant == scene.plant.label and _whole(scene, c.motion))]
+    whole = [c for c in contests if c.plant == scene.plant.label and _whole(scene, c.motion)]
+    affordable = int(CHOOSING / of_physics)
+    found.unasked = tuple(c.controller for c in whole[affordable:])
+    played = [motions, *(c.motion for c in whole[:affordable])]
     measured = None if "chart" in found.lost else found.chart
     choosing = share(progress, 0.85, 1.0)
     find("choice", lambda: choose(scene, measured=measured, motions=played, progress=choosing))
