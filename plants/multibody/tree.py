@@ -187,9 +187,7 @@ class FlexibleTree(TreeElasticity):
         return "links" if plain and in_plane(self.nominal._walk(still, still), across) else "tree"
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
-        """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
-        else along z.
-        """
+        """The bodies as lines (points, 2) [m], root first, at a state x (nx,): along `outline_axes`."""
         seen = ["xyz".index(axis) for axis in self.outline_axes]
         return [line[:, seen] for line in self.lines(x, points)]
 
@@ -200,8 +198,8 @@ class FlexibleTree(TreeElasticity):
     def lines(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 3) [m] in the base's axes, at a state x (nx,)."""
         x, points = one_state(self, x), line_points(self, points)
-        drawing = self.nominal._drawings.of(points, lambda: self.nominal._drawing(points))
-        return [line.T for line in drawing(x[: len(self.coordinates)])]
+        lines = self.nominal._drawings.of(points, lambda: self.nominal._drawing(points))
+        return [line.T for line in lines(x[: len(self.coordinates)])]
 
     def _drawing(self, points: int) -> NumericFunction:
         """q -> `lines`, transposed."""
