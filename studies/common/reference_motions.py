@@ -43,6 +43,16 @@ class TooLong(PliantError):
     """A motion was given up when its time was over."""
 
 
+def in_time(plant: Plant, until: float) -> Callable[[float], None]:
+    """A simulation's progress that raises TooLong once the clock (`time.perf_counter`) says `until` [s]."""
+
+    def reached(t: float) -> None:
+        if clock.perf_counter() > until:
+            raise TooLong(f"the motion of {plant.label} had come to {t:.3g} s when its time was over")
+
+    return reached
+
+
 class Motions:
     """Motions of one scene, kept."""
 
@@ -115,14 +125,11 @@ class Motions:
         has not ended when the clock (`time.perf_counter`) says `until` [s].
         """
         if plant not in self._kept:
-
-            def in_time(t: float) -> None:
-                if clock.perf_counter() > until:
-                    raise TooLong(f"the motion of {plant.label} has come to {t:.3g} s when its time was over")
-
+            progress = in_time(plant, until) if until < math.inf else None
             try:
-                in_time(float(self.scene.times[0]))
-                motion = self.run(plant, rtol=TIGHT, atol=TIGHT / 100, progress=in_time if until < math.inf else None)
+                if progress is not None:
+                    progress(float(self.scene.times[0]))
+                motion = self.run(plant, rtol=TIGHT, atol=TIGHT / 100, progress=progress)
                 self._kept[plant] = self.compared(motion)
                 self._left[plant] = tuple(motion.stats.get("validity", ()))
             except TooLong:

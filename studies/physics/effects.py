@@ -6,6 +6,7 @@ Newton's method; where that does not settle, it is simulated. Of the chosen plan
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
-from pliant.studies.common.reference_motions import Motions
+from pliant.studies.common.reference_motions import Motions, in_time
 
 from .physics_motion import PhysicsMotion, outputs_of
 from .quasi_linear import NotSettled
 
 ROUGHLY = 1e-5  # rtol of a motion without an effect, where it is simulated
+PATIENCE = 5.0  # [s] that such a motion may take
 SHAPES = "shapes that it does not have"
 SHARE = 0.02  # of what an effect is worth: to what that is known
 
@@ -75,7 +77,7 @@ def _effect(motions: Motions, physics: PhysicsMotion, rough: _Rough, name: str, 
             apart = rough.outputs - motions.outputs(rough.chosen.without(name), ROUGHLY)
         else:
             apart = physics.outputs - _without(motions, physics, (name,))
-    except PliantError:  # it has no motion at all
+    except PliantError:  # it has no motion, or none in time
         return Effect(name, float("inf"), kept)
     return Effect(name, float(np.abs(apart).max()), kept, apart)
 
@@ -96,4 +98,4 @@ def _without(motions: Motions, physics: PhysicsMotion, names: Sequence[str]) -> 
     try:
         return outputs_of(motions, lacking, physics, SHARE)
     except NotSettled:
-        return motions.outputs(lacking, ROUGHLY)
+        return motions.outputs(lacking, ROUGHLY, progress=in_time(lacking, clock.perf_counter() + PATIENCE))
