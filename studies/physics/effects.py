@@ -68,13 +68,18 @@ class _Rough:
 
     @cached_property
     def outputs(self) -> np.ndarray:
-        return self.motions.outputs(self.chosen, ROUGHLY)
+        return _played(self.motions, self.chosen)
+
+
+def _played(motions: Motions, plant: Plant) -> np.ndarray:
+    """The outputs (nt, n) of a simulation; TooLong after PATIENCE."""
+    return motions.outputs(plant, ROUGHLY, progress=in_time(plant, clock.perf_counter() + PATIENCE))
 
 
 def _effect(motions: Motions, physics: PhysicsMotion, rough: _Rough, name: str, kept: bool) -> Effect:
     try:
-        if kept:
-            apart = rough.outputs - motions.outputs(rough.chosen.without(name), ROUGHLY)
+        if kept and rough.chosen != physics.physics:
+            apart = rough.outputs - _played(motions, rough.chosen.without(name))
         else:
             apart = physics.outputs - _without(motions, physics, (name,))
     except PliantError:  # it has no motion, or none in time
@@ -98,4 +103,4 @@ def _without(motions: Motions, physics: PhysicsMotion, names: Sequence[str]) -> 
     try:
         return outputs_of(motions, lacking, physics, SHARE)
     except NotSettled:
-        return motions.outputs(lacking, ROUGHLY, progress=in_time(lacking, clock.perf_counter() + PATIENCE))
+        return _played(motions, lacking)
