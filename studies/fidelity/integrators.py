@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
+from pliant.plants.core.casadi_functions import LONG as UNCOMPILED
 from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common.reference_motions import Motions, in_time
 from pliant.studies.physics.physics_motion import PhysicsMotion
@@ -37,8 +38,12 @@ PATIENCE = 10.0  # times the fastest: longer runs are not made
 def integrators(
     motions: Motions, truth: PhysicsMotion, plant: Plant, tolerance: float
 ) -> tuple[Row | None, Row | None]:
-    """(the fastest row within the tolerance, the fixed-step row with the largest step within it)."""
+    """(the fastest row within the tolerance, the fixed-step row with the largest step within it); None where none is,
+    and of a plant so large that no compiler is asked for it.
+    """
     compiled, until = compile_motions(plant, WORTH), clock.perf_counter() + IN_ALL
+    if not compiled and plant._dynamics.function.n_instructions() > UNCOMPILED:
+        return None, None  # seconds for each run, and more for its stability limit
     progress = None if compiled else in_time(plant, until)
     duration = motions.scene.steps * motions.scene.dt
     best: Row | None = None
