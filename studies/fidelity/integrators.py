@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
-from pliant.plants.core.casadi_functions import LONG as UNCOMPILED
 from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common.reference_motions import Motions, in_time
 from pliant.studies.physics.physics_motion import PhysicsMotion
@@ -31,6 +30,7 @@ COMPILING = 5.0  # [s] that compiling it is worth
 RUNS = 3  # a setting that holds is timed so often
 WORTH = 2.0  # [s]: where compiling takes less, timings are of compiled code
 LONG = 0.05  # [s]: a run that takes longer is timed once
+LARGE = 8_000  # operations of the rates past which none is sought on the virtual machine
 IN_ALL = 10.0  # [s] that runs on the virtual machine may take
 PATIENCE = 10.0  # times the fastest: longer runs are not made
 
@@ -39,10 +39,10 @@ def integrators(
     motions: Motions, truth: PhysicsMotion, plant: Plant, tolerance: float
 ) -> tuple[Row | None, Row | None]:
     """(the fastest row within the tolerance, the fixed-step row with the largest step within it); None where none is,
-    and of a plant so large that no compiler is asked for it.
+    and of a large plant that is not compiled.
     """
     compiled, until = compile_motions(plant, WORTH), clock.perf_counter() + IN_ALL
-    if not compiled and plant._dynamics.function.n_instructions() > UNCOMPILED:
+    if not compiled and plant._dynamics.function.n_instructions() > LARGE:
         return None, None  # seconds for each run, and more for its stability limit
     progress = None if compiled else in_time(plant, until)
     duration = motions.scene.steps * motions.scene.dt
