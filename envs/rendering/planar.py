@@ -13,7 +13,7 @@ import numpy as np
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant
 from pliant.plants.core.parameters import require_choice
-from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.core.signals import OwnsArrays, names
 
 PIXELS = 600
 LINKS = ("#1f4e79", "#3182bd", "#6baed6", "#9ecae1")
@@ -55,10 +55,10 @@ class Renderer(OwnsArrays):
         goal = scene.plant.outline(scene.target[0])
         if not len(goal):
             raise ValueError(f"scene {scene.name!r}: its plant {type(scene.plant).__name__} has no outline to draw")
-        reach = float(sum(np.linalg.norm(np.diff(link, axis=0), axis=1).sum() for link in goal))
+        reach = _length(goal)
         axes = self.axes = self.figure.add_axes((0, 0, 1, 1))
         start = np.concatenate([*scene.plant.outline(scene.initial[0]), *goal])
-        self._stands = _root_stands(scene.plant, goal[0][0], reach)
+        self._stands = _root_stands(scene.plant, goal[0][0], reach) and not _slides(scene.plant)
         self._frame = np.array([goal[0][0] - reach, goal[0][0] + reach])  # (2, 2): least and most
         if not self._stands:
             self._frame = np.array([start.min(axis=0), start.max(axis=0)])
@@ -198,6 +198,19 @@ def _root_stands(plant: Plant, root: np.ndarray, reach: float) -> bool:
         if np.abs(plant.outline(moved, 2)[0][0] - root).max() > 1e-9 * reach:
             return False
     return True
+
+
+def _slides(plant: Plant) -> bool:
+    """Whether a driven joint makes the lines longer, as a trolley's rail: no circle is then what it can reach."""
+    x, known = plant.rest_state, names(plant.states)
+    rest = _length(plant.outline(x, 2))
+    moved = (plant.consistent(x + 0.1 * (np.arange(plant.nx) == known.index(joint.position))) for joint in plant.joints)
+    return any(abs(_length(plant.outline(state, 2)) - rest) > 1e-9 * (rest + 0.1) for state in moved)
+
+
+def _length(lines: Any) -> float:
+    """Of all lines together [m]."""
+    return float(sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines))
 
 
 RENDERERS: dict[str, Callable[..., Renderer]] = {"links": Renderer}  # by `Plant.drawn_as`; other modules add theirs

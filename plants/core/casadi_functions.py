@@ -17,6 +17,7 @@ MAPS_KEPT = 8  # batch sizes whose mapped function is kept
 LONG = 20_000  # operations past which common subexpressions stay; no compiler is asked for as many either
 FEW = 3000  # calls that lose what looking for common subexpressions takes: 12 us an operation, 4 ns of it lost a call
 KEPT = 32  # plants whose properties are kept
+K = TypeVar("K")
 T = TypeVar("T")
 _building = threading.RLock()  # expressions of equal plants are shared between threads, and must be built by one
 
@@ -114,6 +115,16 @@ def last_call(method: Callable[..., T]) -> Callable[..., T]:
         return found
 
     return called
+
+
+class Built(dict[K, T]):
+    """What is built for a key the first time that it is asked for, by one thread."""
+
+    def of(self, key: K, build: Callable[[], T]) -> T:
+        with _building:
+            if key not in self:
+                self[key] = build()
+        return self[key]
 
 
 class built_once(cached_property[T]):

@@ -36,8 +36,7 @@ class PhysicsContract(Declaration):
 
     def physics(self, more: int = 0) -> Self:
         """The richest model of this machine, by which its fidelities are judged, with `more` shapes than it has by
-        itself, fewer where it is negative. Default: the finest of the ladder, whatever `more` is.
-        """
+        itself, which may be below 0. Default: the finest of the ladder, whatever `more` is."""
         return self.ladder()[-1]
 
     @property
@@ -258,16 +257,12 @@ class PlantContract(PhysicsContract):
 
     @property
     def small_states(self) -> tuple[str, ...]:
-        """States that stay within centimetres where expressions are compared at random points, so that mass matrices
-        stay definite. Default: lengths and their rates.
-        """
+        """States that random points keep within centimetres: mass matrices stay definite. Default: lengths, rates."""
         return tuple(s.name for s in self.states if s.unit in ("m", "m/s"))
 
     @property
     def uncertain(self) -> tuple[str, ...]:
-        """Parameters that a robustness study varies, by dotted names. Default: every `quantity(.., uncertain=True)`:
-        of the library's parts the payload's mass, E and damping.
-        """
+        """Parameters that a robustness study varies. Default: every `quantity(.., uncertain=True)`, as payload.mass."""
         return parameters.quantities(self, uncertain=True)
 
     @property
@@ -288,6 +283,11 @@ class PlantContract(PhysicsContract):
     def outline(self, x: Array, points: int = 30) -> Array | list[Array]:
         """The bodies as lines (links, points, 2) [m], root first, at a state x (nx,). Default: nothing to draw."""
         return np.zeros((0, points, 2))
+
+    @property
+    def outline_axes(self) -> tuple[str, str]:
+        """What the two coordinates of `outline` are called."""
+        return "x", "y"
 
     @property
     def seen_from(self) -> str | None:

@@ -33,8 +33,8 @@ class BeamBody(ElasticBody):
     def dissipation(self, rate: ca.SX) -> ca.SX:
         return self.straight.beam.damping * ca.dot(rate, self.straight.stiffness() @ rate) / 2
 
-    def line(self, eta: np.ndarray, points: int) -> np.ndarray:
+    def line(self, eta: ca.SX, points: int) -> ca.SX:
         """Sections from the root to the end."""
-        at, still = ca.SX(ca.DM(eta)), ca.SX.zeros(self.n)
-        along = [self.section(float(xi), at, still).shift for xi in np.linspace(0.0, 1.0, points)]
-        return np.array([np.array(ca.DM(ca.densify(p))).reshape(3) for p in along])
+        still = ca.SX.zeros(self.n)
+        along = [self.section(float(xi), eta, still).shift for xi in np.linspace(0.0, 1.0, points)]
+        return ca.horzcat(*[ca.densify(p) for p in along])

@@ -9,7 +9,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import casadi as ca
-import numpy as np
 
 from pliant.plants.multibody_parts.spatial import Inertia, Motion, Wrench
 from pliant.plants.multibody_parts.tree_beam import Section
@@ -64,5 +63,5 @@ class ElasticBody(ABC):
         """
 
     @abstractmethod
-    def line(self, eta: np.ndarray, points: int) -> np.ndarray:
-        """For drawing (points, 3) [m], for numbers eta (n,)."""
+    def line(self, eta: ca.SX, points: int) -> ca.SX:
+        """For drawing (3, points) [m], as an expression of eta (n,)."""

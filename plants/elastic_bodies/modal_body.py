@@ -112,6 +112,9 @@ class ModalBody(ElasticBody):
         shapes = constant(self.data.tip_shapes.T)
         return [*ca.vertsplit(ca.densify(shapes @ eta)), *ca.vertsplit(ca.densify(shapes @ rate))]
 
-    def line(self, eta: np.ndarray, points: int) -> np.ndarray:
+    def line(self, eta: ca.SX, points: int) -> ca.SX:
         """The outline as the data have it."""
-        return self.data.outline + np.einsum("k,kpi->pi", eta, self.data.outline_shapes)
+        moved = ca.SX(ca.DM(self.data.outline.T))
+        for k, shape in enumerate(self.data.outline_shapes):
+            moved += ca.DM(shape.T) * eta[k]
+        return moved

@@ -73,7 +73,7 @@ class TreeFidelity(TreeDeclaration):
     @property
     def label(self) -> str:
         if not self.flexible:
-            return "rigid"
+            return "rigid, elastic joints" if self.motors else "rigid"
         modes = ", ".join("+".join(map(str, self.counts(b))) for b in self.flexible)
         return f"{self.kinematics}, {self.basis} {modes}"
 
@@ -118,8 +118,9 @@ class TreeFidelity(TreeDeclaration):
         return (dataclasses.replace(self, kinematics="rigid"), *(self._with(*rung) for rung in rungs))
 
     def physics(self, more: int = 0) -> Self:
-        """Exact rotations, every beam bending in both planes and twisting, with `more` than four shapes a family;
-        stretching where it does already. Of modal data all modes, without `more` but the last about each axis.
+        """Exact rotations, every beam bending in both planes and twisting, with `more` than four shapes a family it
+        has here, with one of others, and with `more` two. It stretches where it does already. Of modal data all modes,
+        without `more` but the last about each axis.
         """
         n = min(max(PHYSICS + more, 1), MOST_MODES)
         return dataclasses.replace(self, bodies=tuple(_rich(b, n, more) for b in self.bodies), kinematics=self._richest)
@@ -127,10 +128,6 @@ class TreeFidelity(TreeDeclaration):
     @property
     def _richest(self) -> str:
         return "strain" if any(b.beam is not None for b in self.bodies) else "stiffened"
-
-    @property
-    def newton(self) -> Self:
-        return dataclasses.replace(self, kinematics="stiffened") if self.kinematics == "strain" else self
 
     @property
     def left_out(self) -> float:
@@ -169,7 +166,14 @@ class TreeFidelity(TreeDeclaration):
 
 
 def _rich(body: TreeBody, n: int, more: int) -> TreeBody:
-    """With n shapes of each family that a beam has in physics, or its modes."""
+    """With n shapes of each family that its beam has, few of those that it has not, or with its modes.
+
+    What a beam is not taken to do is little, and its first shape the most of it; its second tells with one shape more.
+    """
     if body.modal is not None:
         return dataclasses.replace(body, modal_modes=body.modal.n if more else before_the_last(body.modal))
-    return body if body.beam is None else dataclasses.replace(body, modes=(n, n, n, min(body.modes[3], 1) * n))
+    if body.beam is None:
+        return body
+    few = 1 + (more > 0)
+    families = tuple(n if own else few for own in body.modes[:3])
+    return dataclasses.replace(body, modes=(*families, min(body.modes[3], 1) * n))

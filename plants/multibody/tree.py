@@ -30,6 +30,7 @@ import numpy as np
 
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_all, require_text
+from pliant.plants.core.casadi_functions import Built, NumericFunction, built_once, function
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
@@ -110,17 +111,29 @@ class FlexibleTree(TreeDynamics):
         return "links" if plain and in_plane(self.nominal._walk(still, still), across) else "tree"
 
     def outline(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
-        """The bodies as lines (points, 2) [m], root first, at a state x (nx,): seen along y where gravity acts along z,
-        else along z.
-        """
-        seen = [0, 2] if self.nominal.gravity[2] else [0, 1]
+        """The bodies as lines (points, 2) [m], root first, at a state x (nx,): along `outline_axes`."""
+        seen = ["xyz".index(axis) for axis in self.outline_axes]
         return [line[:, seen] for line in self.lines(x, points)]
+
+    @property
+    def outline_axes(self) -> tuple[str, str]:
+        return ("x", "z") if self.nominal.gravity[2] else ("x", "y")
 
     def lines(self, x: np.ndarray, points: int = 30) -> list[np.ndarray]:
         """The bodies as lines (points, 3) [m] in the base's axes, at a state x (nx,)."""
-        own, n = self.nominal, len(self.coordinates)
         x, points = one_state(self, x), line_points(self, points)
-        return drawn(own._walk(ca.SX(ca.DM(x[:n])), ca.SX(ca.DM(x[n:]))), points)
+        lines = self.nominal._drawings.of(points, lambda: self.nominal._drawing(points))
+        return [line.T for line in lines(x[: len(self.coordinates)])]
+
+    def _drawing(self, points: int) -> NumericFunction:
+        """q -> `lines`, transposed."""
+        q, still = ca.SX.sym("q", len(self.coordinates)), ca.SX.zeros(len(self.speeds))
+        return function("lines", [q], drawn(self._walk(q, still), points), matrices=True)
+
+    @built_once
+    def _drawings(self) -> Built[int, NumericFunction]:
+        """By how many points a line has."""
+        return Built()
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:

@@ -104,16 +104,16 @@ def weight_energy(walk: Walk, gravity: ca.SX) -> ca.SX:
     return V
 
 
-def drawn(walk: Walk, points: int) -> list[np.ndarray]:
-    """Lines (points, 3) [m] of a walk at numbers: a beam along its sections, else to what hangs on the body. As many at
-    every state: one to what slides also where it stands at its parent's place, one for two places that are the same.
+def drawn(walk: Walk, points: int) -> list[ca.SX]:
+    """Lines (3, points) [m]: a beam along its sections, else to what hangs on the body. As many at every state: one to
+    what slides also where it stands at its parent's place, one for two places that are the same.
     """
-    nodes, found, led = walk.tree.nodes, list[np.ndarray](), set[tuple[Any, ...]]()
-    stands = [_numbers(pose) for pose in poses(walk)]
+    nodes, found, led = walk.tree.nodes, list[ca.SX](), set[tuple[Any, ...]]()
+    stands, along = poses(walk), ca.DM(np.linspace(0.0, 1.0, points)).T
     for k, (node, (R, end)) in enumerate(zip(nodes, stands, strict=True)):
         if node.beam is not None:
-            eta = np.array(ca.DM(walk.bent(k)[0])).reshape(-1)
-            found.append(end + node.beam.line(eta, points) @ R.T)
+            line = node.beam.line(walk.bent(k)[0], points)
+            found.append(R @ line + ca.repmat(end, 1, line.shape[1]))
         parent = nodes[node.parent] if node.parent != BASE else None
         if parent is not None and parent.beam is not None:
             continue
@@ -123,8 +123,8 @@ def drawn(walk: Walk, points: int) -> list[np.ndarray]:
         way = (node.parent, *np.array(ca.DM(node.r)).reshape(3), k if kind in SLIDING else BASE)
         if way not in led and (kind in SLIDING or any(way[1:4])):
             led.add(way)
-            start = stands[node.parent][1] if parent is not None else np.zeros(3)
-            found.append(np.linspace(start, end, points))
+            start = stands[node.parent].p if parent is not None else ca.SX.zeros(3)
+            found.append(start @ (1 - along) + end @ along)
     return found
 
 

@@ -132,7 +132,7 @@ class SliderCrankMechanism(LagrangianPlant):
         if not self.closed_form:
             return f"{self.kinematics}, {self.modes} frame elements"
         axial = f"+{self.axial_modes} axial" if self.axial_modes else ""
-        return f"{self.kinematics}, {self.modes}{axial} modes"
+        return f"{self.kinematics}, {self.modes}{axial} mode{'s' * (self.modes + self.axial_modes != 1)}"
 
     @property
     def rigid(self) -> RigidSliderCrank:

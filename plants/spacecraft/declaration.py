@@ -138,11 +138,12 @@ class SpacecraftDeclaration(AttitudePlant):
 
     @property
     def label(self) -> str:
-        bodies = f"{len(self.appendages)} appendages"
+        many, modes = len(self.appendages), sum(self.mode_counts)
+        bodies = f"{many} appendage{'s' * (many != 1)}"
         place = "" if self.translation else ", rotation only"
         if self.kinematics == "rigid":
             return f"rigid, {bodies}{place}"
-        return f"{self.kinematics}, {bodies}, {sum(self.mode_counts)} modes{place}"
+        return f"{self.kinematics}, {bodies}, {modes} mode{'s' * (modes != 1)}{place}"
 
     def ladder(self) -> tuple[Self, ...]:
         """Rigid, then one mode of each appendage, its own, and all that its modal data hold; linear and stiffened."""

@@ -227,7 +227,7 @@ def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], s
             return _made("stable", "lyapunov", margin, why, evidence, said, bound, "decays")
     if grown is None:
         return _made("undecided", "", np.nan, f"no method could be used: {said['growth']}", evidence, said)
-    why = f"over {duration:.4g} s deviations change by a factor of {grown.total:.4g} at most"
+    why = f"over {duration:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed"
     try:
         error = float(np.linalg.norm(transition(paths, jumps, 1e-6).D, 2))
     except (ValueError, np.linalg.LinAlgError):
@@ -285,8 +285,8 @@ def _made(
     if "growth" in evidence:
         found: Growth = evidence["growth"]
         reasons["growth"] = (
-            f"deviations change by a factor of {found.total:.4g} at most, "
-            f"within {found.window:.3g} s by {found.windows.max():.4g}"
+            f"deviations change by a factor of up to {found.total:.4g}, "
+            f"within {found.window:.3g} s of up to {found.windows.max():.4g}, as computed"
         )
     for name in METHODS:
         reasons.setdefault(name, f"not needed: {method} decides" if method else "does not apply")

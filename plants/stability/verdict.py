@@ -17,6 +17,7 @@ from .state_matrix_path import kept, scaling
 
 METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time")
 CLEAR = 1e-4  # error from which on "cannot be told from the boundary" is no finding: of a multiplier, or of |A|
+CANCELLED = 16  # times the rounding of a term: sums of as many
 GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
 
@@ -78,9 +79,10 @@ def of_constant(
     keep = kept(model, states)
     A = model.A[np.ix_(keep, keep)]
     scale = scaling(A[None])
+    D = cancelled(A, [model.states[k].unit for k in keep]) * scale / scale[:, None]
     A = A * scale / scale[:, None]
     line = model.dt is None
-    D = rounding(A)
+    D = D + rounding(A)
     if spread is not None:
         D = D + spread[np.ix_(keep, keep)] * scale / scale[:, None]
     b = bounds(A, D, line=line)
@@ -123,6 +125,17 @@ def rounding(A: np.ndarray) -> np.ndarray:
     size = np.abs(A)
     row, column = size.sum(axis=1, keepdims=True), size.sum(axis=0, keepdims=True)
     return EPS * (2 * len(A) * size + 4 * np.minimum(row, column)) * (size > 0)
+
+
+def cancelled(A: np.ndarray, units: Sequence[str]) -> np.ndarray:
+    """What is open (n, n) in entries that are left where larger ones cancel: rounding of the largest entry of their row
+    among states of the same unit, which no choice of units changes. Zeros, and states without a unit, leave nothing.
+    """
+    size, D = np.abs(A), np.zeros(A.shape)
+    for unit in {unit for unit in units if unit}:
+        own = [k for k, name in enumerate(units) if name == unit]
+        D[:, own] = CANCELLED * EPS * size[:, own].max(axis=1, keepdims=True)
+    return D * (size > 0)
 
 
 def degree(M: np.ndarray, values: np.ndarray, errors: np.ndarray, near: np.ndarray) -> int:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import Plant
+from pliant.plants import Plant, PliantError
 from pliant.plants.core.argument_gates import (
     require_all,
     require_flag,
@@ -25,7 +25,7 @@ from pliant.plants.core.argument_gates import (
 )
 from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common import machine
-from pliant.studies.common.reference_motions import Motions, Progress, share, silent
+from pliant.studies.common.reference_motions import Motions, Progress, TooLong, share, silent
 from pliant.studies.fidelity.speed_accuracy import (
     LINEAR,
     METHODS,
@@ -46,6 +46,7 @@ from .plan import LEVELS, STEPPED_NATIVELY, parts, simulated
 from .runner import Runner
 
 COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
+PREPARING = 15.0  # [s] that preparing all variants may take, or the budget where that is more; the first has no limit
 PREPARED, MEASURED = 0.25, 0.95  # of the progress told
 Peers = Callable[..., Sequence[PeerRow]]
 
@@ -65,8 +66,9 @@ def chart(
 ) -> Chart:
     """Measure the rows of a scene within `budget` [s], each variant's first row before all others; see `plan`.
 
-    Before it begins physics is found, each variant's own motion converged, and its motions compiled where that pays. A
-    budget that does not buy each variant a row tells in `needed` which one would. `variants` (None: the plant's ladder)
+    Before it begins physics is found, each variant's own motion converged, and its motions compiled where that pays,
+    cheapest variants first for as long as PREPARING or the budget. A budget that does not prepare each variant and buy
+    it a row tells in `needed` which one would. `variants` (None: the plant's ladder)
     are charted, and errors are against physics. A setting is not run when the time is spent, when it would take too
     long, or when a measured row is faster and better than its variant can be at any step (`prune`); its row says so. A
     setting finer than one whose error no longer matters has no row.
@@ -106,18 +108,21 @@ def chart(
     store = KeptRows(path, motions, f"{reference.variant}, for {sought:g} {scene.unit}", described)
     plants = tuple(variants) if variants is not None else motions.ladder
     runner = Runner(motions, truth.outputs, prune)
-    _prepare(motions, plants, budget, share(progress, 0.05, PREPARED))
+    ready, needed = _prepare(motions, plants, budget, share(progress, 0.05, PREPARED))
     by_label = {plant.label: plant for plant in plants}
     for row in store.rows:
         if row.variant in by_label and row.method in (*methods, *LINEAR):
             runner.take(by_label[row.variant], row)
-    useful_first = sorted(plants, key=lambda plant: motions.difference(plant, truth.outputs) > scene.tolerance)
+    useful_first = sorted(ready, key=lambda plant: motions.difference(plant, truth.outputs) > scene.tolerance)
     campaign = _Campaign(runner, store, budget, share(progress, PREPARED, MEASURED))
     campaign.first_rows(useful_first, methods, scene.dt)
     campaign.fixed_rows(useful_first, methods, scene.dt)
     campaign.all_rows(useful_first, methods, scene.dt)
     order = {plant.label: i for i, plant in enumerate(plants)}
-    rows = sorted(campaign.rows, key=lambda r: (order[r.variant], *_order(r)))
+    late = [row for plant in plants if plant not in ready for row in _unprepared(plant, methods, scene.dt)]
+    measured = {row.key for row in campaign.rows}
+    rows = [*campaign.rows, *(row for row in late if row.key not in measured)]
+    rows = sorted(rows, key=lambda r: (order[r.variant], *_order(r)))
     others = tuple(store.peers)
     if wanted is not None and not others:
         told(MEASURED, "other programs")
@@ -137,7 +142,7 @@ def chart(
         unit=scene.unit,
         outside=tuple((p.label, words) for p in plants if (words := motions.outside_so_far(p))),
         peers=others if wanted is not None else (),
-        needed=campaign.needed,
+        needed=max((n for n in (needed, campaign.needed) if n is not None), default=None),
     )
 
 
@@ -149,12 +154,35 @@ def programs(name: str, asked: Any) -> Peers | None:
     return measure_programs if require_flag(name, asked) else None
 
 
-def _prepare(motions: Motions, plants: Sequence[Plant], budget: float, progress: Progress) -> None:
-    """What every row of a variant rests on, before the budget begins."""
+def _prepare(
+    motions: Motions, plants: Sequence[Plant], budget: float, progress: Progress
+) -> tuple[tuple[Plant, ...], float | None]:
+    """What every row of a variant rests on, before the budget begins: the variants for which there was time, and the
+    budget that is about what all of them take.
+    """
+    began, allowed = clock.perf_counter(), max(budget, PREPARING)
+
+    def spent() -> float:
+        return clock.perf_counter() - began
+
     for i, plant in enumerate(plants):
         progress(i / len(plants), f"{plant.label}, compiled")
-        compile_motions(plant, max(budget, COMPILING))
-        motions.outside(plant)  # converged, or what it failed by
+        limit = allowed if i else math.inf
+        if spent() < limit:
+            compile_motions(plant, max(budget, COMPILING))
+        try:
+            motions.converged(plant, until=began + limit)
+        except TooLong:
+            return tuple(plants[:i]), rounded_up(len(plants) / i * max(allowed, spent()))
+        except PliantError:
+            continue  # what it failed by is kept
+    return tuple(plants), None
+
+
+def _unprepared(plant: Plant, methods: Sequence[str], dt: float) -> list[Row]:
+    """Rows of a variant for which there was no time."""
+    found = (simulated(plant, method, 0, dt) for method in methods)
+    return [dataclasses.replace(row, failure=SPENT) for row in found if row is not None]
 
 
 def _order(row: Row) -> tuple[Any, ...]:

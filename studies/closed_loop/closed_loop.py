@@ -7,6 +7,7 @@ controllers/analysis/spillover.py.
 from __future__ import annotations
 
 import dataclasses
+import time as clock
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,13 +19,16 @@ from pliant.controllers.base.goal_model import goal_model
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core import parameters
+from pliant.plants.native import kernel_loader
 from pliant.studies.common.reference_motions import Progress, silent
 
 PAYLOAD = "payload.mass"
 FACTORS = (0.5, 1.5)
 MANY_MODES = 6  # of each link, in the dearer plant
 RTOL = 1e-8
-LONG = 8_000  # steps above which the stiff method is cheaper
+LONG = 8_000  # steps above which the stiff method is cheaper on the virtual machine ..
+LONG_COMPILED = 200_000  # .. and in compiled code, which it has none of
+PATIENCE = 20.0  # [s] that a run may take
 
 
 @dataclass(frozen=True)
@@ -95,14 +99,20 @@ def variations(scene: Scene) -> list[tuple[str, Plant]]:
 
 
 def dearer(plant: Plant) -> Plant:
-    """The plant with many modes a link; the finest of its ladder where that adds no state."""
+    """The plant with many modes a link; where that adds no state the finest of its ladder, of its own kinematics where
+    there is one.
+    """
     modes, more = getattr(plant, "modes", None), plant
     if isinstance(modes, tuple):
         many = tuple(max(MANY_MODES, n) for n in modes)
         more = dataclasses.replace(plant, modes=many)  # type: ignore[call-arg]
     elif isinstance(modes, int):
         more = dataclasses.replace(plant, modes=max(MANY_MODES, modes))  # type: ignore[call-arg]
-    return more if more.nx > plant.nx else plant.ladder()[-1]
+    if more.nx > plant.nx:
+        return more
+    own = getattr(plant, "kinematics", None)
+    finer = [rung for rung in plant.ladder() if rung.nx > plant.nx and getattr(rung, "kinematics", None) == own]
+    return (*plant.ladder(), *finer)[-1]
 
 
 def closed_loop(
@@ -149,13 +159,25 @@ def end_error(scene: Scene, motion: Trajectory) -> float:
     return float(np.abs(ended - goal).max())
 
 
-def run(scene: Scene, law: Controller) -> Trajectory:
-    """The scene under a controller that reads the true signals; raises what simulation or controller raise."""
-    plant, x0 = scene.plant, scene.initial[0]
+def run(scene: Scene, law: Controller, *, patience: float = PATIENCE) -> Trajectory:
+    """The scene under a controller that reads the true signals; raises what simulation or controller raise, and
+    PliantError where it takes longer than `patience` [s].
+    """
+    plant, x0, began = scene.plant, scene.initial[0], clock.perf_counter()
     fastest = np.abs(np.linalg.eigvals(plant.jacobians(*scene.target)[0])).max(initial=0.0)
     # An explicit method of order 8 takes steps of about 5 over the fastest rate
-    method = "cvodes" if fastest * scene.duration / 5 > LONG else "dop853"
-    return plant.simulate(x0, law, scene.times, method=method, rtol=RTOL, atol=RTOL / 100)
+    steps, most = fastest * scene.duration / 5, LONG_COMPILED if kernel_loader.wanted() else LONG
+
+    def reached(t: float) -> None:
+        spent = clock.perf_counter() - began
+        if spent > patience and t < scene.times[-1]:
+            raise PliantError(
+                f"given up: its first {t:.3g} of {scene.duration:g} s have taken {spent:.0f} s, of which it has "
+                f"{patience:g}; its fastest mode asks for {steps:.2g} steps"
+            )
+
+    options: dict[str, Any] = {"rtol": RTOL, "atol": RTOL / 100, "progress": reached}
+    return plant.simulate(x0, law, scene.times, method="cvodes" if steps > most else "dop853", **options)
 
 
 def _stability(scene: Scene, law: LQR, design: Plant) -> tuple[float, str, bool]:

@@ -72,9 +72,10 @@ def compare(
     if scene.name in shipped():
         made[POLICY] = designed(scene, CONTESTANTS[POLICY])
     plants = tuple(dict.fromkeys((scene.plant, dearer(scene.plant))))
-    played: list[tuple[Scene, Trajectory | None]] = [(scene.with_plant(plant), None) for plant in plants]
+    played: list[tuple[Scene, Trajectory | str | None]] = [(scene.with_plant(plant), None) for plant in plants]
     if loops and law is not None:
-        played = [(on, loop.motion) for (on, _), loop in zip(played, (loops[0], loops[-1]))]
+        known = ((loop.motion or loop.failure) for loop in (loops[0], loops[-1]))
+        played = [(on, told_of) for (on, _), told_of in zip(played, known)]
     found = []
     for i, (on, motion) in enumerate(played):
         for k, (name, controller) in enumerate(made.items()):
@@ -85,8 +86,9 @@ def compare(
 
 
 def _contest(
-    scene: Scene, played: Scene, name: str, controller: Controller | str, motion: Trajectory | None
+    scene: Scene, played: Scene, name: str, controller: Controller | str, motion: Trajectory | str | None
 ) -> Contest:
+    """`motion`: the run where it is at hand, or why there is none."""
     plant = played.plant
     found = Contest(name, plant.label, plant.nx)
     if isinstance(controller, str):
@@ -99,6 +101,8 @@ def _contest(
             motion = run(played, controller)
         except (PliantError, ValueError) as failure:
             return dataclasses.replace(found, failure=in_one_line(failure))
+    if isinstance(motion, str):
+        return dataclasses.replace(found, failure=motion)
     record = getattr(controller, "record", None)
     if record is not None:
         counts = {"acts": record.calls, "violations": record.violations, "unsolved": record.failures}

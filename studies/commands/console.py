@@ -7,6 +7,7 @@ import shutil
 import sys
 import tempfile
 import textwrap
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,11 +23,12 @@ from pliant.studies.figures.style import require_ending
 
 USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
 LONGEST_NAME = 255  # bytes of a file's name
+REPORT_IT = "This is a fault of Pliant's: please report this line with the command that you gave and `pliant doctor`"
 BORDERS = 3  # characters of a table beside each column
 
 
 class Commands(TyperGroup):
-    """Bad input ends with its message and exit code 2, any other failure that a plant reports with 1."""
+    """Bad input ends with its message and exit code 2, any other failure that a plant reports, or fault, with 1."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -42,6 +44,18 @@ class Commands(TyperGroup):
         except PliantError as error:
             complain(f"{type(error).__name__}: {error}")
             raise typer.Exit(1) from None
+        except (typer.Exit, typer.Abort):
+            raise
+        except Exception as error:  # last: a fault, which people are told in a line that they can report
+            complain(f"{type(error).__name__}: {error} in {_where(error)}. {REPORT_IT}")
+            raise typer.Exit(1) from None
+
+
+def _where(error: BaseException) -> str:
+    """The innermost place of this library that an exception went through: module and line."""
+    frames = [(f.f_globals.get("__name__", "?"), line) for f, line in traceback.walk_tb(error.__traceback__)]
+    module, line = next((at for at in reversed(frames) if at[0].startswith("pliant.")), frames[-1])
+    return f"{module}, line {line}"
 
 
 def print_json(value: Any) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -29,8 +31,11 @@ def report(
     writable_folder("--out", folder)
     with bar(f"report {chosen.name}") as tell:
         page = write(chosen, folder, progress=tell, budget=budget)
+    told = (folder / "report.json").read_text(encoding="utf-8")
+    for name, reason in json.loads(told)["lost"].items():
+        print(f"not found: {name}: {' '.join(reason.split())}", file=sys.stderr)
     if as_json:
-        print((folder / "report.json").read_text(encoding="utf-8"), end="")
+        print(told, end="")
     else:
         print(page)
 

@@ -36,6 +36,11 @@ def number(value: float | int | None) -> str:
     return str(value) if isinstance(value, int) else f"{value:.4g}"
 
 
+def counted(n: int, what: str) -> str:
+    """How many of what: "1 input", "2 inputs"."""
+    return f"{n} {what}" if n == 1 else f"{n} {what}s"
+
+
 def paragraph(text: str, kind: str = "") -> str:
     """One escaped paragraph, of a css class where `kind` is given; `words` in backticks are code."""
     inner = re.sub(r"`([^`]*)`", r"<code>\1</code>", escape(text))

@@ -7,6 +7,8 @@ any method keeps its order because the jumps fall between steps. A step is at mo
 
 from __future__ import annotations
 
+import math
+import time as clock
 import warnings
 from collections.abc import Callable
 from functools import cached_property
@@ -35,6 +37,20 @@ def share(progress: Progress | None, start: float, stop: float) -> Progress:
     if progress is None:
         return silent
     return lambda fraction, task: progress(start + (stop - start) * min(max(fraction, 0.0), 1.0), task)
+
+
+class TooLong(PliantError):
+    """A motion was given up when its time was over."""
+
+
+def in_time(plant: Plant, until: float) -> Callable[[float], None]:
+    """A simulation's progress that raises TooLong once the clock (`time.perf_counter`) says `until` [s]."""
+
+    def reached(t: float) -> None:
+        if clock.perf_counter() > until:
+            raise TooLong(f"the motion of {plant.label} had come to {t:.3g} s when its time was over")
+
+    return reached
 
 
 class Motions:
@@ -94,9 +110,9 @@ class Motions:
             warnings.simplefilter("ignore", ValidityWarning)  # `outside` tells it, once for each fidelity
             return plant.simulate(self.start(plant), held, times, **options)
 
-    def outputs(self, plant: Plant, rtol: float) -> np.ndarray:
+    def outputs(self, plant: Plant, rtol: float, **options: Any) -> np.ndarray:
         """The compared outputs (nt, n) at a tolerance."""
-        motion = self.run(plant, rtol=rtol, atol=rtol / 100)
+        motion = self.run(plant, rtol=rtol, atol=rtol / 100, **options)
         self._left[plant] = tuple(motion.stats.get("validity", ()))
         return self.compared(motion)
 
@@ -104,13 +120,20 @@ class Motions:
         """The outputs (nt, n) that the scene compares."""
         return np.stack([motion[name] for name in self.scene.compare], axis=1)
 
-    def converged(self, plant: Plant) -> np.ndarray:
-        """The compared outputs (nt, n) at tight tolerance; raises what the simulation raised."""
+    def converged(self, plant: Plant, *, until: float = math.inf) -> np.ndarray:
+        """The compared outputs (nt, n) at tight tolerance; raises what the simulation raised, and TooLong where it
+        has not ended when the clock (`time.perf_counter`) says `until` [s].
+        """
         if plant not in self._kept:
+            progress = in_time(plant, until) if until < math.inf else None
             try:
-                motion = self.run(plant, rtol=TIGHT, atol=TIGHT / 100)
+                if progress is not None:
+                    progress(float(self.scene.times[0]))
+                motion = self.run(plant, rtol=TIGHT, atol=TIGHT / 100, progress=progress)
                 self._kept[plant] = self.compared(motion)
                 self._left[plant] = tuple(motion.stats.get("validity", ()))
+            except TooLong:
+                raise
             except PliantError as failure:
                 self._kept[plant] = failure
         found = self._kept[plant]

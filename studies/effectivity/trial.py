@@ -62,7 +62,7 @@ def _said(found: Choice) -> Row:
         "convergence": found.convergence,
         "physics": found.physics,
         "missing": list(found.missing),
-        "outside": next(r.outside for r in found.rungs if r.chosen),
+        "outside": next((r.outside for r in found.rungs if r.chosen), ""),
     }
 
 

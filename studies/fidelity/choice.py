@@ -36,7 +36,9 @@ MOST_LANES = 1_000_000
 
 @dataclass(frozen=True)
 class Choice:
-    """The chosen plant and why. `met` is False where no rung could be shown to keep the tolerance."""
+    """The chosen plant and why. `met` is False where no rung could be shown to keep the tolerance; where none has a
+    result, none is chosen, and `plant` is the richest that can be played.
+    """
 
     scene: str
     compare: tuple[str, ...]
@@ -77,7 +79,8 @@ class Choice:
         content["effects"] = [effect.to_json() for effect in self.effects]
         for name in ("integrator", "batch", "largest_step"):
             content[name] = None if content[name] is None else asdict(content[name])
-        return {"chosen": self.plant.label, "states": self.plant.nx, **content}
+        chosen = self.plant.label if any(rung.chosen for rung in self.rungs) else None
+        return {"chosen": chosen, "states": self.plant.nx, **content}
 
 
 def choose(

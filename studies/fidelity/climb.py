@@ -64,7 +64,9 @@ class Climb:
         self.beyond = tuple(dict.fromkeys(words for p in known for words in p.beyond))
 
     def rungs(self, progress: Progress) -> tuple[tuple[Rung, ...], int]:
-        """The rungs, and which is chosen: the first whose bound is within the tolerance, else the one nearest to it."""
+        """The rungs, and which is returned: the first whose bound is within the tolerance, else the one nearest to it,
+        where none has a result the richest. None without a result is called chosen.
+        """
         found: list[Rung] = []
         chosen: int | None = None
         for i, plant in enumerate(self.ladder):
@@ -80,7 +82,9 @@ class Climb:
         if chosen is None:
             finite = [r.bound if r.bound is not None else float("inf") for r in found]
             last = len(found) - 1 - bool(self.unplayed)
-            chosen = int(np.argmin(finite)) if np.isfinite(finite).any() else last
+            if not np.isfinite(finite).any():
+                return tuple(found), last
+            chosen = int(np.argmin(finite))
         found[chosen] = dataclasses.replace(found[chosen], chosen=True)
         return tuple(found), chosen
 
@@ -94,8 +98,8 @@ class Climb:
             note = "physics itself: its error is what is known of it"
             return Rung(plant.label, plant.nx, self.uncertainty, self.uncertainty, note=note)
         if not any(self.physics):
-            why = self.failed if plant.label == self.unplayed else "physics is not known"
-            note = f"not tried: {why}"
+            known = "cannot be played" if plant.label == self.unplayed else "is not known"
+            note = f"not tried: physics {known}"
             return Rung(plant.label, plant.nx, float("inf"), float("inf"), note=note)
         error, outside, note = 0.0, "", ""
         for motions, physics in zip(self.played, self.physics):

@@ -7,6 +7,7 @@ method for stiff plants is tried where dop853's loosest tolerance holds: what bo
 
 from __future__ import annotations
 
+import time as clock
 from dataclasses import replace
 from statistics import median
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 
 from pliant.plants import Plant, PliantError
 from pliant.plants.integration.batch_stepper import compile_motions
-from pliant.studies.common.reference_motions import Motions
+from pliant.studies.common.reference_motions import Motions, in_time
 from pliant.studies.physics.physics_motion import PhysicsMotion
 
 from .speed_accuracy import SUBSTEPS, TOLERANCES, Row, comparable_seconds
@@ -29,14 +30,21 @@ COMPILING = 5.0  # [s] that compiling it is worth
 RUNS = 3  # a setting that holds is timed so often
 WORTH = 2.0  # [s]: where compiling takes less, timings are of compiled code
 LONG = 0.05  # [s]: a run that takes longer is timed once
+LARGE = 8_000  # operations of the rates past which none is sought on the virtual machine
+IN_ALL = 10.0  # [s] that runs on the virtual machine may take
 PATIENCE = 10.0  # times the fastest: longer runs are not made
 
 
 def integrators(
     motions: Motions, truth: PhysicsMotion, plant: Plant, tolerance: float
 ) -> tuple[Row | None, Row | None]:
-    """(the fastest row within the tolerance, the fixed-step row with the largest step within it)."""
-    compile_motions(plant, WORTH)
+    """(the fastest row within the tolerance, the fixed-step row with the largest step within it); None where none is,
+    and of a large plant that is not compiled.
+    """
+    compiled, until = compile_motions(plant, WORTH), clock.perf_counter() + IN_ALL
+    if not compiled and plant._dynamics.function.n_instructions() > LARGE:
+        return None, None  # seconds for each run, and more for its stability limit
+    progress = None if compiled else in_time(plant, until)
     duration = motions.scene.steps * motions.scene.dt
     best: Row | None = None
     largest: Row | None = None
@@ -45,13 +53,13 @@ def integrators(
         if plant.stiff and method not in IMPLICIT:
             continue
         worth_it = plant.stiff or (bounded_by_stability and compile_motions(plant, COMPILING, STIFF))
-        if method == STIFF and not worth_it:
+        if (method == STIFF and not worth_it) or (progress is not None and clock.perf_counter() > until):
             continue
         for options in _settings(method, motions.scene.dt):
             row = Row(plant.label, plant.nx, method, options.get("step"), options.get("rtol"))
             loosest = options.get("rtol") == TOLERANCES["dop853"][0]
             try:
-                run = motions.run(plant, method=method, **options)
+                run = motions.run(plant, method=method, progress=progress, **options)
             except PliantError:
                 continue
             error = float(np.abs(motions.compared(run) - truth.outputs).max())

@@ -12,14 +12,24 @@ if TYPE_CHECKING:
 
 def words(choice: Choice) -> str:
     """Which variant, how far it is from physics and how well that is known, what it leaves out and what is missing."""
-    rung = next(r for r in choice.rungs if r.chosen)
+    rung = next((r for r in choice.rungs if r.chosen), None)
     outputs = " and ".join(choice.compare)
 
     def said(value: float) -> str:
         return measured(value, choice.unit)
 
     everywhere = f" on all {choice.motions} motions" if choice.motions > 1 else ""
-    if choice.met:
+    if rung is None:
+        parts = [
+            f"No variant is chosen: how far any of them is from physics{everywhere} is not known. "
+            f"{choice.plant.label} ({choice.plant.nx} states) is returned unchecked."
+        ]
+    elif choice.met and len(choice.rungs) == 1 and choice.physics.startswith(f"{rung.variant},"):
+        parts = [
+            f"{rung.variant} ({rung.states} states) is the plant's only variant, and physics as far as it is modelled "
+            f"here: it keeps {outputs} within {said(choice.tolerance)}{everywhere}."
+        ]
+    elif choice.met:
         parts = [
             f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
             f"{said(choice.tolerance)} of physics{everywhere}: it is {said(rung.error or 0.0)} away."
@@ -40,7 +50,7 @@ def words(choice: Choice) -> str:
         each = ", ".join(f"{e.name}, {said(e.change)}" for e in choice.effects if e.kept == kept)
         if each:
             parts.append(f"{word}: {each}.")
-    if choice.missing:
+    if choice.missing and choice.missing != (choice.physics,):  # that is told already
         word = "No model here has" if choice.met else "Missing"
         parts.append(f"{word}: {', '.join(choice.missing)}.")
     if choice.integrator is not None:

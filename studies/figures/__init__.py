@@ -3,7 +3,7 @@
 from .controllers import controllers
 from .ladder import effects, ladder, settings
 from .linear_models import eigenvalues, frozen
-from .motion import histories, stroboscopic, tip_path
+from .motion import histories, strobe_in_space, stroboscopic, tip_path
 from .speed_accuracy import speed_accuracy
 from .stability import evidence
 from .style import inline, save
@@ -20,6 +20,7 @@ __all__ = [
     "save",
     "settings",
     "speed_accuracy",
+    "strobe_in_space",
     "stroboscopic",
     "tip_path",
 ]

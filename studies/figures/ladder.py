@@ -51,13 +51,15 @@ def ladder(choice: Choice) -> Figure:
 
 
 @styled
-def effects(choice: Choice, times: np.ndarray) -> Figure:
+def effects(choice: Choice, times: np.ndarray) -> Figure | None:
     """What each effect moves the compared outputs by over the motion, times (nt,) [s]: the error's parts as lines, what
-    the chosen model keeps dashed.
+    the chosen model keeps dashed. None where no effect moves them by enough to be seen beside the tolerance.
     """
-    figure, (ax,) = panels(1, height=3.0)
     lowest = 1e-4 * choice.tolerance
     drawn = [e for e in choice.effects if e.over_time is not None and lowest < e.change < RUNS_AWAY * choice.tolerance]
+    if not drawn:
+        return None
+    figure, (ax,) = panels(1, height=3.0)
     for i, effect in enumerate(drawn):
         largest = np.abs(effect.over_time).max(axis=1)  # type: ignore[arg-type]
         label, line = (f"{effect.name}, kept", "--") if effect.kept else (effect.name, "-")

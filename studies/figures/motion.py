@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from pliant.envs.rendering.spacecraft_geometry import exaggeration, reach_of, scenery
-from pliant.envs.rendering.spatial import SUN, axis_words, draw_craft, set_up, sun_direction
+from pliant.envs.rendering.spatial import SUN, VIEW, axis_words, draw_craft, set_up, sun_direction
 from pliant.envs.scenes.scene import Scene
-from pliant.plants import FlexibleSpacecraft, Plant, Trajectory
+from pliant.plants import FlexibleSpacecraft, FlexibleTree, Plant, Trajectory
 from pliant.plants.core.signals import Signal, names
 
 from . import arm_outline
@@ -35,6 +35,7 @@ APART = 30.0  # ratio of the peaks of signals that are not drawn in one panel
 ROUNDING = 1e-9  # of the largest peak, below which a signal is no more than that
 LONG_LABEL = 18  # characters of a label above which it has two lines
 COUNT = 6  # pictures of a motion in space
+NARROW = 5.0  # ratio of the sides of a path above which it would be a strip
 MANY = 6  # panels above which there are two columns
 
 
@@ -113,10 +114,10 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
     columns = 1 if len(groups) <= MANY else 2
     rows = -(-len(groups) // columns)
     figure, axes = panels(rows, columns, height=1.45, width=WIDTH * (1.0 if columns == 1 else 1.4), sharex=True)
-    for ax in axes[len(groups) :]:
-        ax.remove()
-        axes[len(groups) - 2].tick_params(labelbottom=True)
-    axes = axes[: len(groups)]
+    if len(axes) > len(groups):  # the last panel is as wide as two
+        wide = axes[-2].get_subplotspec().get_gridspec()[-1, :]  # type: ignore[union-attr]
+        axes.pop().remove()
+        axes[-1].set_subplotspec(wide)
     goal, limits = dict(scene.goal), dict(zip(names(scene.plant.inputs), scene.limits))
     styles = ("-", "--", ":", "-.")
     for ax, (label, chosen) in zip(axes, groups):
@@ -146,25 +147,31 @@ def histories(scene: Scene, motions: Sequence[tuple[str, Trajectory]], *, title:
 
 @styled
 def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
-    """The path of the tip in the plane, for each motion."""
-    figure, (ax,) = panels(1, height=3.2, width=6.4)
+    """The path of the tip for each motion: in its plane, or in space from above and from the side."""
+    first, *others = scene.compare
+    views = [(first, other) for other in others[:2]]
+    figure, axes = panels(1, len(views), height=3.2, width=6.4 if len(views) == 1 else 1.2 * WIDTH)
     figure.set_layout_engine("compressed")  # else the legend beside equal axes is cut off
-    x, y = scene.compare[:2]
-    for i, (name, motion) in enumerate(motions):
-        ax.plot(motion[x], motion[y], color=COLOURS[i], label=name, lw=1.6 - 0.2 * i)
-        every = max(1, round(0.25 / (motion.t[1] - motion.t[0])))
-        ax.plot(motion[x][::every], motion[y][::every], ".", color=COLOURS[i], ms=4)
-    target = scene.plant.measure(*scene.target)
     known = names(scene.plant.outputs)
-    start = scene.plant.measure(*scene.initial)
-    for point, marker, label in ((start, "o", "start"), (target, "*", "goal")):
-        at = [point[known.index(n)] for n in (x, y)]
-        ax.plot(*at, marker, color=INK, ms=9 if marker == "*" else 6, mfc="none", label=label, zorder=4)
-    ax.set_aspect("equal", adjustable="box")
-    ax.set_xlabel(f"{words(x)} [m]")
-    ax.set_ylabel(f"{words(y)} [m]")
-    ax.set_title("Tip path, a dot every 0.25 s")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    ends = [(scene.plant.measure(*scene.initial), "o", "start"), (scene.plant.measure(*scene.target), "*", "goal")]
+    for ax, (x, y) in zip(axes, views):
+        for i, (name, motion) in enumerate(motions):
+            ax.plot(motion[x], motion[y], color=COLOURS[i], label=name, lw=1.6 - 0.2 * i)
+            every = max(1, round(0.25 / (motion.t[1] - motion.t[0])))
+            ax.plot(motion[x][::every], motion[y][::every], ".", color=COLOURS[i], ms=4)
+        for point, marker, label in ends:
+            at = [point[known.index(n)] for n in (x, y)]
+            ax.plot(*at, marker, color=INK, ms=9 if marker == "*" else 6, mfc="none", label=label, zorder=4)
+        wide, high = (np.ptp(limits) for limits in (ax.get_xlim(), ax.get_ylim()))
+        flat = max(wide, high) > NARROW * min(wide, high)
+        ax.set_aspect("auto" if flat else "equal", adjustable="box")
+        ax.set_box_aspect(0.6 if flat else None)
+        if not flat and wide < high:
+            ax.locator_params(axis="x", nbins=2)
+        ax.set_xlabel(f"{words(x)} [m]")
+        ax.set_ylabel(f"{words(y)} [m]" + (", stretched" if flat and high < wide else ""))
+    axes[0].set_title("Tip path, a dot every 0.25 s")
+    axes[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
 
 
@@ -197,10 +204,52 @@ def stroboscopic(
         ax.plot(*curves[:, -1].T, ".", color=COLOURS[1], ms=5)
         ax.set_aspect("auto" if from_hub else "equal", adjustable="box")
         ax.autoscale_view()
-        ax.set_title(f"{name}, seen from the hub, y stretched" if from_hub else name)
-        ax.set_xlabel("x [m]")
+        ax.set_title(f"{name}, seen from the hub, {plant.outline_axes[1]} stretched" if from_hub else name)
+        ax.set_xlabel(f"{plant.outline_axes[0]} [m]")
         ax.axhline(roots[0, 1], color=QUIET, lw=0.5, zorder=0)
-    axes[0].set_ylabel("y [m]")
+    axes[0].set_ylabel(f"{cases[0][1].outline_axes[1]} [m]")
+    return figure
+
+
+@styled
+def strobe_in_space(
+    cases: Sequence[tuple[str, Plant, Trajectory]], *, count: int = 12, until: float | None = None
+) -> Figure:
+    """As `stroboscopic`, of trees in three dimensions, up as the base's z."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    figure = Figure(figsize=(1.15 * WIDTH, 0.56 * WIDTH))
+    spans = []
+    for column, (name, plant, motion) in enumerate(cases):
+        axes: Any = figure.add_subplot(1, len(cases), column + 1, projection="3d")
+        last = len(motion.t) if until is None else int(np.searchsorted(motion.t, until * (1 + 1e-9))) + 1
+        picks = np.unique(np.linspace(0, min(last, len(motion.t)) - 1, count).round().astype(int))
+        tree = cast(FlexibleTree, plant)  # as it is drawn as one
+        shapes = [tree.lines(x, arm_outline.POINTS) for x in motion.x[picks]]
+        for alpha, shape in zip(np.linspace(0.2, 1.0, len(picks)), shapes):
+            for line in shape:
+                axes.plot(*line.T, color=COLOURS[0], lw=1.3, alpha=alpha)
+            axes.plot(*shape[-1][-1:].T, ".", color=COLOURS[1], ms=5)
+        path = np.array([tree.lines(x, 2)[-1][-1] for x in motion.x[:last]])
+        axes.plot(*path.T, color=COLOURS[1], lw=1.0)
+        axes.plot(*shapes[0][0][:1].T, "o", color=INK, ms=5)
+        axes.set_title(name)
+        axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+        drawn = np.concatenate([path, *(line for shape in shapes for line in shape)])
+        spans.append((axes, drawn.min(axis=0), drawn.max(axis=0)))
+    low, high = np.min([s[1] for s in spans], axis=0), np.max([s[2] for s in spans], axis=0)
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2, 0.15 * float(np.max(high - low)))
+    for axes, _, _ in spans:
+        axes.set(**{f"{a}lim": (m - h, m + h) for a, m, h in zip("xyz", middle, half)})
+        axes.set_box_aspect(tuple(half), zoom=0.88)
+        axes.view_init(**VIEW)
+        for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+            axis.set_major_locator(MaxNLocator(3))
+            axis.labelpad = 8
+            axis.pane.set_alpha(0.0)
+        axes.patch.set_alpha(0.0)
+    figure.subplots_adjust(left=0.05, right=0.98, bottom=0.07, top=0.92, wspace=0.16)
     return figure
 
 

@@ -201,8 +201,11 @@ def _peer_marker(chart: Chart, name: str) -> str:
 
 def _title(chart: Chart) -> str:
     known = measured(chart.reference.uncertainty, chart.unit)
-    told = f"{chart.scene}: speed against accuracy; errors from physics, {chart.reference.variant}, known to {known}"
-    return "\n".join(textwrap.wrap(told, LONGEST_TITLE))
+    what = f"{chart.scene}: speed against accuracy"
+    told = f"errors from physics, {chart.reference.variant}, known to {known}"
+    if len(what) + len(told) < LONGEST_TITLE:
+        return f"{what}; {told}"
+    return "\n".join([what, *textwrap.wrap(told, LONGEST_TITLE)])
 
 
 def _legend(chart: Chart, colours: dict[str, str], low: float, mark: Row | None) -> list[Any]:

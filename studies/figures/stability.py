@@ -129,7 +129,7 @@ def _roots(ax: Axes, roots: np.ndarray) -> None:
     ax.plot(roots.real, roots.imag, "x", color=COLOURS[0], ms=6)
     ax.axvline(0, color=INK, lw=0.8)
     ax.set_xlabel("real part [1/s]")
-    ax.set_ylabel("imaginary part [rad/s]")
+    ax.set_ylabel("imaginary part\n[rad/s]")
 
 
 @styled

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from pliant.plants.core.argument_gates import require_path
 from pliant.plants.files.atomic_files import Together, replacing
@@ -71,13 +71,14 @@ RC: Any = {
 }
 
 P = ParamSpec("P")
+F = TypeVar("F")  # a figure, or None where there is nothing to draw
 
 
-def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+def styled(draw: Callable[P, F]) -> Callable[P, F]:
     """A function that draws in this style, whatever the caller's own settings are."""
 
     @wraps(draw)
-    def drawn(*args: P.args, **kwargs: P.kwargs) -> Figure:
+    def drawn(*args: P.args, **kwargs: P.kwargs) -> F:
         import matplotlib
 
         with matplotlib.rc_context(RC):

@@ -6,6 +6,7 @@ Newton's method; where that does not settle, it is simulated. Of the chosen plan
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
-from pliant.studies.common.reference_motions import Motions
+from pliant.studies.common.reference_motions import Motions, in_time
 
 from .physics_motion import PhysicsMotion, outputs_of
 from .quasi_linear import NotSettled
 
 ROUGHLY = 1e-5  # rtol of a motion without an effect, where it is simulated
+PATIENCE = 5.0  # [s] that such a motion may take
 SHAPES = "shapes that it does not have"
 SHARE = 0.02  # of what an effect is worth: to what that is known
 
@@ -40,7 +42,7 @@ class Effect:
 
 def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[Effect, ...]:
     """The effects that physics has, the largest first, and what is estimated of those that it has not; none where
-    physics had to be simulated.
+    physics had to be simulated. Where the chosen plant does not bend, what refines bending is part of that.
 
     Those that the chosen plant leaves out and SHAPES, what more shapes of its own kinematics would change, sum up to
     its error, as far as effects add up.
@@ -48,7 +50,9 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
     if physics is None or physics.motion is None:  # each would be another long simulation
         return ()
     has, rough = chosen.effects, _Rough(motions, chosen)
-    names = {name: has.get(name, False) for name in physics.physics.effects}
+    names = {name: has.get(name, False) for name, modelled in physics.physics.effects.items() if modelled}
+    if not names.get("bending", True):
+        names = {"bending": False}  # all others are of what bends
     found = [_effect(motions, physics, rough, name, kept) for name, kept in names.items()]
     if physics.physics != chosen and names.get("bending", True):
         found.append(_shapes(motions, physics, rough, [name for name, kept in names.items() if not kept]))
@@ -64,16 +68,21 @@ class _Rough:
 
     @cached_property
     def outputs(self) -> np.ndarray:
-        return self.motions.outputs(self.chosen, ROUGHLY)
+        return _played(self.motions, self.chosen)
+
+
+def _played(motions: Motions, plant: Plant) -> np.ndarray:
+    """The outputs (nt, n) of a simulation; TooLong after PATIENCE."""
+    return motions.outputs(plant, ROUGHLY, progress=in_time(plant, clock.perf_counter() + PATIENCE))
 
 
 def _effect(motions: Motions, physics: PhysicsMotion, rough: _Rough, name: str, kept: bool) -> Effect:
     try:
-        if kept:
-            apart = rough.outputs - motions.outputs(rough.chosen.without(name), ROUGHLY)
+        if kept and rough.chosen != physics.physics:
+            apart = rough.outputs - _played(motions, rough.chosen.without(name))
         else:
             apart = physics.outputs - _without(motions, physics, (name,))
-    except PliantError:  # it has no motion at all
+    except PliantError:  # it has no motion, or none in time
         return Effect(name, float("inf"), kept)
     return Effect(name, float(np.abs(apart).max()), kept, apart)
 
@@ -94,4 +103,4 @@ def _without(motions: Motions, physics: PhysicsMotion, names: Sequence[str]) -> 
     try:
         return outputs_of(motions, lacking, physics, SHARE)
     except NotSettled:
-        return motions.outputs(lacking, ROUGHLY)
+        return _played(motions, lacking)

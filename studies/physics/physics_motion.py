@@ -15,6 +15,8 @@ tolerance ten times as wide changes.
 
 from __future__ import annotations
 
+import time as clock
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -44,6 +46,7 @@ SHARE = 0.05  # of an estimated effect: to what it is known
 SLIGHT = 0.02  # of the tolerance: an effect that is estimated to be less is not found truly
 NEARBY = 2  # parts of a control period at which it is, where physics was simulated
 ROUGHLY = 1e-6  # of the motion by which its ranges are judged
+PATIENCE, COME = 10.0, 0.1  # [s] after which a simulated motion must have come so far, as a share of its whole
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
 
@@ -85,8 +88,13 @@ def physics_motion(motions: Motions, tolerance: float) -> PhysicsMotion:
     PliantError where neither the correction settles nor physics can be simulated.
     """
     if tolerance not in motions.truth:
-        motions.truth[tolerance] = _found(motions, tolerance)
-    found: PhysicsMotion = motions.truth[tolerance]
+        try:
+            motions.truth[tolerance] = _found(motions, tolerance)
+        except PliantError as failure:  # sought no second time
+            motions.truth[tolerance] = failure
+    found: PhysicsMotion | PliantError = motions.truth[tolerance]
+    if isinstance(found, PliantError):
+        raise found
     return found
 
 
@@ -246,10 +254,25 @@ def _judged(motions: Motions, tolerance: float, known: PhysicsMotion, motion: Tr
     return replace(known, estimated=estimated, left=ranges)
 
 
+def _patience(motions: Motions, reason: str) -> Callable[[float], None]:
+    """Ends a motion that has come no way after PATIENCE: it would take minutes."""
+    began, first, last = clock.perf_counter(), motions.scene.times[0], motions.scene.times[-1]
+
+    def reached(t: float) -> None:
+        spent, way = clock.perf_counter() - began, (t - first) / (last - first)
+        if spent > PATIENCE and way < COME:
+            raise PliantError(
+                f"Newton's method does not settle ({reason}), and to simulate {motions.scene.plant.physics().label} "
+                f"takes too long: {spent:.0f} s for the first {t - first:.3g} s"
+            )
+
+    return reached
+
+
 def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion:
-    """By simulation, shape by shape."""
+    """By simulation, shape by shape. PliantError where its first motion would take minutes."""
     plant = motions.scene.plant
-    found, shapes = motions.outputs(plant.physics(), RTOL), 0.0
+    found, shapes = motions.outputs(plant.physics(), RTOL, progress=_patience(motions, reason)), 0.0
     within = max(KNOWN * tolerance, ROUNDING * _largest(found))
     for more in range(1, MOST_SHAPES + 1):
         if plant.physics(more) == plant.physics(more - 1):

@@ -46,6 +46,16 @@ def choice(found: Findings) -> str:
         "The cheapest rung whose difference from physics, with what physics is known to, keeps the tolerance is taken; "
         "that rungs agree with each other shows nothing, as they may lack the same effect."
     )
+    if choice.motions > 1:
+        text += paragraph(
+            f"Asked for {choice.motions} motions, the open loop and the closed loops above; `pliant choose` asks for "
+            "the open loop alone, and may take a cheaper one."
+        )
+    if found.unasked:
+        text += paragraph(
+            f"Not asked for the closed loop of {' and '.join(found.unasked)}: physics of one motion takes long here.",
+            "warning",
+        )
     rows = [
         (
             r.variant,
@@ -57,7 +67,7 @@ def choice(found: Findings) -> str:
         for r in choice.rungs
     ]
     marked = [i for i, r in enumerate(choice.rungs) if r.chosen]
-    text += table(("variant", "states", "from physics", "at most", ""), rows, marked=marked)
+    text += table(("variant", "states", "from physics", "and what physics is known to", ""), rows, marked=marked)
     effects = [(e.name, measured(e.change, choice.unit), "kept" if e.kept else "left out") for e in choice.effects]
     if effects:
         text += paragraph("What each effect of physics is worth, left out alone:")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,40 +45,57 @@ def motion_table(scene: Scene, motion: Trajectory) -> dict[str, Any]:
 
 
 def tables_of(found: Findings) -> dict[str, Any]:
-    """The tables by file name."""
-    scene, goal = found.scene, found.goal
-    every = (len(found.along.t) - 1) // scene.steps
+    """The tables by file name; one that cannot be filled holds its `failure`."""
+    fill = {
+        "modes": _modes,
+        "linearization": lambda found: linear_table(found.goal),
+        "linearization_along": _along,
+        "closed_loop": _closed_loop,
+        "stability": lambda found: found.judgement.to_json(),
+        "controllers": lambda found: {"horizon": HORIZON, "runs": [contest.to_json() for contest in found.contests]},
+        "speed_accuracy": lambda found: found.chart.to_json(),
+        "choice": lambda found: found.choice.to_json(),
+        "machine": lambda found: found.machine,
+    }
+    tables = {}
+    for name, filled in fill.items():
+        table = found.attempt(f"table {name}", partial(filled, found))
+        tables[name] = {"failure": found.lost[f"table {name}"]} if table is None else table
+    return tables
+
+
+def _modes(found: Findings) -> dict[str, Any]:
     return {
-        "modes": {
-            "at": "goal",
-            "modes": [vars(mode) for mode in goal.modes()],
-            "residual": residual(goal) or None,
-            "locked_frequencies_hz": dict(found.frequencies),
-        },
-        "linearization": linear_table(goal),
-        "linearization_along": {
-            "t": found.along.t[::every],
-            "eigenvalues": np.linalg.eigvals(found.along.A[::every]).astype(complex),
-            "largest_residual": float(np.abs(found.along.c).max()),
-            "perturbed": found.perturbed.name,
-            "prediction_errors": [
-                {"perturbation": size, "error": error, "predicted": predicted}
-                for size, error, predicted in found.ltv_errors
-            ],
-        },
-        "closed_loop": {
-            "design_plant": scene.plant.label,
-            "gain": found.law.K if found.law is not None else None,
-            "reads": found.law.reads if found.law is not None else None,
-            "failure": found.no_law or None,
-            "open_loop_cost": scene.cost(found.open_loop),
-            "loops": [loop.to_json() for loop in found.loops],
-        },
-        "stability": found.judgement.to_json(),
-        "controllers": {"horizon": HORIZON, "runs": [contest.to_json() for contest in found.contests]},
-        "speed_accuracy": found.chart.to_json(),
-        "choice": found.choice.to_json(),
-        "machine": found.machine,
+        "at": "goal",
+        "modes": [vars(mode) for mode in found.goal.modes()],
+        "residual": residual(found.goal) or None,
+        "locked_frequencies_hz": dict(found.frequencies),
+        "without_frequencies": dict(found.unheld),
+    }
+
+
+def _along(found: Findings) -> dict[str, Any]:
+    every = (len(found.along.t) - 1) // found.scene.steps
+    return {
+        "t": found.along.t[::every],
+        "eigenvalues": np.linalg.eigvals(found.along.A[::every]).astype(complex),
+        "largest_residual": float(np.abs(found.along.c).max()),
+        "perturbed": found.perturbed.name,
+        "prediction_errors": [
+            {"perturbation": size, "error": error, "predicted": predicted}
+            for size, error, predicted in found.ltv_errors
+        ],
+    }
+
+
+def _closed_loop(found: Findings) -> dict[str, Any]:
+    return {
+        "design_plant": found.scene.plant.label,
+        "gain": found.law.K if found.law is not None else None,
+        "reads": found.law.reads if found.law is not None else None,
+        "failure": found.no_law or None,
+        "open_loop_cost": found.scene.cost(found.open_loop),
+        "loops": [loop.to_json() for loop in found.loops],
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants.validity.ranges import in_words
 from pliant.studies.charts import page as chart_page
 from pliant.studies.common import operating_point
-from pliant.studies.common.formatting import measured, paragraph, pictures, table
+from pliant.studies.common.formatting import counted, measured, paragraph, pictures, table
 from pliant.studies.figures import arm_outline
 from pliant.studies.figures.motion import still
 
@@ -25,51 +26,77 @@ LINEAR = 1e-5  # error of a prediction against its size, below which it is the i
 
 
 def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
-    """(title, HTML) of every section."""
+    """(title, HTML) of every section; of one that cannot be written the reason."""
 
     def drawn(*wanted: str) -> str:
         return pictures(inlined, *wanted)
 
-    return [
-        ("The answer", _answer(found)),
-        ("The motion", _motion(found) + drawn("motion", "shapes", "tip_path")),
-        ("Modes and frequencies", _modes(found)),
-        ("The linear model at the goal", _goal(found) + drawn("eigenvalues")),
-        ("The linear model along the motion", _along(found) + drawn("frozen_eigenvalues")),
-        ("Stability along the motion", control_sections.stability(found) + drawn("stability")),
-        ("LQR in closed loop", control_sections.loops(found) + drawn("closed_loop")),
-        ("Controllers in closed loop", control_sections.controllers(found) + drawn("controllers")),
-        (
-            "Speed against accuracy",
-            fidelity_sections.chart(found)
-            + (chart_page.interactive(found.chart, inlined["speed_accuracy"]) if "speed_accuracy" in inlined else "")
-            + fidelity_sections.front(found)
-            + drawn("settings"),
-        ),
-        ("The smallest model", fidelity_sections.choice(found) + drawn("ladder", "effects")),
-        ("Versions and machine", table(("what", "value"), list(found.machine.items()))),
+    def measured_chart() -> str:
+        interactive = chart_page.interactive(found.chart, inlined["speed_accuracy"]) if found.chart.measured else ""
+        return fidelity_sections.chart(found) + interactive + fidelity_sections.front(found) + drawn("settings")
+
+    parts: list[tuple[str, Callable[[], str]]] = [
+        ("The answer", lambda: _answer(found)),
+        ("The motion", lambda: _motion(found) + drawn("motion", "shapes", "tip_path")),
+        ("Modes and frequencies", lambda: told(found, "The modes", lambda: _modes(found)) + _frequencies(found)),
+        ("The linear model at the goal", lambda: _goal(found) + drawn("eigenvalues")),
+        ("The linear model along the motion", lambda: _along(found) + drawn("frozen_eigenvalues")),
+        ("Stability along the motion", lambda: control_sections.stability(found) + drawn("stability")),
+        ("LQR in closed loop", lambda: control_sections.loops(found) + drawn("closed_loop")),
+        ("Controllers in closed loop", lambda: control_sections.controllers(found) + drawn("controllers")),
+        ("Speed against accuracy", measured_chart),
+        ("The smallest model", lambda: fidelity_sections.choice(found) + drawn("ladder", "effects")),
+        ("Versions and machine", lambda: table(("what", "value"), list(found.machine.items()))),
     ]
+    made = [(title, told(found, title, part)) for title, part in parts]
+    undrawn = [f"{name}: {why}" for name, why in found.lost.items() if name.startswith(("figure ", "table "))]
+    if undrawn:
+        made[-1] = (made[-1][0], made[-1][1] + "".join(paragraph(f"Not made: {line}.", "warning") for line in undrawn))
+    return made
+
+
+def told(found: Findings, name: str, part: Callable[[], str]) -> str:
+    """What a part of the page says; where it fails, in its place why."""
+    text: str | None = found.attempt(name, part)
+    if text is None:
+        return paragraph(f"{name}: nothing to tell. {_sentence(found.lost[name])}", "warning")
+    return text
+
+
+def _sentence(text: str) -> str:
+    return text if text.endswith((".", "!", "?")) else f"{text}."
 
 
 def _answer(found: Findings) -> str:
+    return "".join(
+        (
+            told(found, "The smallest model in words", lambda: paragraph(found.choice.text)),
+            told(found, "The scene's own plant against physics", lambda: _own_error(found)),
+            told(found, "Stability in words", lambda: paragraph(control_sections.verdict(found))),
+            told(found, "Closed loop in words", lambda: _regulated(found)),
+        )
+    )
+
+
+def _own_error(found: Findings) -> str:
     scene, tolerance = found.scene, measured(found.scene.tolerance, found.scene.unit)
-    text = paragraph(found.choice.text)
     away = measured(found.scene_error, scene.unit)
     own = f"The scene's own plant, {scene.plant.label}, is {away} from the finest variant"
     if found.scene_error > scene.tolerance:
         more = f"{own}: more than the tolerance of {tolerance}. Positions on this page carry that error."
-        text += paragraph(more, "warning")
-    else:
-        text += paragraph(f"{own}, within the tolerance of {tolerance}.")
-    text += paragraph(control_sections.verdict(found))
+        return paragraph(more, "warning")
+    return paragraph(f"{own}, within the tolerance of {tolerance}.")
+
+
+def _regulated(found: Findings) -> str:
     costs = paragraph(control_sections.contest(found)) if control_sections.contest(found) else ""
     if found.law is None:
-        return text + paragraph(f"There is no LQR about the goal. {found.no_law}.", "warning") + costs
+        return paragraph(f"There is no LQR about the goal. {_sentence(found.no_law)}", "warning") + costs
     stable = [loop for loop in found.loops if loop.stable]
-    words = f"The LQR designed on it is stable on {len(stable)} of {len(found.loops)} plants"
+    words = f"The LQR designed on it is stable on {len(stable)} of {counted(len(found.loops), 'plant')}"
     if found.loops[0].cost is not None and not costs:
         words += f"; on the design plant it costs {found.loops[0].cost:.4g}"
-    text += paragraph(f"{words}.")
+    text = paragraph(f"{words}.")
     for loop in found.loops:
         if not loop.stable:
             text += paragraph(f"On {loop.name}: {loop.verdict}.", "warning")
@@ -145,9 +172,13 @@ def _modes(found: Findings) -> str:
         for m in modes
     ]
     head = ("mode", "frequency [Hz]", "damping ratio", "real part [1/s]", "imaginary part [rad/s]", "mostly in")
-    space = arm_outline.in_space(found.scene.plant)
+    space = found.scene.plant.drawn_as == "spacecraft"
     free = ", joints free" if found.scene.goal and not space and not found.scene.plant.prescribed else ""
-    text = paragraph(f"Modes of the linear model at the goal{free}.") + table(head, rows)
+    return paragraph(f"Modes of the linear model at the goal{free}.") + table(head, rows)
+
+
+def _frequencies(found: Findings) -> str:
+    space, text = found.scene.plant.drawn_as == "spacecraft", ""
     count = min(6, max((len(f) for _, f in found.frequencies), default=0))
     if count:
         held = " with the joints locked" if found.scene.goal else ""
@@ -158,6 +189,8 @@ def _modes(found: Findings) -> str:
         locked = [(label, *_filled(f, count)) for label, f in found.frequencies]
         marked = [i for i, (label, _) in enumerate(found.frequencies) if label == found.scene.plant.label]
         text += table(("variant", *(f"{i + 1}" for i in range(count))), locked, marked=marked)
+    for label, why in found.unheld:
+        text += paragraph(f"{label} has none: {_sentence(why)}", "warning")
     return text
 
 
@@ -171,7 +204,8 @@ def _goal(found: Findings) -> str:
     growing = [v.real for v in model.eigenvalues if v.real > 1e-9 * max(abs(v), 1.0)]
     state = "No eigenvalue has a positive real part."
     if growing:
-        state = f"{len(growing)} eigenvalues have a positive real part, the largest {max(growing):.3g} 1/s."
+        have = f"{counted(len(growing), 'eigenvalue')} {'has' if len(growing) == 1 else 'have'}"
+        state = f"{have} a positive real part, the largest {max(growing):.3g} 1/s."
     text = paragraph(
         f"Exact, by automatic differentiation, {operating_point.words(model, found.scene.plant)}. {state} "
         "The matrices are in linearization.json."

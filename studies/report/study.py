@@ -6,13 +6,12 @@ import time as clock
 
 import numpy as np
 
-from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LTVModel, Plant, PliantError, Trajectory
-from pliant.plants.core.signals import names
+from pliant.plants.core.signals import Signal, names
 from pliant.studies.charts.measure import chart
-from pliant.studies.closed_loop.closed_loop import Loop, closed_loop, dearer
-from pliant.studies.closed_loop.comparison import compare
+from pliant.studies.closed_loop.closed_loop import closed_loop, dearer
+from pliant.studies.closed_loop.comparison import Contest, compare
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.choice import choose
@@ -23,6 +22,7 @@ from .findings import Findings
 
 CHART_BUDGET = 8.0  # [s] beside the reference, less on a machine so slow or busy that the whole would take long
 WHOLE = 40.0  # [s] that a report should take at most
+CHOOSING = 30.0  # [s] that physics of closed loops may take, as long as that of the open loop took each
 AFTER = 0.4  # what comes after the chart, as a share of what comes before it
 RTOL = 1e-9
 FINER, NODES = 10, 4_000  # times a control period, and in all, of the motion that is linearised along
@@ -31,53 +31,57 @@ FELT = 1e-6  # change of a compared output per unit of a coordinate above which 
 
 
 def study(scene: Scene, *, progress: Progress | None = None, budget: float | None = None) -> Findings:
-    """Simulate, linearise, judge, close the loop, compare, chart and choose."""
+    """Simulate, linearise, judge, close the loop, compare, chart and choose; what fails is told, the rest is found."""
     told, motions, began = progress or silent, Motions(scene), clock.perf_counter()
+    found = Findings(scene)
+    find = found.find
     told(0.0, "open loop")
-    nominal = _nominal(scene)
-    open_loop = _every(nominal, _finer(scene), scene.plant)
+    find("nominal", lambda: _nominal(scene))
+    find("open_loop", lambda: _every(found.nominal, _finer(scene), scene.plant))
     told(0.08, "linear models")
-    goal = scene.goal_model
-    along = scene.plant.linearize_along(nominal)
-    perturbed = _felt(scene, along)
-    ltv_errors = _ltv_errors(scene, nominal, along, perturbed)
+    find("goal", lambda: scene.goal_model)
+    find("along", lambda: scene.plant.linearize_along(found.nominal))
+    find("perturbed", lambda: found.along.states[_felt(scene, found.along)])
+    find("ltv_errors", lambda: _ltv_errors(scene, found.nominal, found.along, found.perturbed))
     told(0.12, "frequencies")
-    frequencies = _frequencies(scene)
-    law: LQR | None = None
-    no_law, loops = "", tuple[Loop, ...]()
-    try:
-        law, loops = closed_loop(scene, progress=share(progress, 0.15, 0.22))
-    except PliantError as failure:
-        no_law = f"{type(failure).__name__}: {failure}"
+    every = _frequencies(scene)
+    found.frequencies = tuple((label, value) for label, value in every if not isinstance(value, str))
+    found.unheld = tuple((label, value) for label, value in every if isinstance(value, str))
+    found.law, found.no_law, found.loops = None, "", ()
+    designed = found.attempt("law", lambda: closed_loop(scene, progress=share(progress, 0.15, 0.22)))
+    if designed is None:
+        found.no_law = found.lost.pop("law")
+    else:
+        found.law, found.loops = designed
     told(0.22, "stability")
-    judgement = judge(scene, progress=share(progress, 0.22, 0.27))
-    contests = compare(scene, law, loops, progress=share(progress, 0.27, 0.35)) if scene.plant.nu else ()
-    told(0.35, "reference")
-    truth = physics_motion(motions, scene.tolerance)  # before the chart, whose budget is for what it measures
+    find("judgement", lambda: judge(scene, progress=share(progress, 0.22, 0.27)))
+    against = share(progress, 0.27, 0.35)
+    find("contests", lambda: compare(scene, found.law, found.loops, progress=against) if scene.plant.nu else ())
+    told(0.35, "reference")  # before the chart, whose budget is for what it measures
+    before = clock.perf_counter()
+    truth = found.attempt("physics", lambda: physics_motion(motions, scene.tolerance))
+    of_physics = clock.perf_counter() - before
     if budget is None:
         spent = clock.perf_counter() - began
         budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
-    measured = chart(scene, budget=budget, motions=motions, progress=share(progress, 0.4, 0.85))
-    played = [motions, *(c.motion for c in contests if c.plant == scene.plant.label and _whole(scene, c.motion))]
-    choice = choose(scene, measured=measured, motions=played, progress=share(progress, 0.85, 1.0))
-    return Findings(
-        scene=scene,
-        nominal=nominal,
-        open_loop=open_loop,
-        goal=goal,
-        along=along,
-        perturbed=along.states[perturbed],
-        ltv_errors=ltv_errors,
-        frequencies=frequencies,
-        law=law,
-        no_law=no_law,
-        loops=loops,
-        judgement=judgement,
-        contests=contests,
-        chart=measured.holding(choice.integrator),
-        choice=choice,
-        scene_error=motions.difference(scene.plant, truth.outputs),
-    )
+    seconds = budget
+    measuring = share(progress, 0.4, 0.85)
+    find("chart", lambda: chart(scene, budget=seconds, motions=motions, progress=measuring))
+    contests: tuple[Contest, ...] = () if "contests" in found.lost else found.contests
+    whole = [c for c in contests if c.plant == scene.plant.label and _whole(scene, c.motion)]
+    affordable = int(CHOOSING / of_physics)
+    found.unasked = tuple(c.controller for c in whole[affordable:])
+    played = [motions, *(c.motion for c in whole[:affordable])]
+    measured = None if "chart" in found.lost else found.chart
+    choosing = share(progress, 0.85, 1.0)
+    find("choice", lambda: choose(scene, measured=measured, motions=played, progress=choosing))
+    if measured is not None and "choice" not in found.lost:
+        found.chart = measured.holding(found.choice.integrator)
+    if truth is None:
+        found.lost["scene_error"] = found.lost.pop("physics")
+    else:
+        find("scene_error", lambda: motions.difference(scene.plant, truth.outputs))
+    return found
 
 
 def _whole(scene: Scene, motion: Trajectory | None) -> bool:
@@ -127,10 +131,10 @@ def _felt(scene: Scene, model: LTVModel) -> int:
 
 
 def _ltv_errors(
-    scene: Scene, nominal: Trajectory, model: LTVModel, coordinate: int
+    scene: Scene, nominal: Trajectory, model: LTVModel, moved_from: Signal
 ) -> tuple[tuple[float, float, float], ...]:
     """Start off the nominal by each perturbation; largest error and size of the predicted compared outputs."""
-    picks, rows = _picks(scene), []
+    picks, rows, coordinate = _picks(scene), [], names(model.states).index(moved_from.name)
     for size in PERTURBATIONS:
         dx0, x0 = np.zeros(len(model.states)), nominal.x[0].copy()
         dx0[coordinate] = size
@@ -146,16 +150,21 @@ def _ltv_errors(
     return tuple(rows)
 
 
-def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray], ...]:
-    """Natural frequencies [Hz] at the goal, the coordinates that it names and driven ones locked, by variant."""
-    rows: list[tuple[str, np.ndarray]] = []
+def _frequencies(scene: Scene) -> tuple[tuple[str, np.ndarray | str], ...]:
+    """Natural frequencies [Hz] at the goal, the coordinates that it names and driven ones locked, by variant; of one
+    that fails there the reason.
+    """
+    rows: list[tuple[str, np.ndarray | str]] = []
     plants: list[Plant] = [*scene.plant.ladder(), scene.plant, dearer(scene.plant)]
     for plant in dict.fromkeys(plants):
-        x = scene.with_plant(plant).target[0]
         locked = tuple(name for name, _ in scene.goal if name in plant.lockable)
         if not plant.attitude_states and set(plant.rates) <= {*locked, *plant.prescribed}:
             continue  # nothing is left that could swing
-        found = plant.natural_frequencies(x, locked=locked)
+        try:
+            found = plant.natural_frequencies(scene.with_plant(plant).target[0], locked=locked)
+        except PliantError as failure:
+            rows.append((plant.label, f"{type(failure).__name__}: {failure}"))
+            continue
         if found is not None:
             rows.append((plant.label, found / (2 * np.pi)))
     return tuple(rows)

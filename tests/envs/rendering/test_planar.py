@@ -82,3 +82,9 @@ def test_an_arm_on_a_base_keeps_its_frame() -> None:
     before = arm.axes.get_xlim()
     arm.draw(scenes.get("two-link-reach").initial[0], np.zeros(2), 0.0, 0.0)
     assert arm.axes.get_xlim() == before and before[0] == -before[1]
+
+
+def test_a_trolley_has_no_circle_that_it_can_reach():
+    """Its rail grows as it moves; an arm's links do not."""
+    assert not renderer(scenes.get("crane-swing"))._stands
+    assert renderer(scenes.get("two-link-reach"))._stands

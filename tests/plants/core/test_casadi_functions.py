@@ -17,7 +17,7 @@ import pytest
 
 from pliant.plants import SingleLinkArm
 from pliant.plants.core import casadi_functions
-from pliant.plants.core.casadi_functions import FEW, MAPS_KEPT, built_once, function
+from pliant.plants.core.casadi_functions import FEW, MAPS_KEPT, Built, built_once, function
 
 a, b = ca.SX.sym("a", 2), ca.SX.sym("b")
 MADE = function("made", [a, b], [ca.vertcat(a[0] * b, a[1] + b, 1.0), a @ a.T])
@@ -169,3 +169,10 @@ def test_a_compiled_plant_keeps_its_native_functions_to_itself():
     fresh = SingleLinkArm.textbook()
     np.testing.assert_allclose(native.dynamics(X), fresh.dynamics(X), rtol=1e-12)
     assert type(fresh._dynamics) is type(ARM._dynamics)
+
+
+def test_what_is_kept_by_a_key_is_built_once_by_one_thread():
+    made, kept = [], Built()
+    with ThreadPoolExecutor(4) as threads:
+        found = list(threads.map(lambda k: kept.of(k % 2, lambda: made.append(k) or object()), range(40)))
+    assert len(made) == 2 and len(set(map(id, found))) == 2

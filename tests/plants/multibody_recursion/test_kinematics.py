@@ -35,7 +35,7 @@ def test_weight():
 
 def test_lines():
     """To the second body, to the eye: the tip is where that body is."""
-    lines = drawn(walk([np.pi / 2, 0.0], [0, 0]), 3)
+    lines = [np.array(ca.DM(line)).T for line in drawn(walk([np.pi / 2, 0.0], [0, 0]), 3)]
     np.testing.assert_allclose(lines[0], [[0, 0, 0], [0, 0.5, 0], [0, 1, 0]], atol=1e-14)
     assert len(lines) == 2
 

@@ -218,3 +218,15 @@ def test_bad_input(options, message):
     with pytest.raises(ValueError) as caught:
         chart(SLEW, **options)
     assert message in str(caught.value)
+
+
+def test_variants_that_there_was_no_time_to_prepare_are_told_with_the_budget_needed(monkeypatch):
+    """The first is prepared whatever it takes; the budget asked for grows with the number of variants."""
+    monkeypatch.setattr(measure, "PREPARING", 0.0)
+    monkeypatch.setattr(measure, "compile_motions", lambda plant, coming: False)
+    motions = Motions(SLEW)
+    ready, needed = measure._prepare(motions, LADDER[:3], 1e-9, lambda fraction, task: None)
+    assert ready == LADDER[:1] and needed > 0
+    assert measure._prepare(motions, LADDER[:3], 60.0, lambda fraction, task: None) == (LADDER[:3], None)
+    late = measure._unprepared(LADDER[2], ("dop853", "rk4"), SLEW.dt)
+    assert [(r.variant, r.method, r.failure) for r in late] == [(LADDER[2].label, m, SPENT) for m in ("dop853", "rk4")]

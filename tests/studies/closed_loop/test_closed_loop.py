@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.studies.closed_loop.closed_loop import closed_loop, dearer
+from pliant.plants import PliantError
+from pliant.studies.closed_loop.closed_loop import closed_loop, dearer, run
 
 
 @pytest.fixture(scope="module", params=["single-link-slew", "two-link-reach"])
@@ -88,3 +89,14 @@ def test_dearer_of_a_rigid_plant_bends():
     for name in scenes.names():
         rungs = scenes.get(name).plant.ladder()
         assert dearer(rungs[0]).nx > rungs[0].nx or len(rungs) == 1
+
+
+def test_a_run_that_takes_too_long_is_given_up_and_says_how_far_it_came(case):
+    scene, law, _ = case
+    with pytest.raises(PliantError, match=r"given up: its first 0\.\d+ of .* s have taken 0 s, of which it has 0"):
+        run(scene, law, patience=0.0)
+
+
+def test_dearer_of_a_tree_has_more_shapes_in_its_own_kinematics():
+    tree = scenes.get("six-axis-pick").plant
+    assert dearer(tree).kinematics == tree.kinematics and dearer(tree).nx > tree.nx

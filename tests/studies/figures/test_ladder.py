@@ -40,3 +40,9 @@ def test_the_stepper_and_linear_models_are_no_settings_of_simulate():
     columns = [text.get_text() for text in ax.get_xticklabels()]
     assert columns == ["dop853, rtol 1e-03", "rk4, 20 ms", "rosenbrock, 20 ms", "midpoint, 20 ms"]
     assert [text.get_text() for text in ax.texts] == ["S", "-", "B"]
+
+
+def test_no_picture_of_effects_where_none_can_be_seen():
+    told = {"tolerance": 1e-3, "compare": ("tip_x",), "unit": "m", "plant": SimpleNamespace(label="rigid")}
+    dust = Effect("dust", 1e-9, False, np.full((3, 1), 1e-9))
+    assert effects(SimpleNamespace(effects=[dust], **told), np.linspace(0.0, 1.0, 3)) is None

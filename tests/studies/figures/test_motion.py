@@ -39,3 +39,34 @@ def test_what_stays_zero_is_named_and_not_drawn():
     zero = still(scene, [motion])
     assert {"tip1_x", "torque_x"} & set(zero) and not drawn & set(zero)
     assert all(np.abs(line.get_ydata()).max() > 0 for ax in shown for line in ax.lines if len(line.get_ydata()) > 2)
+
+
+def test_an_odd_last_panel_is_as_wide_as_two():
+    scene = scenes.get("crane-swing", duration=0.1)
+    motion = scene.open_loop(rtol=1e-6, atol=1e-8)
+    drawn = figures.histories(scene, [("", motion)])
+    drawn.draw_without_rendering()
+    places = [ax.get_position() for ax in drawn.axes]
+    assert len(places) % 2 == 1 and places[-1].x0 == places[0].x0 and places[-1].x1 == places[1].x1
+
+
+def test_a_flat_path_is_stretched_and_says_so():
+    """A crane's load moves by meters across and by millimeters up; both axes at one scale would be a line."""
+    scene = scenes.get("crane-swing", duration=0.5)
+    motion = scene.open_loop(rtol=1e-6, atol=1e-8)
+    (ax,) = figures.tip_path(scene, [("", motion)]).axes
+    assert ax.get_aspect() == "auto" and "stretched" in ax.get_ylabel() and ax.get_ylabel().startswith("tip z")
+
+
+def test_an_arm_in_space_is_drawn_in_space():
+    """At one scale, its path to where the tip is measured."""
+    scene = scenes.get("six-axis-pick", duration=0.05)
+    motion = scene.open_loop(rtol=1e-6, atol=1e-8)
+    (ax,) = figures.strobe_in_space([("open loop", scene.plant, motion)], count=2).axes
+    assert [ax.get_xlabel(), ax.get_ylabel(), ax.get_zlabel()] == ["x [m]", "y [m]", "z [m]"]
+    path = np.array(ax.lines[-2].get_data_3d())
+    np.testing.assert_allclose(path[:, -1], [motion[f"tip_{a}"][-1] for a in "xyz"], atol=1e-9)
+    sides = np.array([np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim()), np.ptp(ax.get_zlim())])
+    np.testing.assert_allclose(ax._box_aspect / ax._box_aspect[0], sides / sides[0], rtol=1e-9)
+    views = figures.tip_path(scene, [("", motion)]).axes
+    assert [v.get_ylabel()[:5] for v in views] == ["tip y", "tip z"]

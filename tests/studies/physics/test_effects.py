@@ -55,3 +55,14 @@ def test_of_a_plant_with_no_other_effect_all_error_is_its_shapes():
     assert not any(e.kept for e in told.values()) and set(told) == {effects.SHAPES, "extension", "shear"}
     apart = np.abs(physics.outputs - motions.converged(motions.ladder[0])).max()
     assert told[effects.SHAPES].change == pytest.approx(apart, rel=5e-2)
+
+
+def test_of_a_plant_that_does_not_bend_only_bending_is_told(found):
+    """What refines bending is part of it; the sum of all is the error of the rigid plant."""
+    motions, physics, _ = found
+    rigid = SLEW.plant.ladder()[0]
+    told = [e for e in effects.of(motions, physics, rigid) if e.name not in physics.estimated]
+    bending = next(e for e in told if e.name == "bending")
+    assert {e.name for e in told} <= {"bending", effects.SHAPES}
+    true = np.abs(motions.outputs(rigid, 1e-10) - physics.outputs).max()
+    assert bending.change == pytest.approx(true, rel=0.02)

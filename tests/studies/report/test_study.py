@@ -12,6 +12,7 @@ from pliant.studies import report
 from pliant.studies.closed_loop.closed_loop import closed_loop, driven_to_goal, regulator
 from pliant.studies.common import operating_point
 from pliant.studies.figures import style
+from pliant.studies.report.findings import FAULT
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
 PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder", "effects"}
@@ -31,6 +32,25 @@ def made(request, drawn_once, tmp_path_factory):
     scene = scenes.get(request.param, duration=SHORT[request.param])
     page = report(scene, tmp_path_factory.mktemp("reports") / scene.name, budget=0.3)
     return scene, page.parent, page.read_text(encoding="utf-8").replace("&#x27;", "'")
+
+
+TREES = ("crane-swing", "six-axis-pick", "three-link-flexible", "satellite-arm")
+QUICK = pytest.param("flexible-joint-slew", {"duration": 0.4, "move_time": 0.2})
+
+
+@pytest.mark.parametrize(
+    ("name", "shorter"), [QUICK, *(pytest.param(name, {}, marks=pytest.mark.campaign) for name in TREES)]
+)
+def test_every_section_of_a_tree_is_made(name, shorter, drawn_once, tmp_path):
+    """Nothing is lost by a fault, and what is drawn is said."""
+    page = report(scenes.get(name, **shorter), tmp_path / name, budget=0.3)
+    text, told = page.read_text(encoding="utf-8"), json.loads((tmp_path / name / "report.json").read_text())
+    assert text.count("<h2>") == 11 and not [why for why in told["lost"].values() if FAULT in why]
+    pictures = {path.stem for path in page.parent.glob("*.png")}
+    assert pictures >= {"motion", "shapes", "tip_path", "eigenvalues", "stability", "speed_accuracy", "ladder"}
+    if shorter:
+        assert not told["lost"] and "effects" not in pictures  # it has no effect that could be left out
+        assert "rigid, elastic joints (4 states) is the plant&#x27;s only variant" in text
 
 
 def table(folder, name):
