@@ -19,6 +19,8 @@ BETWEEN = (0.2, 0.4, 0.6, 0.8)  # parts of a stretch
 STEADY = 1e-3  # by which C and F may be larger within a stretch than at its ends, and yet not be looked at there
 CURVED = ACROSS**2 / 8  # of its height, that a swing may be off the straight line between the ends of a stretch
 NEAR = 4  # stretches that hold a quarter of the fastest swing
+WORK, FEWEST_LOOKED = 4e9, 60  # multiplications, and times, for what bounded disturbances can do
+ROWS = 20_000_000  # numbers kept at once
 
 
 def gramians(on: Stretches, start: Array | None = None) -> Array:
@@ -87,34 +89,61 @@ def worst_bounded(on: Stretches, at: int, row: int, limits: Array) -> tuple[Arra
     return found * limits, float((np.abs(effect).sum(axis=0) + np.abs(through)) @ limits)
 
 
-def by_bounded(on: Stretches, limits: Array) -> tuple[Array, Array]:
-    """At most how far |z_i| can be where |w_j| <= limits (nw,): at each end of a stretch (m + 1, nz), and at most (nz,)
-    at other times, where C or F are larger within a stretch than at its ends.
+def looked_at(on: Stretches) -> Array:
+    """Ends of stretches (nk,) at which what bounded disturbances can do is looked at: all, where that is little work."""
+    m = len(on.h)
+    work = m * on.nz * on.n * (on.n + on.nw)  # of each, half of it in the mean
+    count = m + 1 if m + 1 <= WORK / work else max(int(WORK / work), FEWEST_LOOKED)
+    return np.unique(np.linspace(0, m, min(count, m + 1)).round().astype(int))
 
-    Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the integral of its modulus is that of itself. Where it
-    does not, or may not, the straight line between its ends serves, with what the second derivative may add.
+
+def by_bounded(on: Stretches, limits: Array, at: Array) -> tuple[Array, Array]:
+    """At most how far |z_i| can be where |w_j| <= limits (nw,): at the ends `at` (nk,) of stretches (nk, nz), and at
+    most (nz,) at other times, where C or F are larger within a stretch than at its ends.
+
+    By the adjoint: c Phi(t, s) from each t backward. Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the
+    integral of its modulus is that of itself. Where it does not, or may not, the straight line between its ends
+    serves, with what the second derivative may add.
     """
-    (Phi, Gamma), (_, E, C, F) = on.held, on.nodes
-    m, n, nw, h = len(on.h), on.n, on.nw, on.h[:, None]
-    held, ends, found = np.zeros((n, m, nw)), np.zeros((n, m + 1, nw)), np.abs(F) @ limits
-    within, beside = _larger_within(on), np.zeros(on.nz)
-    ends[:, 0] = E[0]
-    for k in range(m):
-        held[:, :k] = np.tensordot(Phi[k], held[:, :k], 1)
-        ends[:, : k + 1] = np.tensordot(Phi[k], ends[:, : k + 1], 1)
-        held[:, k], ends[:, k + 1] = Gamma[k], E[k + 1]
-        found[k + 1] += _pushed(C[k + 1], held[:, : k + 1], ends[:, : k + 2], h[: k + 1]) @ limits
-        for at in (k, k + 1):  # what stands between moves as at the nearer end
-            for sees, through in within.get(at, ()):
-                pushed = _pushed(sees, held[:, : k + 1], ends[:, : k + 2], h[: k + 1]) @ limits
+    found, beside, within = np.zeros((len(at), on.nz)), np.zeros(on.nz), _larger_within(on)
+    size = max(1, ROWS // ((len(on.h) + 1) * on.nz * on.nw))
+    for first in range(0, len(at), size):
+        part = at[first : first + size]
+        found[first : first + size] = _pushed_at(on, part, on.nodes[2][part]) @ limits
+    found += np.abs(on.nodes[3][at]) @ limits
+    looked = set(at.tolist())
+    for k, values in within.items():  # what stands between moves as at the nearer end
+        for end in {k, k + 1} & looked:
+            for sees, through in values:
+                pushed = _pushed_at(on, np.array([end]), sees[None])[0] @ limits
                 beside = np.maximum(beside, pushed + np.abs(through) @ limits)
     return found, beside
 
 
-def _pushed(sees: Array, held: Array, ends: Array, h: Array) -> Array:
-    """(nz, nw) the integral of |sees Phi(t, s) E(s)|."""
-    whole, f = np.abs(np.tensordot(sees, held, 1)), np.tensordot(sees, ends, 1)  # (nz, k + 1, nw), (nz, k + 2, nw)
-    size = np.abs(f)
+def _pushed_at(on: Stretches, at: Array, sees: Array) -> Array:
+    """(nk, nz, nw) the integral of |sees Phi(t, s) E(s)| up to each t[at], sees (nk, nz, n)."""
+    (Phi, Gamma), E, last = on.held, on.nodes[1], int(at.max(initial=0))
+    count, held = len(at), np.zeros((len(at), on.nz, last, on.nw))
+    ends = np.zeros((count, on.nz, last + 1, on.nw))
+    rows, begun = np.zeros((count * on.nz, on.n)), count
+    for k in range(last, -1, -1):
+        if k < last:
+            live = rows[begun * on.nz :]
+            held[begun:, :, k] = (live @ Gamma[k]).reshape(count - begun, on.nz, on.nw)
+            rows[begun * on.nz :] = live @ Phi[k]
+        while begun and at[begun - 1] == k:
+            begun -= 1
+            rows[begun * on.nz : (begun + 1) * on.nz] = sees[begun]
+        ends[begun:, :, k] = (rows[begun * on.nz :] @ E[k]).reshape(count - begun, on.nz, on.nw)
+    found = np.zeros((count, on.nz, on.nw))
+    for i, end in enumerate(at):
+        found[i] = _pushed(held[i, :, :end], ends[i, :, : end + 1], on.h[:end, None])
+    return found
+
+
+def _pushed(held: Array, f: Array, h: Array) -> Array:
+    """(nz, nw) the integral of |f| from that of f over each stretch (nz, k, nw) and from f at its ends."""
+    whole, size = np.abs(held), np.abs(f)
     a, b, curved = size[:, :-1], size[:, 1:], CURVED * _about(size)
     crosses = (f[:, :-1] * f[:, 1:] < 0) | (np.minimum(a, b) <= curved)
     line = (a**2 + b**2) / (2 * np.maximum(a + b, np.finfo(float).tiny)) + curved

@@ -30,8 +30,8 @@ LOOKED = 16  # nodes
 class Stretches:
     """Of `model`, from columns `into` (nt, nx, nw) and rows `seen`, `direct` (nt, nz, nx), (nt, nz, nw)."""
 
-    def __init__(self, model: LTVModel, into: Array, seen: Array, direct: Array) -> None:
-        self.model = model
+    def __init__(self, model: LTVModel, into: Array, seen: Array, direct: Array, driven: float = 1.0) -> None:
+        self.model, self.driven = model, driven  # `into` times that is what drives the model
         t, parts = model.t, _parts(model)
         ends = [t[k] + (t[k + 1] - t[k]) * np.arange(n) / n for k, n in enumerate(parts)]
         self.t = np.append(np.concatenate(ends), t[-1])
