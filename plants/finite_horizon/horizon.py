@@ -18,6 +18,7 @@ from .energy_gain import Gain, energy_gain
 from .stretches import Stretches
 
 Array = np.ndarray
+FINER = 40  # times looked at about the largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +65,8 @@ class FiniteHorizon(OwnsArrays):
 
     @cached_property
     def bounded(self) -> Mapping[str, Gain]:
-        """The largest |z_i| where |w_j| <= limits: of all times where t_tube is t, else of those and of all about the
-        largest of those.
+        """The largest |z_i| where |w_j| <= limits; where t_tube is not t, of those times and of more about the largest
+        of them.
         """
         return {s.name: self._by_limits(i) for i, s in enumerate(self.outputs)}
 
@@ -127,7 +128,8 @@ class FiniteHorizon(OwnsArrays):
         best = int(most[:, row].argmax())
         top, furthest = int(at[best]), float(most[best, row])
         if len(at) < len(self.t):
-            near = np.arange(int(at[max(best - 1, 0)]), int(at[min(best + 1, len(at) - 1)]) + 1)
+            first, last = int(at[max(best - 1, 0)]), int(at[min(best + 1, len(at) - 1)])
+            near = np.unique(np.linspace(first, last, min(last - first, FINER) + 1).round().astype(int))
             finer = pushed_outputs.by_bounded(self._on, self._allowed, near)[0][:, row]
             top, furthest = int(near[finer.argmax()]), float(finer.max())
         worst, lower = pushed_outputs.worst_bounded(self._on, top, row, self._allowed)
@@ -151,7 +153,7 @@ class FiniteHorizon(OwnsArrays):
         P0 = np.diag([_not_negative("deviation.start", n, first.get(n, 0.0)) ** 2 for n in states])
         seen = rows_by_name(model, names(self.outputs)).C
         own = Stretches(model, _into(model, self.disturbances) * root, seen, np.zeros((*seen.shape[:2], len(root))))
-        W, C = pushed_outputs.gramians(own, P0), own.nodes[2]
+        W, C = pushed_outputs.gramians(own, P0), own.nodes[1]
         return np.sqrt(np.maximum(np.einsum("kij,kjl,kil->ki", C, W, C), 0.0))
 
     @property
