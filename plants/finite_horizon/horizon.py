@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_instance, require_mapping, require_names, require_number
-from pliant.plants.core.signals import OwnsArrays, Signal, index, names, rows_by_name
+from pliant.plants.core.argument_gates import require_instance, require_mapping
+from pliant.plants.core.signals import OwnsArrays, Signal, names, rows_by_name
 from pliant.plants.linear.ltv import LTVModel
 
 from . import pushed_outputs
 from .amplification import Amplification, amplification, check_growth
+from .asked import Asked, asked, energy, listed, not_negative, said, within
 from .energy_gain import Gain, energy_gain
 from .stretches import Stretches
 
@@ -81,9 +83,7 @@ class FiniteHorizon(OwnsArrays):
         known, (at, most, _) = names((*self._on.model.states, *self._on.model.outputs)), self._by_bounds
         y = pushed_outputs.nominal(self._on, [known.index(s.name) for s in self.outputs])[at]
         sides = np.array([-1.0, 1.0])
-        return {
-            s.name: y[:, i, None] + most[:, i, None] * self._unit[i] * sides for i, s in enumerate(self.outputs)
-        }
+        return {s.name: y[:, i, None] + most[:, i, None] * self._unit[i] * sides for i, s in enumerate(self.outputs)}
 
     @cached_property
     def from_start(self) -> Mapping[str, Array]:
@@ -149,30 +149,63 @@ class FiniteHorizon(OwnsArrays):
         noise = require_mapping("deviation.intensity", intensity, known, "disturbance")
         states = names(model.states)
         first = require_mapping("deviation.start", {} if start is None else start, states, "state")
-        root = np.array([_not_negative("deviation.intensity", n, noise.get(n, 0.0)) for n in known])
-        P0 = np.diag([_not_negative("deviation.start", n, first.get(n, 0.0)) ** 2 for n in states])
+        root = np.array([not_negative("deviation.intensity", n, noise.get(n, 0.0)) for n in known])
+        P0 = np.diag([not_negative("deviation.start", n, first.get(n, 0.0)) ** 2 for n in states])
         seen = rows_by_name(model, names(self.outputs)).C
         own = Stretches(model, _into(model, self.disturbances) * root, seen, np.zeros((*seen.shape[:2], len(root))))
         W, C = pushed_outputs.gramians(own, P0), own.nodes[1]
         return np.sqrt(np.maximum(np.einsum("kij,kjl,kil->ki", C, W, C), 0.0))
 
+    def to_json(self) -> dict[str, Any]:
+        """Bounds by output, units, what they are for; what is not finite is None."""
+
+        def known(gain: Gain) -> dict[str, Any]:
+            return {"lower": gain.lower, "upper": gain.upper if np.isfinite(gain.upper) else None, "time": gain.time}
+
+        numbers = {"end": self.end, "peak": self.peak, "bounded": self.bounded}
+        return {
+            "seconds": float(self.t[-1] - self.t[0]),
+            "disturbances": {s.name: {"unit": s.unit, "limit": self.limits[s.name]} for s in self.disturbances},
+            "outputs": {
+                s.name: {"unit": s.unit, **{key: known(by[s.name]) for key, by in numbers.items()}}
+                for s in self.outputs
+            },
+            "scale": {s.name: self.scale[s.name] for s in (*self.outputs, *self.disturbances)},
+        }
+
+    def unit(self, name: str) -> str:
+        """Of an output or a disturbance."""
+        return next(s.unit for s in (*self.outputs, *self.disturbances) if s.name == name)
+
+    def rows(self) -> list[tuple[str, str, str, str, str, str]]:
+        """Of each output the bounds by unit energy and within the limits with their units, and when it is furthest."""
+        return [
+            (s.name, *(said(v, s.unit) for g in (peak, held) for v in (g.upper, g.lower)), f"{held.time:.4g} s")
+            for s, peak, held in zip(self.outputs, self.peak.values(), self.bounded.values(), strict=True)
+        ]
+
+    @property
+    def furthest(self) -> Signal:
+        """The output that is pushed furthest beside its size."""
+        return max(self.outputs, key=lambda s: self._reach(s) / self.scale[s.name])
+
+    def _reach(self, signal: Signal) -> float:
+        """[its unit] By unit energy, or within the limits where what passes through has no bound by energy."""
+        most = self.peak[signal.name].upper
+        return most if np.isfinite(most) else self.bounded[signal.name].upper
+
     @property
     def words(self) -> str:
         """What an engineer would write of the output that is pushed furthest beside its size."""
-        worst = max(self.outputs, key=lambda s: self.bounded[s.name].lower / self.scale[s.name])
-        held, impulse, unit = self.bounded[worst.name], self.peak[worst.name], _of(worst.unit)
-        within = ", ".join(f"|{s.name}| <= {self.limits[s.name]:g}{_of(s.unit)}" for s in self.disturbances)
-        size = ", ".join(f"{self.scale[s.name]:g}{_of(s.unit)} of {s.name}" for s in self.disturbances)
-        grown = self.amplification
-        energy = (
-            f"as much energy as {size} for one second moves it by at most {impulse.upper:.3g}{unit}"
-            if np.isfinite(impulse.upper)
-            else "what passes through to it without delay has no bound by energy"
-        )
+        most, (held, impulse) = self.furthest, (by[self.furthest.name] for by in (self.bounded, self.peak))
+        limits = within(self.disturbances, self.limits)
+        over = f"Over its {self.t[-1] - self.t[0]:.4g} s the motion"
+        if not np.isfinite(impulse.upper):
+            who = listed([s.name for s in self.disturbances])
+            return f"{over} lets {who}, {limits}, move {most.name} by at most {said(held.upper, most.unit)}"
         return (
-            f"Within {self.t[-1] - self.t[0]:g} s, disturbances {within} move {worst.name} by at most "
-            f"{held.upper:.3g}{unit}, at {held.time:.3g} s; {energy}. A deviation grows {grown.factor:.3g}-fold at "
-            f"most, from {grown.start:.3g} to {grown.end:.3g} s."
+            f"{over} lets {energy(self.disturbances, self.scale)} move {most.name} by at most "
+            f"{said(impulse.upper, most.unit)}, and {limits} by at most {said(held.upper, most.unit)}"
         )
 
 
@@ -202,46 +235,23 @@ def finite_horizon(
     >>> print(horizon.words, horizon.l2.lower, horizon.l2.upper, horizon.bounded["tip_y"].upper)
     """
     model = require_instance("finite_horizon.model", model, LTVModel)
-    seen = names(model.outputs) if outputs is None else require_names("finite_horizon.outputs", outputs)
+    return numbers(asked(model, outputs, disturbances, limits, scale))
+
+
+def numbers(of: Asked) -> FiniteHorizon:
+    """The same of what was checked."""
+    model, signals, shown, sizes, rows = of.model, of.disturbances, of.outputs, of.scale, of.rows
     known = (*model.disturbances, *model.inputs)
-    pushing = (
-        model.disturbance_names
-        if disturbances is None
-        else require_names("finite_horizon.disturbances", disturbances, names(known), "disturbance or input")
-    )
-    for word, given in (("outputs", seen), ("disturbances", pushing)):
-        if not given:
-            raise ValueError(f"finite_horizon.{word} = () must name one or more")
-    signals = tuple(known[index(known, n, "disturbance or input")] for n in pushing)
-    rows = rows_by_name(model, seen)
-    shown = tuple((model.states + model.outputs)[k] for k in rows.at)
-    sizes = _by_name("scale", scale, {*names(model.states), *names(shown), *names(signals)})
-    most = _by_name("limits", limits, set(pushing))
     w, z, x = (np.array([sizes[s.name] for s in of]) for of in (signals, shown, model.states))
     direct = np.concatenate([rows.F, rows.D], axis=-1)[..., [known.index(s) for s in signals]]
     into, sees = _into(model, signals) * w, rows.C / z[:, None]
     e, c = (float(np.abs(M).max(initial=0.0)) or 1.0 for M in (into, sees))  # so that no square leaves the numbers
     on = Stretches(model, into / e, sees / c, direct * w / z[:, None] / (e * c), driven=e)
     check_growth(on, x)
-    return FiniteHorizon(on.t, shown, signals, most, sizes, on, z * e * c)
-
-
-def _by_name(word: str, given: Mapping[str, float] | None, known: set[str]) -> dict[str, float]:
-    found = require_mapping(f"finite_horizon.{word}", {} if given is None else given, sorted(known), "signal")
-    own = {n: float(require_number(f"finite_horizon.{word}[{n!r}]", v, "positive")) for n, v in found.items()}
-    return {n: own.get(n, 1.0) for n in sorted(known)}
+    return FiniteHorizon(on.t, shown, signals, of.limits, sizes, on, z * e * c)
 
 
 def _into(model: LTVModel, signals: Sequence[Signal]) -> Array:
     """[E, B] of the named disturbances and inputs, (nt, nx, nw)."""
     known = (*model.disturbances, *model.inputs)
     return np.concatenate([model.E, model.B], axis=-1)[..., [known.index(s) for s in signals]]
-
-
-def _not_negative(owner: str, name: str, value: float) -> float:
-    return float(require_number(f"{owner}[{name!r}]", value, "nonnegative"))
-
-
-def _of(unit: str) -> str:
-    """A unit behind a number."""
-    return f" {unit}" if unit else ""

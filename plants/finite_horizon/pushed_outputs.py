@@ -91,7 +91,7 @@ def worst_bounded(on: Stretches, at: int, row: int, limits: Array) -> tuple[Arra
 
 
 def looked_at(on: Stretches) -> Array:
-    """Ends of stretches (nk,) at which what bounded disturbances can do is looked at: all, where that is little work."""
+    """Ends of stretches (nk,) at which what bounded disturbances can do is found: all, where that is little work."""
     m = len(on.h)
     work = m * on.nz * on.n * (on.n + on.nw)  # of each, half of it in the mean
     count = m + 1 if m + 1 <= WORK / work else max(int(WORK / work), FEWEST_LOOKED)
@@ -141,9 +141,9 @@ def _pushed_at(on: Stretches, at: Array, sees: Array) -> Array:
         first = max(top - block, 0)
         whole, f = held[first - base : top - base], ends[first - base : top - base + 1]
         live_at = until[None, :, None] > np.arange(first, top)[:, None, None]
-        total += np.where(live_at, _moduli(whole, f, _about(ends)[first - base : top - base], on.h[first:top]), 0.0).sum(
-            axis=0
-        )
+        total += np.where(
+            live_at, _moduli(whole, f, _about(ends)[first - base : top - base], on.h[first:top]), 0.0
+        ).sum(axis=0)
         later = ends[: 2 * NEAR + 1].copy(), held[:NEAR].copy()
         ends[:], held[:] = 0.0, 0.0
         ends[block:], held[block:] = later

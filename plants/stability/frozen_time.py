@@ -23,6 +23,8 @@ from .state_matrix_path import Model, Path, as_pieces, kept, scaling
 
 ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
 
+MATTERS = 0.01  # logarithm of growth or decay between two critical times, up to which they are not told
+
 
 @dataclass(frozen=True, eq=False)
 class FrozenTime(OwnsArrays):
@@ -30,7 +32,7 @@ class FrozenTime(OwnsArrays):
 
     t: np.ndarray = field(repr=False)
     eigenvalues: np.ndarray = field(repr=False)
-    critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis
+    critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis, and matters: `lasting`
     coordinates: str  # in which the roots were taken; in others that move against these they differ
 
     @property
@@ -109,7 +111,8 @@ def _ordered(A: np.ndarray) -> np.ndarray:
 def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
     """Times [s] at which the rightmost real part passes the rounding threshold, by bisection."""
     limit = ROUNDING * float(np.abs(values).max(initial=0.0))
-    above = values.real.max(axis=1, initial=-np.inf) > limit
+    rightmost = values.real.max(axis=1, initial=-np.inf)
+    above = lasting(rightmost > limit, np.abs(rightmost) * np.gradient(t) if len(t) > 1 else np.ones(1))
     found = []
     for k in np.flatnonzero(above[1:] != above[:-1])[:100]:
         low, high = float(t[k]), float(t[k + 1])
@@ -121,6 +124,23 @@ def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
                 high = middle
         found.append((low + high) / 2)
     return found
+
+
+def lasting(above: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """`above` (nt,) without the spells in which deviations could grow or decay by no more than MATTERS in all.
+
+    change (nt,): of the logarithm of their size, about each time.
+    """
+    found = above.copy()
+    while True:
+        edges = np.r_[0, np.flatnonzero(found[1:] != found[:-1]) + 1, len(found)]
+        if len(edges) < 3:
+            return found
+        spells = np.add.reduceat(change, edges[:-1])
+        least = int(spells.argmin())
+        if spells[least] > MATTERS:
+            return found
+        found[edges[least] : edges[least + 1]] ^= True
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,7 +52,7 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
 
 def _answer(found: Findings) -> str:
     scene, tolerance = found.scene, measured(found.scene.tolerance, found.scene.unit)
-    text = paragraph(found.choice.text)
+    text = paragraph(control_sections.verdict(found)) + paragraph(found.choice.text)
     away = measured(found.scene_error, scene.unit)
     own = f"The scene's own plant, {scene.plant.label}, is {away} from the finest variant"
     if found.scene_error > scene.tolerance:
@@ -60,7 +60,6 @@ def _answer(found: Findings) -> str:
         text += paragraph(more, "warning")
     else:
         text += paragraph(f"{own}, within the tolerance of {tolerance}.")
-    text += paragraph(control_sections.verdict(found))
     costs = paragraph(control_sections.contest(found)) if control_sections.contest(found) else ""
     if found.law is None:
         return text + paragraph(f"There is no LQR about the goal. {found.no_law}.", "warning") + costs
