@@ -113,7 +113,7 @@ def energy(signals: Sequence[Signal], scale: Mapping[str, float]) -> str:
     who = listed([s.name for s in signals])
     if len(sizes) == 1:
         square, unit = sizes.pop()
-        squared = f"({unit})^2" if " " in unit else f"{unit}^2" if unit else ""
+        squared = f"{unit}^2" if unit.isalpha() else f"({unit})^2" if unit else ""
         return f"{who} of {'unit energy' if square == 1 else 'the energy'} ({square:g}{of(squared)} s)"
     alike = ", ".join(f"{scale[s.name]:g}{of(s.unit)} of {s.name}" for s in signals)
     return f"disturbances of as much energy as {alike} for one second"

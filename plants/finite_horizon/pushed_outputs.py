@@ -19,7 +19,7 @@ BETWEEN = (0.2, 0.4, 0.6, 0.8)  # parts of a stretch
 STEADY = 1e-3  # by which C and F may be larger within a stretch than at its ends, and yet not be looked at there
 CURVED = ACROSS**2 / 8  # of its height, that a swing may be off the straight line between the ends of a stretch
 NEAR = 4  # stretches that hold a quarter of the fastest swing
-WORK, FEWEST_LOOKED = 1e9, 40  # multiplications, and times, for what bounded disturbances can do
+WORK, FEWEST_LOOKED = 4e8, 40  # multiplications, and times, for what bounded disturbances can do
 ROWS = 500_000  # numbers kept at once
 
 

@@ -272,10 +272,8 @@ def _drift(
         except (ValueError, np.linalg.LinAlgError):
             most = np.inf
         if most <= GROWN:
-            why = (
-                f"{listed(free)} drift, as none feels them; without them every deviation ends at most {most:.3g} times"
-            )
-            why += f" as large as it began {duration:.4g} s before"
+            why = f"drift of {listed(free)}, which nothing else feels; apart from it every deviation ends at most "
+            why += f"{most:.3g} times as large as it began"
             return made("drift", "growth", -grown.rate, why, evidence, said, bound, "polynomial", free)
     why = f"over {duration:.4g} s deviations change by a factor of {grown.total:.4g} at most, but it does not build on "
     why += "itself, as free drift does not: no exponential growth is shown; `states` can leave out what drifts"

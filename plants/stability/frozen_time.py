@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from .state_matrix_path import Model, Path, as_pieces, kept, scaling
 
 ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
 
-MATTERS = 0.01  # logarithm of growth or decay between two critical times, up to which they are not told
+MATTERS = 0.01  # logarithm of growth between two critical times, up to which they are not told
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,20 +128,16 @@ def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
 
 
 def lasting(above: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """`above` (nt,) without the spells in which deviations could grow or decay by no more than MATTERS in all.
+    """`above` (nt,), when deviations could grow, without the spells in which they grow by no more than MATTERS in all.
 
     change (nt,): of the logarithm of their size, about each time.
     """
     found = above.copy()
-    while True:
-        edges = np.r_[0, np.flatnonzero(found[1:] != found[:-1]) + 1, len(found)]
-        if len(edges) < 3:
-            return found
-        spells = np.add.reduceat(change, edges[:-1])
-        least = int(spells.argmin())
-        if spells[least] > MATTERS:
-            return found
-        found[edges[least] : edges[least + 1]] ^= True
+    edges = np.r_[0, np.flatnonzero(found[1:] != found[:-1]) + 1, len(found)]
+    for begin, end in pairwise(edges.tolist()):
+        if found[begin] and change[begin:end].sum() <= MATTERS:
+            found[begin:end] = False
+    return found
 
 
 @dataclass(frozen=True, eq=False)

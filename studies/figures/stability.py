@@ -44,7 +44,7 @@ class VerdictMap(Protocol):
 
 @styled
 def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3) -> Figure:
-    """How far outputs are pushed and how much deviations grow over time, frozen roots, multipliers of a periodic model.
+    """How far an output is pushed, how much deviations grow, frozen roots, and multipliers of a periodic model.
 
     Each panel `height` [in] high.
     """
@@ -54,11 +54,11 @@ def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3)
     roots = verdict.evidence.get("eigenvalues")
     drawers: list[tuple[Any, Any]] = []
     if verdict.horizon is not None:
-        drawers += [(_tube, verdict.horizon), (_amplification, verdict.horizon)]
-    if frozen is not None and len(frozen.t) > 1:
-        drawers += [(_frequencies, frozen), (_real_parts, frozen)]
+        drawers.append((_tube, verdict.horizon))
     if grown is not None:
         drawers.append((_growth, grown))
+    if frozen is not None and len(frozen.t) > 1:
+        drawers += [(_real_parts, frozen), (_frequencies, frozen)]
     if cycle is not None:
         drawers.append((_multipliers, cycle))
     if not drawers:
@@ -89,17 +89,6 @@ def _tube(ax: Axes, horizon: FiniteHorizon) -> None:
         ax.plot(horizon.t, side * times * horizon.by_energy[worst.name], color=COLOURS[1], lw=1.2, label=label)
     ax.set_ylabel(f"{worst.name}\noff its nominal" + (f" [{unit}]" if unit else ""))
     ax.legend(loc="upper left", title=", ".join(s.name for s in horizon.disturbances), title_fontsize=7)
-
-
-def _amplification(ax: Axes, horizon: FiniteHorizon) -> None:
-    """What a deviation of one at the start has become in that output at most."""
-    worst = horizon.furthest
-    found = horizon.from_start[worst.name]
-    ax.plot(horizon.t, found, color=COLOURS[2])
-    if found.min() > 0:
-        ax.set_yscale("log")
-        _plain(ax)
-    ax.set_ylabel(f"{worst.name} from a\ndeviation of 1 at 0 s")
 
 
 def _frequencies(ax: Axes, frozen: FrozenTime) -> None:

@@ -42,7 +42,8 @@ def stability(found: Findings) -> str:
     about = "along the goal's own steady motion" if found.scene.goal_rates else "along the open-loop motion"
     text = paragraph(
         f"Whether deviations from the motion grow: judged on the linear time-varying model {about}, without control. "
-        "Frozen-time eigenvalues alone decide nothing; where no method can tell, the verdict is undecided; how far disturbances push the motion is told all the same."
+        "Frozen-time eigenvalues alone decide nothing; where no method can tell, the verdict is undecided; how far "
+        "disturbances push the motion is told all the same."
         + (f" The same as `pliant stability {found.scene.name}`." if is_by_name(found.scene) else "")
     )
     rows: list[tuple[str, Any]] = []

@@ -31,9 +31,11 @@ def test_the_plant_moves_as_told_to_first_order():
 def test_words_name_the_output_and_its_unit():
     found = finite_horizon(constant([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]], 2.0))
     assert found.words == (
-        "Within 2 s, disturbances |w1| <= 1 move z1 by at most 2, at 2 s; as much energy as 1 of w1 for one second "
-        "moves it by at most 1.64. A deviation grows 2.41-fold at most, from 0 to 2 s."
+        "Over its 2 s the motion lets w1 of unit energy (1 s) move z1 by at most 1.64, and at most 1 by at most 2"
     )
+    passed = finite_horizon(constant([[-1.0]], [[1.0]], [[1.0]], 2.0, F=[[1.0]]))  # no bound by energy at one time
+    assert passed.words == "Over its 2 s the motion lets w1, at most 1, move z1 by at most 1.86"  # 2 - e^-2
+    assert passed.to_json()["outputs"]["z1"]["peak"]["upper"] is None
 
 
 def test_what_is_refused():
