@@ -173,9 +173,10 @@ class FiniteHorizon(OwnsArrays):
             "scale": {s.name: self.scale[s.name] for s in (*self.outputs, *self.disturbances)},
         }
 
-    def unit(self, name: str) -> str:
-        """Of an output or a disturbance."""
-        return next(s.unit for s in (*self.outputs, *self.disturbances) if s.name == name)
+    @property
+    def limits_said(self) -> str:
+        """What bounded disturbances keep within: "at most 1 N of each"."""
+        return within(self.disturbances, self.limits)
 
     def rows(self) -> list[tuple[str, str, str, str, str, str]]:
         """Of each output the bounds by unit energy and within the limits with their units, and when it is furthest."""

@@ -57,11 +57,9 @@ def stability(
     if found.horizon is None:
         say(f"No numbers of the motion: {found.no_horizon}.")
     else:
-        within = (
-            f"within {', '.join(f'{v:g} {found.horizon.unit(n)}'.strip() for n, v in found.horizon.limits.items())}"
-        )
-        columns = ("output", "unit energy, at most", "attained", f"{within}, at most", "attained", "largest at")
-        show(f"{chosen.name}: how far it is pushed", columns, found.horizon.rows())
+        names = ", ".join(found.horizon.limits)
+        columns = ("output", "unit energy", "attained", found.horizon.limits_said, "attained", "at")
+        show(f"{chosen.name}: how far it is pushed", columns, found.horizon.rows(), caption=f"bounds, by {names}")
     show(head, ("method", "role", "what it says"), found.rows(), caption=caption)
     if goal is not None:
         say(f"About the goal alone, which is an equilibrium: {goal.verdict}; {goal.why}.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from pliant.plants.finite_horizon import FiniteHorizon
-from pliant.plants.finite_horizon.asked import listed, within
+from pliant.plants.finite_horizon.asked import listed
 from pliant.plants.stability import Floquet, FrozenTime, Growth, Verdict
 
 from .linear_models import ROUNDED, plain_labels
@@ -82,7 +82,7 @@ def _tube(ax: Axes, horizon: FiniteHorizon) -> None:
     times, unit = (
         (1e3, "mm") if worst.unit == "m" and reach.max() < 0.1 else (1.0, "" if worst.unit == "1" else worst.unit)
     )
-    limits = within(horizon.disturbances, horizon.limits)
+    limits = horizon.limits_said
     ax.fill_between(horizon.t_tube, -times * reach, times * reach, color=COLOURS[0], alpha=0.25, lw=0, label=limits)
     for side in (-1, 1):
         label = "of unit energy" if side > 0 else None

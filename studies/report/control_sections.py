@@ -66,9 +66,8 @@ def stability(found: Findings) -> str:
     if rows:
         text += table(("what", "answer"), rows)
     if told is not None and told.horizon is not None:
-        limits = ", ".join(f"{v:g} {told.horizon.unit(n)}".strip() for n, v in told.horizon.limits.items())
-        pushed = f"How far {', '.join(told.horizon.limits)} push: of unit energy, and within {limits}."
-        columns = ("output", "unit energy, at most", "attained", "within the limits, at most", "attained", "largest at")
+        pushed = f"How far {', '.join(told.horizon.limits)} push, of unit energy and within limits: bounds."
+        columns = ("output", "unit energy", "attained", told.horizon.limits_said, "attained", "at")
         text += paragraph(pushed) + table(columns, told.horizon.rows())
     if told is not None:
         marked = [i for i, (_, role, _) in enumerate(told.rows()) if role == "decides"]
