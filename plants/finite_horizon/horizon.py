@@ -178,7 +178,7 @@ class FiniteHorizon(OwnsArrays):
         """What bounded disturbances keep within: "at most 1 N of each"."""
         return within(self.disturbances, self.limits)
 
-    def rows(self) -> list[tuple[str, str, str, str, str, str]]:
+    def rows(self) -> list[tuple[str, ...]]:
         """Of each output the bounds by unit energy and within the limits with their units, and when it is furthest."""
         return [
             (s.name, *(said(v, s.unit) for g in (peak, held) for v in (g.upper, g.lower)), f"{held.time:.4g} s")

@@ -17,6 +17,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -155,11 +156,13 @@ def _with_integrals(model: LTVModel, C: Array, outputs: Sequence[Signal]) -> LTV
     A = np.zeros((nt, n + nz, n + nz))
     A[:, :n, :n], A[:, n:, :n] = model.A, C
     more = tuple(Signal(f"integral_of_{s.name}", f"{s.unit} s".strip()) for s in outputs)
-    wide = {
+    wide: dict[str, Any] = {
         k: np.concatenate([v, np.zeros((nt, nz, v.shape[-1]))], axis=1) for k, v in (("B", model.B), ("E", model.E))
     }
     C = np.concatenate([model.C, np.zeros((nt, model.C.shape[1], nz))], axis=-1)
-    rows = {k: np.concatenate([v, np.zeros((nt, nz))], axis=1) for k, v in (("c", model.c), ("x", model.x))}
+    rows: dict[str, Any] = {
+        k: np.concatenate([v, np.zeros((nt, nz))], axis=1) for k, v in (("c", model.c), ("x", model.x))
+    }
     return dataclasses.replace(model, A=A, C=C, states=(*model.states, *more), **wide, **rows)
 
 
