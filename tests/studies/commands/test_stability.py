@@ -16,8 +16,10 @@ from pliant.studies.stability.verdicts import verdict_at_goal, verdict_of
 SHORT = ("--set", "duration=1.2", "--set", "move_time=0.6")
 
 
-@pytest.fixture(scope="module")
-def run():
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """In a folder of its own, where the picture goes."""
+    monkeypatch.chdir(tmp_path)
     app = typer.Typer(cls=Commands)
     app.command()(stability)
     app.command("other")(lambda: None)
