@@ -200,13 +200,14 @@ class FiniteHorizon(OwnsArrays):
         """What an engineer would write of the output that is pushed furthest beside its size."""
         most, (held, impulse) = self.furthest, (by[self.furthest.name] for by in (self.bounded, self.peak))
         limits = within(self.disturbances, self.limits)
+        looked = "" if len(self.t_tube) == len(self.t) else f" at the {len(self.t_tube)} times looked at"
         over = f"Over its {self.t[-1] - self.t[0]:.4g} s the motion"
         if not np.isfinite(impulse.upper):
             who = listed([s.name for s in self.disturbances])
-            return f"{over} lets {who}, {limits}, move {most.name} by at most {said(held.upper, most.unit)}"
+            return f"{over} lets {who}, {limits}, move {most.name} by at most {said(held.upper, most.unit)}{looked}"
         return (
             f"{over} lets {energy(self.disturbances, self.scale)} move {most.name} by at most "
-            f"{said(impulse.upper, most.unit)}, and {limits} by at most {said(held.upper, most.unit)}"
+            f"{said(impulse.upper, most.unit)}, and {limits} by at most {said(held.upper, most.unit)}{looked}"
         )
 
 
