@@ -23,6 +23,7 @@ ROOMS = {  # a plant, and the room that may know its class
 ENDS = {"endswith", "startswith", "removesuffix", "removeprefix"}
 TEXTS = {  # what is no name of a signal: {file: the expressions whose beginnings and ends are looked at}
     "plants/stability/assessment.py": {"str(refusal)"},  # the method's own words
+    "plants/stability/verdict.py": {"str(refusal)"},
     "plants/tables/plant_tables.py": {"str(refused)"},  # the words of an error
     "envs/scenes/registry.py": {"name"},  # files
     "plants/core/imports.py": {"attribute"},  # of a module

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from harness.sampling import TIME, Case
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 from pliant.plants import LTVModel
-from pliant.plants.stability import assess
+from pliant.plants.core.signals import Signal
+from pliant.plants.stability import assess, finite_horizon
 from pliant.studies.stability.parameter_map import map_stability
 
 GROUP = "stability"
 VERDICT = "assess, 20 states, 2,000 steps of a period"
 POINT = "assess, 8 states, one point of a chart"
 CHART = "chart of 64 x 64 points, 8 states"
+NUMBERS = "numbers of a finite horizon, 20 states, 2,000 steps"
+RICCATI = "its Gramian by scipy's solve_ivp, rtol 1e-6"
 
 
 def periodic(t: np.ndarray, mean: np.ndarray, pulse: np.ndarray, damping: np.ndarray, nu: float) -> LTVModel:
@@ -37,6 +44,40 @@ def large() -> LTVModel:
     pulse = rng.standard_normal((10, 10))
     t = np.linspace(0.0, 2 * np.pi / 1.5, 2001)
     return periodic(t, V * omega**2 @ V.T, 0.05 * (pulse + pulse.T), V * (0.04 * omega) @ V.T, 1.5)
+
+
+def pushed(model: LTVModel) -> LTVModel:
+    """The same with one force on the first coordinate, which is the output."""
+    nt, n = model.A.shape[:2]
+    E, C = np.zeros((nt, n, 1)), np.zeros((nt, 1, n))
+    E[:, n // 2], C[:, 0, 0] = 1.0, 1.0
+    matrices: dict[str, Any] = {
+        "E": E,
+        "C": C,
+        "D": np.zeros((nt, 1, 0)),
+        "F": np.zeros((nt, 1, 1)),
+        "y": np.zeros((nt, 1)),
+        "w": np.zeros((nt, 1)),
+    }
+    return replace(model, **matrices, disturbances=(Signal("push", "N"),), outputs=(Signal("reach", "m"),))
+
+
+def numbers(model: LTVModel) -> None:
+    """Peak by energy and within limits, bounds of both."""
+    told = finite_horizon(model)
+    assert told.peak["reach"].upper > 0 and told.bounded["reach"].upper > 0
+
+
+def riccati(model: LTVModel) -> None:
+    """dW/dt = A W + W A' + E E' alone, which gives the first of the two numbers."""
+    n, A = model.A.shape[-1], CubicSpline(model.t, model.A)
+    push = model.E[0] @ model.E[0].T
+
+    def rate(t: float, flat: np.ndarray) -> np.ndarray:
+        moved = A(t) @ flat.reshape(n, n)
+        return np.asarray((moved + moved.T + push).ravel())
+
+    solve_ivp(rate, (model.t[0], model.t[-1]), np.zeros(n * n), rtol=1e-6, atol=1e-9)
 
 
 def point(depth: float, frequency: float) -> LTVModel:
@@ -72,5 +113,8 @@ def repeated(call: Callable[[], object]) -> Callable[[], Callable[[float], float
 def cases() -> Iterator[Case]:
     model, small = large(), point(0.7, 2.1)
     yield Case(group=GROUP, name=VERDICT, prepare=repeated(lambda: assess(model)), unit=TIME)
+    force = pushed(model)
+    yield Case(group=GROUP, name=NUMBERS, prepare=repeated(lambda: numbers(force)), unit=TIME)
+    yield Case(group=GROUP, name=RICCATI, prepare=repeated(lambda: riccati(force)), unit=TIME)
     yield Case(group=GROUP, name=POINT, prepare=repeated(lambda: assess(small, thorough=False)), unit=TIME)
     yield Case(group=GROUP, name=CHART, prepare=repeated(chart), unit=TIME, threads=2, rounds=3)

@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from .horizon import FiniteHorizon, finite_horizon
+from .pointing import PointingBudget, pointing_budget
 
-__all__ = ["FiniteHorizon", "finite_horizon"]
+__all__ = ["FiniteHorizon", "PointingBudget", "finite_horizon", "pointing_budget"]

@@ -35,11 +35,6 @@ def amplification(on: Stretches, sizes: Array) -> Amplification:
     """Of |x / sizes|, the largest singular value of Phi(t, s) over all s <= t."""
     Phi = on.held[0] * sizes[None, None, :] / sizes[None, :, None]
     m = len(Phi)
-    if not grows_within(Phi):
-        raise ValueError(
-            f"finite_horizon: deviations grow by more than e^{LARGEST:g} from {on.t[0]:.4g} to {on.t[-1]:.4g} s, "
-            "beyond the range of numbers: take a shorter part of the motion"
-        )
     edges = np.unique(np.linspace(0, m, min(m, BLOCKS) + 1).astype(int))
     size, begin, end = _largest(magnus.grouped(Phi, edges), edges)
     whole = float(np.linalg.norm(magnus.product(Phi), 2))
@@ -54,6 +49,15 @@ def amplification(on: Stretches, sizes: Array) -> Amplification:
         begin = end = 0
     right = np.linalg.svd(magnus.product(Phi[begin:end]))[2][0] if end > begin else np.eye(on.n)[0]
     return Amplification(max(size, 1.0), float(on.t[begin]), float(on.t[end]), right * sizes, whole)
+
+
+def check_growth(on: Stretches, sizes: Array) -> None:
+    """ValueError where |x / sizes| grows beyond the range of numbers."""
+    if not grows_within(on.held[0] * sizes[None, None, :] / sizes[None, :, None]):
+        raise ValueError(
+            f"finite_horizon: deviations grow by more than e^{LARGEST:g} from {on.t[0]:.4g} to {on.t[-1]:.4g} s, "
+            "beyond the range of numbers: take a shorter part of the motion"
+        )
 
 
 def _largest(blocks: Array, edges: Array) -> tuple[float, int, int]:

@@ -102,7 +102,7 @@ def bounds(on: Stretches, gain: float) -> bool:
     P = np.zeros((n, n))
     if on.turn(gain) > TURN:
         return False
-    for k in range(len(S) - 1, -1, -1):
+    for k in on.group[::-1]:
         part = S[k]
         below = part[:n, :n] + part[:n, n:] @ P
         P = np.linalg.solve(below.T, (part[n:, :n] + part[n:, n:] @ P).T).T

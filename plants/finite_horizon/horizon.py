@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import require_instance, require_mapping, require_names, require_number
-from pliant.plants.core.signals import OwnsArrays, Signal, index, names, rows_by_name
+from pliant.plants.core.argument_gates import require_instance, require_mapping
+from pliant.plants.core.signals import OwnsArrays, Signal, names, rows_by_name
 from pliant.plants.linear.ltv import LTVModel
 
 from . import pushed_outputs
-from .amplification import Amplification, amplification
+from .amplification import Amplification, amplification, check_growth
+from .asked import Asked, asked, energy, listed, not_negative, said, within
 from .energy_gain import Gain, energy_gain
 from .stretches import Stretches
 
 Array = np.ndarray
+FINER = 40  # times looked at about the largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +28,8 @@ class FiniteHorizon(OwnsArrays):
     """Numbers of one motion, of its linear model: of the plant to first order in what disturbs it.
 
     t (nt,) [s]: between these times disturbances are held. `limits` of disturbances [their units]; `scale`: sizes that
-    count as one. Gains by L2 norm are per unit sqrt(s) of the disturbances over their sizes.
+    count as one. Gains by L2 norm are per unit sqrt(s) of the disturbances over their sizes. Each number is found when
+    it is first asked for.
     """
 
     t: Array = field(repr=False)
@@ -32,14 +37,105 @@ class FiniteHorizon(OwnsArrays):
     disturbances: tuple[Signal, ...]
     limits: dict[str, float]
     scale: dict[str, float]
-    l2: Gain  # from the L2 norm of w / scale to that of z / scale
-    end: Mapping[str, Gain]  # from the L2 norm of w / scale to |z_i| at the end [its unit]
-    peak: Mapping[str, Gain]  # to the largest |z_i| over the motion
-    bounded: Mapping[str, Gain]  # the largest |z_i| over the motion where |w_j| <= limits
-    tube: Mapping[str, Array] = field(repr=False)  # (nt, 2) between which z_i stays where |w_j| <= limits
-    from_start: Mapping[str, Array] = field(repr=False)  # (nt,) the most |z_i| from a start off by |x / scale| <= 1
-    amplification: Amplification
     _on: Stretches = field(repr=False)
+    _unit: Array = field(repr=False)  # (nz,) [its unit] of the outputs of `_on` by its disturbances
+
+    @cached_property
+    def l2(self) -> Gain:
+        """From the L2 norm of w / scale to that of z / scale."""
+        found, size = energy_gain(self._on), float((self._unit / self._sizes(self.outputs))[0])
+        return Gain(found.lower * size, found.upper * size, found.disturbance * self._sizes(self.disturbances))
+
+    @cached_property
+    def end(self) -> Mapping[str, Gain]:
+        """From the L2 norm of w / scale to |z_i| at the end [its unit]."""
+        sizes, upper = self._by_energy
+        last, most = len(self._on.h), np.where(np.isfinite(upper[-1]), sizes[-1], np.inf)
+        return {s.name: self._pushed(i, last, float(most[i])) for i, s in enumerate(self.outputs)}
+
+    @cached_property
+    def peak(self) -> Mapping[str, Gain]:
+        """To the largest |z_i| over the motion."""
+        sizes, upper = self._by_energy
+        at, most = sizes.argmax(axis=0), upper.max(axis=0)
+        return {s.name: self._pushed(i, int(at[i]), float(most[i])) for i, s in enumerate(self.outputs)}
+
+    @property
+    def by_energy(self) -> Mapping[str, Array]:
+        """(nt,) the most |z_i| at each time by disturbances of unit energy; what passes through is left out."""
+        return {s.name: self._by_energy[0][:, i] * self._unit[i] for i, s in enumerate(self.outputs)}
+
+    @cached_property
+    def bounded(self) -> Mapping[str, Gain]:
+        """The largest |z_i| where |w_j| <= limits; where t_tube is not t, of those times and of more about the largest
+        of them.
+        """
+        return {s.name: self._by_limits(i) for i, s in enumerate(self.outputs)}
+
+    @property
+    def t_tube(self) -> Array:
+        """(nk,) [s] the times of `tube`: all of t, or some where that would be much work."""
+        return np.asarray(self.t[self._by_bounds[0]])
+
+    @cached_property
+    def tube(self) -> Mapping[str, Array]:
+        """(nk, 2) between which z_i stays at `t_tube` where |w_j| <= limits."""
+        known, (at, most, _) = names((*self._on.model.states, *self._on.model.outputs)), self._by_bounds
+        y = pushed_outputs.nominal(self._on, [known.index(s.name) for s in self.outputs])[at]
+        sides = np.array([-1.0, 1.0])
+        return {s.name: y[:, i, None] + most[:, i, None] * self._unit[i] * sides for i, s in enumerate(self.outputs)}
+
+    @cached_property
+    def from_start(self) -> Mapping[str, Array]:
+        """(nt,) the most |z_i| from a start off by |x / scale| <= 1."""
+        found = pushed_outputs.from_start(self._on, self._sizes(self._on.model.states))
+        seen = self._unit / self._driven
+        return {s.name: found[:, i] * seen[i] for i, s in enumerate(self.outputs)}
+
+    @cached_property
+    def amplification(self) -> Amplification:
+        """sup |Phi(t, s)| in the given scale."""
+        return amplification(self._on, self._sizes(self._on.model.states))
+
+    @cached_property
+    def _by_energy(self) -> tuple[Array, Array]:
+        return pushed_outputs.by_energy(self._on, pushed_outputs.gramians(self._on))
+
+    @cached_property
+    def _by_bounds(self) -> tuple[Array, Array, Array]:
+        at = pushed_outputs.looked_at(self._on)
+        return (at, *pushed_outputs.by_bounded(self._on, self._allowed, at))
+
+    @property
+    def _driven(self) -> float:
+        """What one of `_on`'s entries of E is, so that no square leaves the range of numbers."""
+        return self._on.driven
+
+    @property
+    def _allowed(self) -> Array:
+        return np.array([self.limits[s.name] / self.scale[s.name] for s in self.disturbances])
+
+    def _sizes(self, signals: Sequence[Signal]) -> Array:
+        return np.array([self.scale[s.name] for s in signals])
+
+    def _pushed(self, row: int, at: int, most: float) -> Gain:
+        worst, lower = pushed_outputs.worst_of_energy(self._on, at, row)
+        unit, w = self._unit[row], self._sizes(self.disturbances)
+        return Gain(lower * unit, max(most, lower) * unit, worst * w, float(self.t[at]))
+
+    def _by_limits(self, row: int) -> Gain:
+        at, most, beside = self._by_bounds
+        best = int(most[:, row].argmax())
+        top, furthest = int(at[best]), float(most[best, row])
+        if len(at) < len(self.t):
+            first, last = int(at[max(best - 1, 0)]), int(at[min(best + 1, len(at) - 1)])
+            near = np.unique(np.linspace(first, last, min(last - first, FINER) + 1).round().astype(int))
+            finer = pushed_outputs.by_bounded(self._on, self._allowed, near)[0][:, row]
+            top, furthest = int(near[finer.argmax()]), float(finer.max())
+        worst, lower = pushed_outputs.worst_bounded(self._on, top, row, self._allowed)
+        unit, w = self._unit[row], self._sizes(self.disturbances)
+        furthest = max(furthest, float(beside[row]), lower)
+        return Gain(lower * unit, furthest * unit, worst * w, float(self.t[top]))
 
     def deviation(self, intensity: Mapping[str, float], start: Mapping[str, float] | None = None) -> Array:
         """Standard deviations (nt, nz) [unit of the output] under white noise and a start that is not known.
@@ -53,30 +149,65 @@ class FiniteHorizon(OwnsArrays):
         noise = require_mapping("deviation.intensity", intensity, known, "disturbance")
         states = names(model.states)
         first = require_mapping("deviation.start", {} if start is None else start, states, "state")
-        root = np.array([_not_negative("deviation.intensity", n, noise.get(n, 0.0)) for n in known])
-        P0 = np.diag([_not_negative("deviation.start", n, first.get(n, 0.0)) ** 2 for n in states])
+        root = np.array([not_negative("deviation.intensity", n, noise.get(n, 0.0)) for n in known])
+        P0 = np.diag([not_negative("deviation.start", n, first.get(n, 0.0)) ** 2 for n in states])
         seen = rows_by_name(model, names(self.outputs)).C
         own = Stretches(model, _into(model, self.disturbances) * root, seen, np.zeros((*seen.shape[:2], len(root))))
-        W, C = pushed_outputs.gramians(own, P0), own.nodes[2]
+        W, C = pushed_outputs.gramians(own, P0), own.nodes[1]
         return np.sqrt(np.maximum(np.einsum("kij,kjl,kil->ki", C, W, C), 0.0))
+
+    def to_json(self) -> dict[str, Any]:
+        """Bounds by output, units, what they are for; what is not finite is None."""
+
+        def known(gain: Gain) -> dict[str, Any]:
+            return {"lower": gain.lower, "upper": gain.upper if np.isfinite(gain.upper) else None, "time": gain.time}
+
+        numbers = {"end": self.end, "peak": self.peak, "bounded": self.bounded}
+        return {
+            "seconds": float(self.t[-1] - self.t[0]),
+            "disturbances": {s.name: {"unit": s.unit, "limit": self.limits[s.name]} for s in self.disturbances},
+            "outputs": {
+                s.name: {"unit": s.unit, **{key: known(by[s.name]) for key, by in numbers.items()}}
+                for s in self.outputs
+            },
+            "scale": {s.name: self.scale[s.name] for s in (*self.outputs, *self.disturbances)},
+        }
+
+    @property
+    def limits_said(self) -> str:
+        """What bounded disturbances keep within: "at most 1 N of each"."""
+        return within(self.disturbances, self.limits)
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Of each output the bounds by unit energy and within the limits with their units, and when it is furthest."""
+        return [
+            (s.name, *(said(v, s.unit) for g in (peak, held) for v in (g.upper, g.lower)), f"{held.time:.4g} s")
+            for s, peak, held in zip(self.outputs, self.peak.values(), self.bounded.values(), strict=True)
+        ]
+
+    @property
+    def furthest(self) -> Signal:
+        """The output that is pushed furthest beside its size."""
+        return max(self.outputs, key=lambda s: self._reach(s) / self.scale[s.name])
+
+    def _reach(self, signal: Signal) -> float:
+        """[its unit] By unit energy, or within the limits where what passes through has no bound by energy."""
+        most = self.peak[signal.name].upper
+        return most if np.isfinite(most) else self.bounded[signal.name].upper
 
     @property
     def words(self) -> str:
         """What an engineer would write of the output that is pushed furthest beside its size."""
-        worst = max(self.outputs, key=lambda s: self.bounded[s.name].lower / self.scale[s.name])
-        held, impulse, unit = self.bounded[worst.name], self.peak[worst.name], _of(worst.unit)
-        within = ", ".join(f"|{s.name}| <= {self.limits[s.name]:g}{_of(s.unit)}" for s in self.disturbances)
-        size = ", ".join(f"{self.scale[s.name]:g}{_of(s.unit)} of {s.name}" for s in self.disturbances)
-        grown = self.amplification
-        energy = (
-            f"as much energy as {size} for one second moves it by at most {impulse.upper:.3g}{unit}"
-            if np.isfinite(impulse.upper)
-            else "what passes through to it without delay has no bound by energy"
-        )
+        most, (held, impulse) = self.furthest, (by[self.furthest.name] for by in (self.bounded, self.peak))
+        limits = within(self.disturbances, self.limits)
+        looked = "" if len(self.t_tube) == len(self.t) else f" at the {len(self.t_tube)} times looked at"
+        over = f"Over its {self.t[-1] - self.t[0]:.4g} s the motion"
+        if not np.isfinite(impulse.upper):
+            who = listed([s.name for s in self.disturbances])
+            return f"{over} lets {who}, {limits}, move {most.name} by at most {said(held.upper, most.unit)}{looked}"
         return (
-            f"Within {self.t[-1] - self.t[0]:g} s, disturbances {within} move {worst.name} by at most "
-            f"{held.upper:.3g}{unit}, at {held.time:.3g} s; {energy}. A deviation grows {grown.factor:.3g}-fold at "
-            f"most, from {grown.start:.3g} to {grown.end:.3g} s."
+            f"{over} lets {energy(self.disturbances, self.scale)} move {most.name} by at most "
+            f"{said(impulse.upper, most.unit)}, and {limits} by at most {said(held.upper, most.unit)}{looked}"
         )
 
 
@@ -106,78 +237,23 @@ def finite_horizon(
     >>> print(horizon.words, horizon.l2.lower, horizon.l2.upper, horizon.bounded["tip_y"].upper)
     """
     model = require_instance("finite_horizon.model", model, LTVModel)
-    seen = names(model.outputs) if outputs is None else require_names("finite_horizon.outputs", outputs)
+    return numbers(asked(model, outputs, disturbances, limits, scale))
+
+
+def numbers(of: Asked) -> FiniteHorizon:
+    """The same of what was checked."""
+    model, signals, shown, sizes, rows = of.model, of.disturbances, of.outputs, of.scale, of.rows
     known = (*model.disturbances, *model.inputs)
-    pushing = (
-        model.disturbance_names
-        if disturbances is None
-        else require_names("finite_horizon.disturbances", disturbances, names(known), "disturbance or input")
-    )
-    for word, given in (("outputs", seen), ("disturbances", pushing)):
-        if not given:
-            raise ValueError(f"finite_horizon.{word} = () must name one or more")
-    signals = tuple(known[index(known, n, "disturbance or input")] for n in pushing)
-    rows = rows_by_name(model, seen)
-    shown = tuple((model.states + model.outputs)[k] for k in rows.at)
-    sizes = _by_name("scale", scale, {*names(model.states), *names(shown), *names(signals)})
-    most = _by_name("limits", limits, set(pushing))
     w, z, x = (np.array([sizes[s.name] for s in of]) for of in (signals, shown, model.states))
     direct = np.concatenate([rows.F, rows.D], axis=-1)[..., [known.index(s) for s in signals]]
     into, sees = _into(model, signals) * w, rows.C / z[:, None]
     e, c = (float(np.abs(M).max(initial=0.0)) or 1.0 for M in (into, sees))  # so that no square leaves the numbers
-    on = Stretches(model, into / e, sees / c, direct * w / z[:, None] / (e * c))
-    grown = amplification(on, x)
-    l2 = energy_gain(on)
-    furthest, upper = pushed_outputs.by_energy(on, pushed_outputs.gramians(on))
-    allowed = np.array([most[s.name] for s in signals])
-    bounded, beside = pushed_outputs.by_bounded(on, allowed / w)
-    unit = z * e * c
-
-    def by_energy(row: int, at: int, most_of: float) -> Gain:
-        worst, lower = pushed_outputs.worst_of_energy(on, at, row)
-        return Gain(lower * unit[row], max(most_of, lower) * unit[row], worst * w, float(on.t[at]))
-
-    def by_bound(row: int) -> Gain:
-        at = int(bounded[:, row].argmax())
-        worst, lower = pushed_outputs.worst_bounded(on, at, row, allowed / w)
-        furthest = max(float(bounded[at, row]), float(beside[row]), lower)
-        return Gain(lower * unit[row], furthest * unit[row], worst * w, float(on.t[at]))
-
-    y = pushed_outputs.nominal(on, rows.at)
-    last, each = len(on.h), list(enumerate(names(shown)))
-    return FiniteHorizon(
-        t=on.t,
-        outputs=shown,
-        disturbances=signals,
-        limits=most,
-        scale=sizes,
-        l2=Gain(l2.lower * e * c, l2.upper * e * c, l2.disturbance * w),
-        end={n: by_energy(i, last, float(furthest[-1, i]) if np.isfinite(upper[-1, i]) else np.inf) for i, n in each},
-        peak={n: by_energy(i, int(furthest[:, i].argmax()), float(upper[:, i].max())) for i, n in each},
-        bounded={n: by_bound(i) for i, n in each},
-        tube={n: y[:, i, None] + bounded[:, i, None] * unit[i] * [-1.0, 1.0] for i, n in each},
-        from_start={n: a * z[i] * c for (i, n), a in zip(each, pushed_outputs.from_start(on, x).T, strict=True)},
-        amplification=grown,
-        _on=on,
-    )
-
-
-def _by_name(word: str, given: Mapping[str, float] | None, known: set[str]) -> dict[str, float]:
-    found = require_mapping(f"finite_horizon.{word}", {} if given is None else given, sorted(known), "signal")
-    own = {n: float(require_number(f"finite_horizon.{word}[{n!r}]", v, "positive")) for n, v in found.items()}
-    return {n: own.get(n, 1.0) for n in sorted(known)}
+    on = Stretches(model, into / e, sees / c, direct * w / z[:, None] / (e * c), driven=e)
+    check_growth(on, x)
+    return FiniteHorizon(on.t, shown, signals, of.limits, sizes, on, z * e * c)
 
 
 def _into(model: LTVModel, signals: Sequence[Signal]) -> Array:
     """[E, B] of the named disturbances and inputs, (nt, nx, nw)."""
     known = (*model.disturbances, *model.inputs)
     return np.concatenate([model.E, model.B], axis=-1)[..., [known.index(s) for s in signals]]
-
-
-def _not_negative(owner: str, name: str, value: float) -> float:
-    return float(require_number(f"{owner}[{name!r}]", value, "nonnegative"))
-
-
-def _of(unit: str) -> str:
-    """A unit behind a number."""
-    return f" {unit}" if unit else ""

@@ -8,6 +8,8 @@ W       integral of Phi E E' Phi' to its end: what w of unit energy can reach, s
 Q       [x; w]' Q [x; w] is the integral of |z|^2 over it, from x at its start and w held
 
 A, E, C and F between the nodes are cubic splines, a stretch is one step of the fourth-order Magnus method (`magnus`).
+Where fast modes ask for many stretches and A varies little over several of them, these share one exponent: a part of
+that method's over all of them, so that their ends together are as good, and E, C and F are what they are in the mean.
 """
 
 from __future__ import annotations
@@ -25,66 +27,105 @@ Array = np.ndarray
 ACROSS = 0.5  # |eigenvalue| of A times a stretch, at most
 FEWEST, MOST = 400, 40_000  # stretches
 LOOKED = 16  # nodes
+SHARED = 2e6  # stretches times states cubed, above which they share exponents
+TURNED = 0.01  # by which a change of A's eigenvalues within those that share one may turn a mode
+TERMS = 12  # of a Taylor series in a stretch
 
 
 class Stretches:
     """Of `model`, from columns `into` (nt, nx, nw) and rows `seen`, `direct` (nt, nz, nx), (nt, nz, nw)."""
 
-    def __init__(self, model: LTVModel, into: Array, seen: Array, direct: Array) -> None:
-        self.model = model
-        t, parts = model.t, _parts(model)
+    def __init__(self, model: LTVModel, into: Array, seen: Array, direct: Array, driven: float = 1.0) -> None:
+        self.model, self.driven = model, driven  # `into` times that is what drives the model
+        t = model.t
+        parts, groups = _parts(model)
         ends = [t[k] + (t[k + 1] - t[k]) * np.arange(n) / n for k, n in enumerate(parts)]
         self.t = np.append(np.concatenate(ends), t[-1])
         self.h = np.diff(self.t)
-        gauss = (self.t[:-1, None] + self.h[:, None] * GAUSS).ravel()
+        shared = np.repeat(parts // groups, groups)  # stretches of each group
+        self.group = np.repeat(np.arange(len(shared)), shared)  # (m,) of each stretch
+        first = np.cumsum(shared) - shared
+        self._h = self.h[first]
+        gauss = (self.t[first, None] + (shared * self._h)[:, None] * GAUSS).ravel()
         self._values = model.A, into, seen, direct
-        at_gauss = [splined(t, a, gauss).reshape(len(self.h), 2, *a.shape[1:]) for a in self._values]
+        at_gauss = [splined(t, a, gauss).reshape(len(shared), 2, *a.shape[1:]) for a in self._values]
+        if len(shared) < len(self.h):
+            whole = shared * self._h
+            mean = magnus.exponent(at_gauss[0], whole) / whole[:, None, None]
+            at_gauss = [mean[:, None].repeat(2, axis=1), *(_in_the_mean(a) for a in at_gauss[1:])]
         self.A, self.E, self.C, self.F = at_gauss
         self.n, self.nw, self.nz = self.A.shape[-1], into.shape[-1], seen.shape[-2]
 
     @cached_property
-    def nodes(self) -> tuple[Array, Array, Array, Array]:
-        """A, E, C, F at the ends of stretches, (n + 1, ..)."""
-        found = tuple(splined(self.model.t, a, self.t) for a in self._values)
-        return found[0], found[1], found[2], found[3]
+    def nodes(self) -> tuple[Array, Array, Array]:
+        """E, C, F at the ends of stretches, (m + 1, ..)."""
+        found = tuple(splined(self.model.t, a, self.t) for a in self._values[1:])
+        return found[0], found[1], found[2]
 
-    def between(self, share: float) -> tuple[Array, Array, Array, Array]:
-        """The same at a share of each stretch, (n, ..)."""
+    @cached_property
+    def rates(self) -> tuple[Array, Array]:
+        """A at the start and at the end of each stretch, (m, n, n)."""
+        if len(self._h) < len(self.h):
+            own = self.A[self.group, 0]
+            return own, own
+        found = splined(self.model.t, self._values[0], self.t)
+        return found[:-1], found[1:]
+
+    def between(self, share: float) -> tuple[Array, Array]:
+        """C and F at a share of each stretch, (m, ..)."""
         at = self.t[:-1] + share * self.h
-        found = tuple(splined(self.model.t, a, at) for a in self._values)
-        return found[0], found[1], found[2], found[3]
+        found = tuple(splined(self.model.t, a, at) for a in self._values[2:])
+        return found[0], found[1]
 
     @property
     def passed(self) -> tuple[Array, ...]:
         """F at Gauss points, at ends and in the middle of stretches."""
-        return self.F, self.nodes[3], self.between(0.5)[3]
+        return self.F, self.nodes[2], self.between(0.5)[1]
 
     @cached_property
     def held(self) -> tuple[Array, Array]:
         """Phi (m, n, n), Gamma (m, n, nw)."""
-        return held_steps(self.A, self.E, self.h)
+        Phi, Gamma = held_steps(self.A, self.E, self._h)
+        return self._each(Phi), self._each(Gamma)
 
     @cached_property
     def gramians(self) -> Array:
         """W (m, n, n)."""
-        return magnus.reached(self.A, self.E @ _t(self.E), self.h)
+        if len(self._h) == len(self.h):
+            return magnus.reached(self.A, self.E @ _t(self.E), self.h)
+        A, term, h = self.A[:, 0], self.E[:, 0], self._h[:, None, None]
+        series = [term]
+        for k in range(1, TERMS):
+            term = h / k * (A @ term)
+            series.append(term)
+        weights = 1 / (1 + np.add.outer(np.arange(TERMS), np.arange(TERMS)))  # of the products of two powers of s / h
+        pushes = np.stack(series, axis=1)
+        later = np.einsum("jk,gknw->gjnw", weights, pushes)
+        flat = (np.moveaxis(v, 1, 2).reshape(len(A), self.n, -1) for v in (pushes, later))
+        return self._each(h * (next(flat) @ _t(next(flat))))
+
+    def _each(self, found: Array) -> Array:
+        """Of each stretch from that of each group."""
+        return found if len(found) == len(self.h) else found[self.group]
 
     @cached_property
     def costs(self) -> Array:
         """Q (m, n + nw, n + nw)."""
         k = self.n + self.nw
-        whole, out = np.zeros((len(self.h), 2, k, k)), np.concatenate([self.C, self.F], axis=-1)
+        whole, out = np.zeros((len(self._h), 2, k, k)), np.concatenate([self.C, self.F], axis=-1)
         whole[..., : self.n, :] = np.concatenate([self.A, self.E], axis=-1)
-        return magnus.costed(whole, _t(out) @ out, self.h)[1]
+        return self._each(magnus.costed(whole, _t(out) @ out, self._h)[1])
 
     def hamiltonian(self, gain: float) -> Array:
-        """Transitions (m, 2n, 2n), backward over each stretch, of the Riccati equation of the bounded real lemma."""
-        return even_expm(-magnus.exponent(self._hamiltonian(gain), self.h))
+        """Transitions (.., 2n, 2n), by group and backward over each of its stretches, of the Riccati equation of the
+        bounded real lemma.
+        """
+        return even_expm(-magnus.exponent(self._hamiltonian(gain), self._h))
 
     def turn(self, gain: float) -> float:
         """The largest |eigenvalue| of its Hamiltonian, at a few times, over a stretch."""
-        some = slice(None, None, max(1, len(self.h) // 16))
-        return float((np.abs(np.linalg.eigvals(self._hamiltonian(gain)[some, 0])).max(axis=1) * self.h[some]).max())
+        some = slice(None, None, max(1, len(self._h) // 16))
+        return float((np.abs(np.linalg.eigvals(self._hamiltonian(gain)[some, 0])).max(axis=1) * self._h[some]).max())
 
     def _hamiltonian(self, gain: float) -> Array:
         n = self.n
@@ -92,7 +133,7 @@ class Stretches:
         inverse = np.linalg.inv(R)
         through = self.E @ inverse @ _t(self.F)
         A = self.A + through @ self.C
-        H = np.zeros((len(self.h), 2, 2 * n, 2 * n))
+        H = np.zeros((len(self._h), 2, 2 * n, 2 * n))
         H[..., :n, :n], H[..., n:, n:] = A, -_t(A)
         H[..., :n, n:] = self.E @ inverse @ _t(self.E)
         H[..., n:, :n] = -_t(self.C) @ (np.eye(self.nz) + self.F @ inverse @ _t(self.F)) @ self.C
@@ -103,8 +144,14 @@ def _t(M: Array) -> Array:
     return np.swapaxes(M, -1, -2)
 
 
-def _parts(model: LTVModel) -> Array:
-    """Equal parts (nt - 1,) of each interval, so that the fastest mode and a short nominal are both resolved.
+def _in_the_mean(values: Array) -> Array:
+    """At both Gauss points (.., 2, ..) the mean of the two."""
+    return values.mean(axis=1, keepdims=True).repeat(2, axis=1)
+
+
+def _parts(model: LTVModel) -> tuple[Array, Array]:
+    """Equal parts (nt - 1,) of each interval, so that the fastest mode and a short nominal are both resolved; and how
+    many groups of them share an exponent.
 
     Eigenvalues are found at a few nodes, and where the matrix, in even units, is largest.
     """
@@ -123,4 +170,12 @@ def _parts(model: LTVModel) -> Array:
             f"finite_horizon: modes of up to {fastest.max():.4g} 1/s need {parts.sum():,.0f} stretches, more than "
             f"{MOST:,}: leave out the fastest modes"
         )
-    return parts.astype(int)
+    cut = parts.astype(int)
+    if cut.sum() * model.A.shape[-1] ** 3 <= SHARED:
+        return cut, cut
+    some = np.arange(0, len(size), max(1, len(size) // LOOKED))
+    sizes = np.sort(np.abs(np.linalg.eigvals(model.A[some])), axis=1)
+    slope = float((np.abs(np.diff(sizes, axis=0)).max(axis=1) / np.diff(model.t[some])).max(initial=0.0))
+    groups = np.clip(np.ceil(h * np.sqrt(slope / (8 * TURNED))), 1, cut).astype(int)
+    each = -(-cut // groups)
+    return each * groups, groups

@@ -7,11 +7,12 @@ floquet(model)         multipliers and modes of a periodic model: `floquet`
 growth(model)          the transition matrix over windows, finite-time Lyapunov exponents: `transition_growth`
 lyapunov(model)        a quadratic certificate that varies with time: `lyapunov_certificate`
 finite_horizon(model)  how far disturbances can push a motion before it ends: `plants.finite_horizon`
+pointing_budget(..)    absolute, mean and relative performance error over windows: `plants.finite_horizon`
 """
 
 from __future__ import annotations
 
-from pliant.plants.finite_horizon import FiniteHorizon, finite_horizon
+from pliant.plants.finite_horizon import FiniteHorizon, PointingBudget, finite_horizon, pointing_budget
 
 from .assessment import assess
 from .floquet import Floquet, floquet
@@ -27,6 +28,7 @@ __all__ = [
     "Floquet",
     "FrozenTime",
     "Growth",
+    "PointingBudget",
     "SlowVariation",
     "Verdict",
     "assess",
@@ -35,5 +37,6 @@ __all__ = [
     "frozen_time",
     "growth",
     "lyapunov",
+    "pointing_budget",
     "slow_variation",
 ]

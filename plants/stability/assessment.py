@@ -12,25 +12,28 @@ unstable    some deviation grows; on a nominal that is not periodic: by GROWN, a
             which drift (a power of time, however late it starts) does not
 marginal    the slowest cannot be told from one that neither decays nor grows, to within a small error that is said:
             undamped, or free to drift. `Verdict.growth` tells drift (polynomial) from what stays bounded
-undecided   none of these is shown
+drift       on a nominal that is not periodic: states that none feels run off, and without them it is bounded
+bounded     on a nominal that is not periodic: every deviation ends at most GROWN times as large as it began
+undecided   none of these is shown; a motion that ends has its numbers all the same: `Verdict.horizon`
 
 Stable and unstable hold for every A(t) that its nodes allow (`interpolation`, `transition_error`, `eigenvalue_bounds`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from pliant.plants.core.argument_gates import LEAST, require_flag, require_seconds, require_text
+from pliant.plants.finite_horizon.asked import asked_of, listed
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
 from .floquet import Floquet, floquet
 from .frozen_time import (
-    FrozenTime,
     SlowVariation,
     frozen_along,
     frozen_time,
@@ -40,10 +43,10 @@ from .frozen_time import (
 )
 from .lyapunov_certificate import Certificate, certified, lyapunov
 from .periodicity import varying
-from .state_matrix_path import Model, Path, as_pieces, kept, scaling
+from .state_matrix_path import Model, Path, as_pieces, kept, scaling, unfelt
 from .transition_error import TooManySteps, transition
 from .transition_growth import Growth, grown, growth
-from .verdict import METHODS, Verdict, degree, of_constant
+from .verdict import Verdict, made, of_constant, of_periodic
 
 GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable, if it compounds
 POINTS, MOST_POINTS = 200, 2000  # times at which frozen roots are taken, of a period at which growth is, at most
@@ -61,6 +64,10 @@ def assess(
     coordinates: str | None = None,
     window: float | None = None,
     thorough: bool = True,
+    outputs: Sequence[str] | None = None,
+    disturbances: Sequence[str] | None = None,
+    limits: Mapping[str, float] | None = None,
+    scale: Mapping[str, float] | None = None,
 ) -> Verdict:
     """The verdict on a LinearModel, an LTVModel, or pieces joined by jumps.
 
@@ -70,7 +77,27 @@ def assess(
     `coordinates` says in words what the states are measured in. `window` [s] of the growth. thorough=False stops at
     the method that decides. ValueError for what cannot have an effect: a window or a period of a constant model's
     growth, a period of a nominal that is not repeated.
+
+    outputs, disturbances, limits, scale: of `Verdict.horizon` as in `finite_horizon`, for an LTVModel. Where they are
+    not given it tells of lengths and of the forces on them, else of what is in the unit of the first output.
+
+    >>> told = assess(plant.linearize_along(motion), outputs=["tip_y"], disturbances=["tip_force_y"])
+    >>> print(told.verdict, told.sentence)
     """
+    about = asked_of("assess", model, outputs, disturbances, limits, scale)
+    found = _judged(model, period, periodic, states, coordinates, window, thorough)
+    return found if about is None else replace(found, asked=about)
+
+
+def _judged(
+    model: Model | LinearModel,
+    period: float | None,
+    periodic: bool | None,
+    states: Sequence[str] | None,
+    coordinates: str | None,
+    window: float | None,
+    thorough: bool,
+) -> Verdict:
     thorough = require_flag("assess.thorough", thorough)
     periodic = None if periodic is None else require_flag("assess.periodic", periodic)
     period = None if period is None else require_seconds("assess.period", period, LEAST)
@@ -110,13 +137,13 @@ def assess(
             said["floquet"] = str(refusal).removeprefix("floquet: ")
             if periodic or period is not None:
                 if isinstance(refusal, TooManySteps):  # periodic it is
-                    return _made("undecided", "", np.nan, said["floquet"], evidence, said)
+                    return made("undecided", "", np.nan, said["floquet"], evidence, said)
                 raise
     if cycle is not None:
         evidence["floquet"] = cycle
         if thorough:
             _beside(joined, states, coordinates, window, cycle, evidence, said)
-        return _periodic(cycle, evidence, said)
+        return of_periodic(joined, states, cycle, evidence, said)
     evidence["slow_variation"] = slow = slow_variation(joined, states=states)
     if thorough or not slow:
         try:
@@ -182,31 +209,6 @@ def _beside(
         said["lyapunov"] = f"not needed; {found.why}"
 
 
-def _periodic(cycle: Floquet, evidence: dict[str, Any], said: dict[str, str]) -> Verdict:
-    sizes, verdict = np.abs(cycle.multipliers), cycle.verdict
-    margin = 0.0 if verdict == "marginal" else -cycle.growth
-    near = cycle.on_circle
-    error = float(cycle.error[near].max(initial=0.0))
-    power = degree(cycle.monodromy, cycle.multipliers, cycle.error, near) if verdict == "marginal" else 0
-    words = {
-        "stable": f"the largest multiplier is {sizes.max(initial=0.0):.6g}, at most {cycle.most:.6g}; the slowest mode "
-        f"decays at {margin:.4g} 1/s",
-        "unstable": f"{int(cycle.outside.sum())} multipliers outside the unit circle, the largest "
-        f"{sizes.max(initial=0.0):.6g}, at least {cycle.least:.6g}",
-        "marginal": f"{int(near.sum())} of {len(sizes)} multipliers on the unit circle, none outside; not to be told "
-        f"from it to within {error:.2g}",
-        "undecided": f"the largest multiplier, {sizes.max(initial=0.0):.6g}, is known to "
-        f"{cycle.error[sizes.argmax()]:.2g} only: more nodes in a period would help",
-    }
-    if power:
-        words["marginal"] += f"; they share directions: deviations may grow like t^{power}, no exponential is shown"
-    kinds = {"stable": "decays", "unstable": "exponential", "marginal": "polynomial" if power else "bounded"}
-    decided = "" if verdict == "undecided" else "floquet"
-    why = f"{words[verdict]}; period {cycle.period:.6g} s ({cycle.source})"
-    bound = -cycle.growth_bound
-    return _made(verdict, decided, margin, why, evidence, said, bound, kinds.get(verdict, "unknown"))
-
-
 def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], said: dict[str, str]) -> Verdict:
     """The verdict over the span of a nominal that is not periodic."""
     slow: SlowVariation = evidence["slow_variation"]
@@ -218,15 +220,15 @@ def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], s
     why = ""
     if slow and slow.decay * duration > 4 * hidden:
         why = f"A varies slowly enough for its frozen roots to decide: {slow.why}; V proves {slow.decay:.4g} 1/s"
-        return _made("stable", "slow_variation", slow.decay, why, evidence, said, slow.decay, "decays")
+        return made("stable", "slow_variation", slow.decay, why, evidence, said, slow.decay, "decays")
     if shown is not None and shown and shown.contraction < 1:
         left = shown.contraction * float(np.exp(min(shown.overshoot * hidden, 700.0)))
         if left < 1:
             margin, bound = (-float(np.log(x)) / duration for x in (shown.contraction, left))
             why = f"{shown.why}; over {duration:.4g} s every deviation shrinks to {left:.3g} of itself or less"
-            return _made("stable", "lyapunov", margin, why, evidence, said, bound, "decays")
+            return made("stable", "lyapunov", margin, why, evidence, said, bound, "decays")
     if grown is None:
-        return _made("undecided", "", np.nan, f"no method could be used: {said['growth']}", evidence, said)
+        return made("undecided", "", np.nan, f"no method could be used: {said['growth']}", evidence, said)
     why = f"over {duration:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed"
     try:
         error = float(np.linalg.norm(transition(paths, jumps, 1e-6).D, 2))
@@ -235,21 +237,47 @@ def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], s
     beyond = not np.isfinite(error) and grown.logs[-1] > 600  # the range of numbers
     bound = -float(np.log(grown.total + error)) / duration if np.isfinite(grown.total + error) else np.nan
     if grown.total + error < 1:
-        return _made("stable", "growth", -grown.rate, why, evidence, said, bound, "decays")
+        return made("stable", "growth", -grown.rate, why, evidence, said, bound, "decays")
     if (grown.total - error > GROWN or beyond) and grown.compounds:
-        return _made(
-            "unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential"
-        )
-    kind = "unknown"
+        return made("unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential")
     if grown.total - error > GROWN:
-        why += ", but it does not build on itself, as free drift does not: no exponential growth is shown"
-        why += "; `states` can leave out what drifts"
-        kind = "polynomial"
-    elif error > 0.1 * abs(np.log(max(grown.total, 1e-300))):
+        return _drift(joined, states, grown, duration, bound, evidence, said)
+    if grown.total + error <= GROWN:
+        why = f"over {duration:.4g} s every deviation ends at most {grown.total + error:.3g} times as large as it began"
+        return made("bounded", "growth", -grown.rate, why, evidence, said, bound, "bounded")
+    if error > 0.1 * abs(np.log(max(grown.total, 1e-300))):
         why += f", known to {error:.2g} only: more nodes would help"
     else:
         why += f": neither below 1 nor above {GROWN:g}; the nominal is too short or has no one answer"
-    return _made("undecided", "", -grown.rate, why, evidence, said, bound, kind)
+    return made("undecided", "", -grown.rate, why, evidence, said, bound)
+
+
+def _drift(
+    joined: Any,
+    states: Sequence[str] | None,
+    grown: Growth,
+    duration: float,
+    bound: float,
+    evidence: dict[str, Any],
+    said: dict[str, str],
+) -> Verdict:
+    """Growth that does not build on itself: drift where states that none feels are all that grows."""
+    free, known = unfelt(joined, states), joined.pieces[0].state_names if states is None else tuple(states)
+    rest = tuple(name for name in known if name not in free)
+    if free and rest:
+        try:
+            most = growth(joined, states=rest).total + float(
+                np.linalg.norm(transition(*_paths(joined, rest), 1e-6).D, 2)
+            )
+        except (ValueError, np.linalg.LinAlgError):
+            most = np.inf
+        if most <= GROWN:
+            why = f"drift of {listed(free)}, which nothing else feels; apart from it every deviation ends at most "
+            why += f"{most:.3g} times as large as it began"
+            return made("drift", "growth", -grown.rate, why, evidence, said, bound, "polynomial", free)
+    why = f"over {duration:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed, "
+    why += "but it does not build on itself, as free drift does not: no exponential growth is shown; `states` can leave out what drifts"
+    return made("undecided", "", -grown.rate, why, evidence, said, bound, "polynomial")
 
 
 def _paths(joined: Any, states: Sequence[str] | None) -> tuple[list[Path], list[np.ndarray]]:
@@ -258,43 +286,3 @@ def _paths(joined: Any, states: Sequence[str] | None) -> tuple[list[Path], list[
     scale = scaling(np.concatenate(A))
     jumps = [J[np.ix_(keep, keep)] * scale / scale[:, None] for J, _ in joined.jumps]
     return [Path(piece.t, a, scale) for piece, a in zip(joined.pieces, A)], jumps
-
-
-def _made(
-    verdict: str,
-    method: str,
-    margin: float,
-    why: str,
-    evidence: dict[str, Any],
-    said: dict[str, str],
-    bound: float = np.nan,
-    kind: str = "unknown",
-) -> Verdict:
-    frozen: FrozenTime | None = evidence.get("frozen_time")
-    slow: SlowVariation | None = evidence.get("slow_variation")
-    reasons = dict(said)
-    if frozen is not None:
-        allowed = "slow variation allows it" if slow else "not to be believed: slow variation does not allow it"
-        rate = float(frozen.rightmost.max())
-        reasons["frozen_time"] = (
-            f"suggests {frozen.suggests} (rightmost {rate:.4g} 1/s, in {frozen.coordinates}); {allowed}"
-        )
-    for name in ("slow_variation", "lyapunov"):
-        if name in evidence:
-            reasons[name] = evidence[name].why
-    if "growth" in evidence:
-        found: Growth = evidence["growth"]
-        reasons["growth"] = (
-            f"deviations change by a factor of up to {found.total:.4g}, "
-            f"within {found.window:.3g} s of up to {found.windows.max():.4g}, as computed"
-        )
-    for name in METHODS:
-        reasons.setdefault(name, f"not needed: {method} decides" if method else "does not apply")
-    reasons.pop(method, None)
-    times: tuple[float, ...] = frozen.critical_times if frozen is not None else ()
-    if "growth" in evidence:
-        times += evidence["growth"].critical_times
-    said_in = frozen.coordinates if frozen is not None else ""
-    return Verdict(
-        verdict, method, float(margin), tuple(sorted(times)), why, reasons, evidence, said_in, float(bound), kind
-    )

@@ -24,9 +24,8 @@ from pliant.plants.linear.ltv import LTVModel
 from . import periodicity as periods
 from .eigenvalue_bounds import EPS, Bounds, bounds
 from .interpolation import FEW
-from .state_matrix_path import Model, Path, as_pieces, kept, modal, scaling
+from .state_matrix_path import CLEAR, Model, Path, as_pieces, kept, modal, scaling
 from .transition_error import TooManySteps, Transition, monodromy, transition
-from .verdict import CLEAR
 
 FLOOR = 1e-9  # a multiplier this near the unit circle is on it
 MOST_POINTS = 2**11  # of a mode's shape

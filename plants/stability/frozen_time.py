@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ from .state_matrix_path import Model, Path, as_pieces, kept, scaling
 
 ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
 
+MATTERS = 0.01  # logarithm of growth between two critical times, up to which they are not told
+
 
 @dataclass(frozen=True, eq=False)
 class FrozenTime(OwnsArrays):
@@ -30,7 +33,7 @@ class FrozenTime(OwnsArrays):
 
     t: np.ndarray = field(repr=False)
     eigenvalues: np.ndarray = field(repr=False)
-    critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis
+    critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis, and matters: `lasting`
     coordinates: str  # in which the roots were taken; in others that move against these they differ
 
     @property
@@ -109,7 +112,8 @@ def _ordered(A: np.ndarray) -> np.ndarray:
 def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
     """Times [s] at which the rightmost real part passes the rounding threshold, by bisection."""
     limit = ROUNDING * float(np.abs(values).max(initial=0.0))
-    above = values.real.max(axis=1, initial=-np.inf) > limit
+    rightmost = values.real.max(axis=1, initial=-np.inf)
+    above = lasting(rightmost > limit, np.abs(rightmost) * np.gradient(t) if len(t) > 1 else np.ones(1))
     found = []
     for k in np.flatnonzero(above[1:] != above[:-1])[:100]:
         low, high = float(t[k]), float(t[k + 1])
@@ -120,6 +124,19 @@ def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
             else:
                 high = middle
         found.append((low + high) / 2)
+    return found
+
+
+def lasting(above: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """`above` (nt,), when deviations could grow, without the spells in which they grow by no more than MATTERS in all.
+
+    change (nt,): of the logarithm of their size, about each time.
+    """
+    found = above.copy()
+    edges = np.r_[0, np.flatnonzero(found[1:] != found[:-1]) + 1, len(found)]
+    for begin, end in pairwise(edges.tolist()):
+        if found[begin] and change[begin:end].sum() <= MATTERS:
+            found[begin:end] = False
     return found
 
 

@@ -23,6 +23,7 @@ from .interpolation import Interpolant
 
 CLOSES = 1e-5  # of an entry's range: how near it must come back after a period
 NOISE, WIDEST = 1e-12, 2.0**80  # of entries that scaling ignores; of scales from their median
+CLEAR = 1e-4  # error from which on "cannot be told from the boundary" is no finding: of a multiplier, or of |A|
 FELT = 1e-12  # of the largest entry in scaled coordinates: what is less is rounding
 SKEW = 1e6  # condition of eigenvectors that are taken for coordinates
 CHUNK = 4096  # steps whose matrices are held at a time
@@ -107,6 +108,21 @@ def parts_of(A: np.ndarray) -> list[np.ndarray]:
             found.append(np.flatnonzero(both[k]))
             rest[both[k]] = False
     return found
+
+
+def unfelt(model: Any, states: Sequence[str] | None) -> tuple[str, ...]:
+    """Of the named states (None: all) those that none feels, itself neither: an offset in them stays what it is."""
+    keep, linear = kept(model, states), isinstance(model, LinearModel)
+    if linear and model.dt is not None:
+        return ()
+    pieces = [model] if linear else as_pieces(model).pieces
+    A = np.concatenate([piece.A.reshape(-1, *piece.A.shape[-2:])[:, keep][:, :, keep] for piece in pieces])
+    scale = scaling(A)
+    size = np.abs(A).max(axis=0, initial=0.0) * scale / scale[:, None]
+    names = pieces[0].state_names
+    return tuple(
+        names[k] for k, most in zip(keep, size.max(axis=0, initial=0.0)) if most <= FELT * size.max(initial=0.0)
+    )
 
 
 def scaling(A: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
+from .frozen_time import lasting
 from .state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
 
 BLOCKS = 48  # stretches of the nominal between which growth is compared
@@ -116,7 +117,7 @@ def grown(t: np.ndarray, Phi: np.ndarray, size: np.ndarray, window: float | None
         history,
         right[0] * size,
         size,
-        _crossings(start, within),
+        _crossings(start, within, length),
         compounds(Phi),
     )
 
@@ -247,9 +248,9 @@ def _cumulated(Phi: np.ndarray, *, last: bool) -> tuple[np.ndarray, np.ndarray]:
     return found, power
 
 
-def _crossings(t: np.ndarray, size: np.ndarray) -> tuple[float, ...]:
-    """Times [s] at which ln(size) changes sign, interpolated; rounding about 1 is no crossing."""
+def _crossings(t: np.ndarray, size: np.ndarray, window: float) -> tuple[float, ...]:
+    """Times [s] at which ln(size) changes sign, interpolated; what is about 1 for rounding or briefly is none."""
     logs = np.log(np.maximum(size, 1e-300))
-    above = logs > 1e-9
+    above = lasting(logs > 1e-9, np.abs(logs) * (np.gradient(t) / window if len(t) > 1 else 1.0))
     at = np.flatnonzero(above[1:] != above[:-1])
     return tuple(float(t[k] - logs[k] * (t[k + 1] - t[k]) / (logs[k + 1] - logs[k])) for k in at)

@@ -4,28 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.finite_horizon.asked import Asked, listed
+from pliant.plants.finite_horizon.horizon import FiniteHorizon, numbers
 from pliant.plants.linear.lti import LinearModel
 
 from .eigenvalue_bounds import EPS, bounds
+from .floquet import Floquet
 from .frozen_time import said_coordinates
-from .state_matrix_path import kept, scaling
+from .state_matrix_path import CLEAR, kept, scaling, unfelt
 
 METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time")
-CLEAR = 1e-4  # error from which on "cannot be told from the boundary" is no finding: of a multiplier, or of |A|
 CANCELLED = 16  # times the rounding of a term: sums of as many
 GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict(OwnsArrays):
-    """The answer, the method that gave it, and what every other method said or why it was not used."""
+    """The answer, the method that gave it, what every other method said or why it was not used, and numbers beside."""
 
-    verdict: str  # stable | unstable | marginal | undecided
+    verdict: str  # stable | unstable | marginal | drift | bounded | undecided
     method: str  # the deciding method, "" where undecided
     margin: float  # decay rate [1/s] of the slowest deviation; below zero: growth. An estimate
     critical_times: tuple[float, ...]  # [s] where frozen roots cross the axis, or windows begin or cease to grow
@@ -35,10 +38,61 @@ class Verdict(OwnsArrays):
     coordinates: str = ""  # in which the frozen-time roots were taken
     margin_bound: float = np.nan  # [1/s] guaranteed: whatever the data allow, none decays slower; NaN: none
     growth: str = "unknown"  # of GROWTH: how the deviation that lasts longest behaves
+    drifting: tuple[str, ...] = ()  # states that drift: none feels them, and the rest does not make them run away
+    asked: Asked | None = field(default=None, repr=False)  # of which `horizon` tells; None: constant, or with jumps
 
     @property
     def stable(self) -> bool:
         return self.verdict == "stable"
+
+    @cached_property
+    def horizon(self) -> FiniteHorizon | None:
+        """Numbers of the motion before it ends, found when first asked for; None where there are none: `no_horizon`."""
+        try:
+            return None if self.asked is None else numbers(self.asked)
+        except ValueError:
+            return None
+
+    @property
+    def no_horizon(self) -> str:
+        """Why there are no numbers of a motion that ends; "" where there are."""
+        if self.horizon is not None:
+            return ""
+        if self.asked is None:
+            return "no single nominal motion, or nothing that pushes or is pushed"
+        try:
+            numbers(self.asked)
+        except ValueError as refusal:
+            return str(refusal).removeprefix("finite_horizon: ")
+        return ""
+
+    @cached_property
+    def sentence(self) -> str:
+        """What an engineer would write into a report, in one sentence, with what it rests on."""
+        if self.horizon is None:
+            known = self._in_words
+            return f"{known[0].upper()}{known[1:]}: of the linear model."
+        return f"{self.horizon.words}; {self._in_words}: of the linear model along the nominal, to first order."
+
+    @property
+    def _in_words(self) -> str:
+        """The verdict and its rate in words; they say no more than was shown."""
+        decay, bound = self.margin, self.margin_bound
+        known = f", at least {bound:.3g} 1/s" if bound > 0 and decay - bound > 5e-3 * decay else ""
+        if self.verdict == "stable":
+            return f"deviations die out at {decay:.3g} 1/s{known}"
+        if self.verdict == "unstable":
+            return f"deviations grow at {-decay:.3g} 1/s"
+        drift = f"drift of {listed(self.drifting)}, which nothing else feels" if self.drifting else ""
+        if self.verdict == "marginal":
+            if self.growth == "polynomial":
+                return f"{drift or 'drift'}, like a power of time, and no exponential growth"
+            return "deviations neither die out nor grow"
+        if self.verdict == "drift":
+            return f"{drift}; {self.why.split('; ')[-1]}"
+        if self.verdict == "bounded":
+            return self.why
+        return f"whether deviations die out is not shown: {self.why.split(', ')[0]}"
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Method, role ("decides", "beside", "not used") and words: the verdict's table."""
@@ -50,7 +104,8 @@ class Verdict(OwnsArrays):
 
     def __str__(self) -> str:
         head = f"{self.verdict} by {self.method}" if self.method else self.verdict
-        lines = [f"{head}: {self.why}", *(f"  {name}, {role}: {text}" for name, role, text in self.rows())]
+        lines = [] if self.asked is None else [self.sentence]
+        lines += [f"{head}: {self.why}", *(f"  {name}, {role}: {text}" for name, role, text in self.rows())]
         if self.critical_times:
             lines.append("  critical times [s]: " + ", ".join(f"{t:.4g}" for t in self.critical_times[:12]))
         return "\n".join(lines)
@@ -58,10 +113,13 @@ class Verdict(OwnsArrays):
     def to_json(self) -> dict[str, Any]:
         return {
             "verdict": self.verdict,
+            "sentence": self.sentence,
             "method": self.method,
             "margin": self.margin if np.isfinite(self.margin) else None,
             "margin_bound": self.margin_bound if np.isfinite(self.margin_bound) else None,
             "growth": self.growth,
+            "drifting": list(self.drifting),
+            "horizon": None if self.horizon is None else self.horizon.to_json(),
             "critical_times": list(self.critical_times),
             "why": self.why,
             "reasons": dict(self.reasons),
@@ -117,7 +175,90 @@ def of_constant(
     said, decided = coordinates or said_coordinates(model, states), "" if verdict == "undecided" else "eigenvalues"
     if not decided:
         reasons["eigenvalues"] = words
-    return Verdict(verdict, decided, 0.0 - found, (), words, reasons, evidence, said, -rate(b.most), kind)
+    drifting = unfelt(model, states) if kind == "polynomial" else ()
+    return Verdict(verdict, decided, 0.0 - found, (), words, reasons, evidence, said, -rate(b.most), kind, drifting)
+
+
+def of_periodic(
+    cycle_of: Any, states: Sequence[str] | None, cycle: Floquet, evidence: dict[str, Any], said: dict[str, str]
+) -> Verdict:
+    """The verdict of Floquet's multipliers."""
+    sizes, verdict = np.abs(cycle.multipliers), cycle.verdict
+    margin = 0.0 if verdict == "marginal" else -cycle.growth
+    near = cycle.on_circle
+    error = float(cycle.error[near].max(initial=0.0))
+    power = degree(cycle.monodromy, cycle.multipliers, cycle.error, near) if verdict == "marginal" else 0
+    words = {
+        "stable": f"the largest multiplier is {sizes.max(initial=0.0):.6g}, at most {cycle.most:.6g}; the slowest mode "
+        f"decays at {margin:.4g} 1/s",
+        "unstable": f"{int(cycle.outside.sum())} multipliers outside the unit circle, the largest "
+        f"{sizes.max(initial=0.0):.6g}, at least {cycle.least:.6g}",
+        "marginal": f"{int(near.sum())} of {len(sizes)} multipliers on the unit circle, none outside; not to be told "
+        f"from it to within {error:.2g}",
+        "undecided": f"the largest multiplier, {sizes.max(initial=0.0):.6g}, is known to "
+        f"{cycle.error[sizes.argmax()]:.2g} only: more nodes in a period would help",
+    }
+    if power:
+        words["marginal"] += f"; they share directions: deviations may grow like t^{power}, no exponential is shown"
+    kinds = {"stable": "decays", "unstable": "exponential", "marginal": "polynomial" if power else "bounded"}
+    decided = "" if verdict == "undecided" else "floquet"
+    why = f"{words[verdict]}; period {cycle.period:.6g} s ({cycle.source})"
+    bound = -cycle.growth_bound
+    kind = kinds.get(verdict, "unknown")
+    drifting = unfelt(cycle_of, states) if kind == "polynomial" else ()
+    return made(verdict, decided, margin, why, evidence, said, bound, kind, drifting)
+
+
+def made(
+    verdict: str,
+    method: str,
+    margin: float,
+    why: str,
+    evidence: dict[str, Any],
+    said: dict[str, str],
+    bound: float = np.nan,
+    kind: str = "unknown",
+    drifting: tuple[str, ...] = (),
+) -> Verdict:
+    """The verdict on a model that varies, with what every method said."""
+    frozen: Any = evidence.get("frozen_time")
+    slow: Any = evidence.get("slow_variation")
+    reasons = dict(said)
+    if frozen is not None:
+        allowed = "slow variation allows it" if slow else "not to be believed: slow variation does not allow it"
+        rate = float(frozen.rightmost.max())
+        reasons["frozen_time"] = (
+            f"suggests {frozen.suggests} (rightmost {rate:.4g} 1/s, in {frozen.coordinates}); {allowed}"
+        )
+    for name in ("slow_variation", "lyapunov"):
+        if name in evidence:
+            reasons[name] = evidence[name].why
+    if "growth" in evidence:
+        found: Any = evidence["growth"]
+        reasons["growth"] = (
+            f"deviations change by a factor of up to {found.total:.4g}, "
+            f"within {found.window:.3g} s of up to {found.windows.max():.4g}, as computed"
+        )
+    for name in METHODS:
+        reasons.setdefault(name, f"not needed: {method} decides" if method else "does not apply")
+    reasons.pop(method, None)
+    times: tuple[float, ...] = frozen.critical_times if frozen is not None else ()
+    if "growth" in evidence:
+        times += evidence["growth"].critical_times
+    said_in = frozen.coordinates if frozen is not None else ""
+    return Verdict(
+        verdict,
+        method,
+        float(margin),
+        tuple(sorted(times)),
+        why,
+        reasons,
+        evidence,
+        said_in,
+        float(bound),
+        kind,
+        drifting,
+    )
 
 
 def rounding(A: np.ndarray) -> np.ndarray:

@@ -1,7 +1,8 @@
-"""`pliant stability SCENE`: the verdict along a scene's nominal motion."""
+"""`pliant stability SCENE`: the answer along a scene's nominal motion, its numbers, its picture."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -27,17 +28,21 @@ def stability(
     plot: Picture = None,
     as_json: AsJson = False,
 ) -> None:
-    """Say whether deviations from a scene's nominal motion grow, by which method, and where no method can tell."""
+    """Say how far disturbances push a scene's nominal motion, and whether deviations from it die out or grow.
+
+    The picture goes to SCENE-stability.png where --plot names no other.
+    """
     chosen = with_settings(scene, settings or [])
     period = None if period is None else require_seconds("--period", period, LEAST)
     window = None if window is None else require_seconds("--window", window, LEAST)
-    drawable(plot)
+    picture = plot or (None if as_json else Path(f"{chosen.name}-stability.png"))
+    drawable(picture)
     options = {"period": period, "periodic": None if repeated else False, "window": window}
     with bar(f"stability {chosen.name}") as tell:
         found, model = verdict_of(chosen, progress=tell, **options)
     out, goal = left_out(chosen.plant, model), verdict_at_goal(chosen)
-    if plot is not None:
-        save(evidence(found, title=chosen.name), plot)
+    if picture is not None:
+        save(evidence(found, title=chosen.name), picture)
     if as_json:
         told = {"scene": chosen.name, "plant": chosen.plant.label, "left_out": list(out)}
         print_json({**told, **found.to_json(), "at_the_goal": None if goal is None else goal.to_json()})
@@ -48,6 +53,15 @@ def stability(
     if found.critical_times:
         caption += "; critical times " + ", ".join(f"{t:.3g}" for t in found.critical_times[:10]) + " s"
     head = f"{chosen.name}: {found.verdict}" + (f" by {found.method}" if found.method else "")
+    say(found.sentence)
+    if found.horizon is None:
+        say(f"No numbers of the motion: {found.no_horizon}.")
+    else:
+        names = ", ".join(found.horizon.limits)
+        columns = ("output", "unit energy", "attained", found.horizon.limits_said, "attained", "at")
+        show(f"{chosen.name}: how far it is pushed", columns, found.horizon.rows(), caption=f"bounds, by {names}")
     show(head, ("method", "role", "what it says"), found.rows(), caption=caption)
     if goal is not None:
         say(f"About the goal alone, which is an equilibrium: {goal.verdict}; {goal.why}.")
+    if picture is not None:
+        say(f"Picture: {picture}")

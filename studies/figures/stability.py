@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from pliant.plants.finite_horizon import FiniteHorizon
+from pliant.plants.finite_horizon.asked import listed
 from pliant.plants.stability import Floquet, FrozenTime, Growth, Verdict
 
 from .linear_models import ROUNDED, plain_labels
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 
 FILL = {
     "stable": "#bfe3d0",
+    "bounded": "#d5e6f5",
+    "drift": "#e6d9f0",
     "marginal": "#f3e3a8",
     "undecided": "#dcdfe4",
     "unstable": "#f0b6b6",
@@ -40,7 +44,7 @@ class VerdictMap(Protocol):
 
 @styled
 def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3) -> Figure:
-    """Frozen roots over time, the growth curve with its windows, and the multipliers of a periodic model.
+    """How far an output is pushed, how much deviations grow, frozen roots, and multipliers of a periodic model.
 
     Each panel `height` [in] high.
     """
@@ -49,10 +53,12 @@ def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3)
     cycle: Floquet | None = verdict.evidence.get("floquet")
     roots = verdict.evidence.get("eigenvalues")
     drawers: list[tuple[Any, Any]] = []
-    if frozen is not None and len(frozen.t) > 1:
-        drawers += [(_frequencies, frozen), (_real_parts, frozen)]
+    if verdict.horizon is not None:
+        drawers.append((_tube, verdict.horizon))
     if grown is not None:
         drawers.append((_growth, grown))
+    if frozen is not None and len(frozen.t) > 1:
+        drawers += [(_real_parts, frozen), (_frequencies, frozen)]
     if cycle is not None:
         drawers.append((_multipliers, cycle))
     if not drawers:
@@ -61,11 +67,28 @@ def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3)
     for ax, (draw, result) in zip(axes, drawers):
         draw(ax, result)
         if draw in (_frequencies, _real_parts, _growth):
-            for time in verdict.critical_times[:40]:
+            for time in verdict.critical_times:
                 ax.axvline(time, color=COLOURS[1], ls=":", lw=1.0)
-    head = f"{verdict.verdict} by {verdict.method}" if verdict.method else verdict.verdict
+    head = verdict.verdict + (f" of {listed(verdict.drifting[:3])}" if verdict.drifting else "")
     axes[0].set_title(f"{title}: {head}")
     return figure
+
+
+def _tube(ax: Axes, horizon: FiniteHorizon) -> None:
+    """How far the output that is pushed furthest can be off its nominal at each time."""
+    worst = horizon.furthest
+    low, high = horizon.tube[worst.name].T
+    reach = (high - low) / 2
+    times, unit = (
+        (1e3, "mm") if worst.unit == "m" and reach.max() < 0.1 else (1.0, "" if worst.unit == "1" else worst.unit)
+    )
+    limits = horizon.limits_said
+    ax.fill_between(horizon.t_tube, -times * reach, times * reach, color=COLOURS[0], alpha=0.25, lw=0, label=limits)
+    for side in (-1, 1):
+        label = "of unit energy" if side > 0 else None
+        ax.plot(horizon.t, side * times * horizon.by_energy[worst.name], color=COLOURS[1], lw=1.2, label=label)
+    ax.set_ylabel(f"{worst.name}\noff its nominal" + (f" [{unit}]" if unit else ""))
+    ax.legend(loc="upper left", title=", ".join(s.name for s in horizon.disturbances), title_fontsize=7)
 
 
 def _frequencies(ax: Axes, frozen: FrozenTime) -> None:

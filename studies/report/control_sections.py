@@ -22,9 +22,7 @@ def verdict(found: Findings) -> str:
     told = found.judgement.found
     if told is None:
         return f"There is no stability verdict along the motion: {found.judgement.reason}."
-    if not told.method:
-        return f"Stability along the motion is undecided: {told.why}."
-    return f"Along the motion the plant is {told.verdict} ({_words(told.method)}): {told.why}."
+    return told.sentence
 
 
 def contest(found: Findings) -> str:
@@ -44,7 +42,8 @@ def stability(found: Findings) -> str:
     about = "along the goal's own steady motion" if found.scene.goal_rates else "along the open-loop motion"
     text = paragraph(
         f"Whether deviations from the motion grow: judged on the linear time-varying model {about}, without control. "
-        "Frozen-time eigenvalues alone decide nothing; where no method can tell, the verdict is undecided."
+        "Frozen-time eigenvalues alone decide nothing; where no method can tell, the verdict is undecided; how far "
+        "disturbances push the motion is told all the same."
         + (f" The same as `pliant stability {found.scene.name}`." if is_by_name(found.scene) else "")
     )
     rows: list[tuple[str, Any]] = []
@@ -53,6 +52,8 @@ def stability(found: Findings) -> str:
     else:
         rows += [("verdict", told.verdict), ("decided by", _words(told.method) if told.method else "no method")]
         rows.append(("margin", f"{number(told.margin)} 1/s; below zero, deviations grow on average"))
+        if told.horizon is None:
+            rows.append(("numbers of the motion", f"none: {told.no_horizon}"))
         times = ", ".join(number(t) for t in told.critical_times[:SHOWN])
         more = len(told.critical_times) - SHOWN
         rows.append(("critical times", f"{times} s{f' and {more} more' if more > 0 else ''}" if times else "none"))
@@ -64,6 +65,10 @@ def stability(found: Findings) -> str:
         rows.append(("about the goal alone", f"{goal.verdict}: {goal.why}"))
     if rows:
         text += table(("what", "answer"), rows)
+    if told is not None and told.horizon is not None:
+        pushed = f"How far {', '.join(told.horizon.limits)} push, of unit energy and within limits: bounds."
+        columns = ("output", "unit energy", "attained", told.horizon.limits_said, "attained", "at")
+        text += paragraph(pushed) + table(columns, told.horizon.rows())
     if told is not None:
         marked = [i for i, (_, role, _) in enumerate(told.rows()) if role == "decides"]
         methods = [(_words(name), role, words) for name, role, words in told.rows()]

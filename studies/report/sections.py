@@ -70,9 +70,9 @@ def _sentence(text: str) -> str:
 def _answer(found: Findings) -> str:
     return "".join(
         (
+            told(found, "Stability in words", lambda: paragraph(control_sections.verdict(found))),
             told(found, "The smallest model in words", lambda: paragraph(found.choice.text)),
             told(found, "The scene's own plant against physics", lambda: _own_error(found)),
-            told(found, "Stability in words", lambda: paragraph(control_sections.verdict(found))),
             told(found, "Closed loop in words", lambda: _regulated(found)),
         )
     )

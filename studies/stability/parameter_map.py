@@ -40,7 +40,7 @@ from pliant.studies.figures.stability import chart
 
 __all__ = ["ModeCount", "ModesNeeded", "StabilityMap", "map_stability", "modes_needed"]
 
-KINDS = ("stable", "marginal", "undecided", "unstable", "failed")
+KINDS = ("stable", "bounded", "drift", "marginal", "undecided", "unstable", "failed")
 TASKS = 64  # portions that the grid is cut into, where it has that many points
 
 Builder = Callable[..., Any]  # build(first, second) -> LinearModel, LTVModel or PiecewiseLTV

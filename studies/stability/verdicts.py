@@ -40,8 +40,8 @@ def model_along(scene: Scene, tell: Progress) -> LTVModel:
 
 
 def verdict_along(scene: Scene, model: LTVModel, **options: Any) -> Verdict:
-    """`assess` of that model, told what has no part in its stability."""
-    return assess(model, **_parts(scene.plant, model), **options)
+    """`assess` of that model, told what has no part in its stability and which outputs the scene compares."""
+    return assess(model, **{"outputs": scene.compare, **_parts(scene.plant, model), **options})
 
 
 def verdict_at_goal(scene: Scene) -> Verdict | None:

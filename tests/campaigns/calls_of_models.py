@@ -113,6 +113,26 @@ def stability_calls() -> list[Call]:
             compare=False,
         ),
         Call(
+            "stability.assess.numbers",
+            lambda **k: stability.assess(LTV, thorough=False, **k).verdict,
+            {"outputs": Names(("x1", "x2"), none=True), "disturbances": Names(("u1",), none=True)}
+            | {"scale": ByName({"x1": 0.5}, low=0.0, open=True, none=True)}
+            | {"limits": ByName({"u1": 0.5}, low=0.0, open=True, none=True)},
+            {"outputs": ("x1",), "disturbances": ("u1",)},
+            compare=False,
+        ),
+        Call(
+            "stability.pointing_budget",
+            stability.pointing_budget,
+            model
+            | {"outputs": Names(("x1", "x2")), "window": Number(0.25, **POSITIVE)}
+            | {"noise": ByName({"u1": 0.5}, low=0.0, none=True), "start": ByName({"x1": 0.5}, low=0.0, none=True)}
+            | {"limits": ByName({"u1": 0.5}, low=0.0, none=True)}
+            | {"confidence": Number(0.5, **POSITIVE)},
+            {"noise": {"u1": 0.5}},
+            compare=False,
+        ),
+        Call(
             "FiniteHorizon.deviation",
             stability.finite_horizon(LTV, disturbances=["u1"]).deviation,
             {"intensity": ByName({"u1": 0.5}, low=0.0), "start": ByName({"x1": 0.5}, low=0.0, none=True)},

@@ -59,7 +59,7 @@ def judged(s: System, v: Verdict) -> dict[str, Any]:
         "wrong": bool(wrong),
         "short": float(short),
         "stands": bool(stands),
-        "open": v.verdict in ("undecided", "marginal"),
+        "open": v.verdict in ("undecided", "marginal", "drift", "bounded"),
         "rim": float(rim),
         "true": float(true),
         "told": float(told),

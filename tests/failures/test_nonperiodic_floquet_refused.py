@@ -46,11 +46,12 @@ def test_growth_decides_where_it_can():
     assert braked.verdict == "stable" and braked.method in ("slow_variation", "lyapunov", "growth")
 
 
-def test_undecided_with_a_reason_where_nothing_can():
+def test_over_its_time_it_is_bounded_where_nothing_else_is_shown():
     verdict = assess(swept(1.0, 0.01, damping=0.001))
-    assert (verdict.verdict, verdict.method) == ("undecided", "")
-    assert "neither below 1 nor above 10" in verdict.why
-    assert set(verdict.reasons) == {"eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time"}
+    assert (verdict.verdict, verdict.method) == ("bounded", "growth")
+    most = np.exp(-verdict.margin_bound * 20.0)
+    assert verdict.evidence["growth"].total <= most < 10 and f"at most {most:.3g} times as large" in verdict.why
+    assert set(verdict.reasons) == {"eigenvalues", "floquet", "slow_variation", "lyapunov", "frozen_time"}
     assert all(verdict.reasons.values())
 
 
@@ -80,7 +81,8 @@ def test_free_drift_is_not_taken_for_instability():
     A = np.zeros((401, 2, 2))
     A[:, 0, 1] = 1.0 + 0.1 * np.tanh((t - 50.0) / 20.0)
     verdict = assess(with_nominal(t, A, np.zeros((401, 2))), periodic=False)
-    assert verdict.verdict == "undecided" and "as free drift does" in verdict.why
+    assert (verdict.verdict, verdict.drifting, verdict.growth) == ("drift", ("angle",), "polynomial")
+    assert verdict.sentence.startswith("Drift of angle, which nothing else feels")
     assert verdict.evidence["growth"].total > 50
 
 
