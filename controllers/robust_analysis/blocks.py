@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +47,7 @@ def require_blocks(owner: str, blocks: Sequence[Block], rows: int) -> tuple[Bloc
 def places(blocks: Sequence[Block]) -> list[slice]:
     """Rows of each."""
     ends = np.cumsum([0, *(b.size for b in blocks)])
-    return [slice(int(a), int(b)) for a, b in zip(ends, ends[1:])]
+    return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
 class Structure(NamedTuple):

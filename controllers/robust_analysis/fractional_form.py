@@ -1,16 +1,17 @@
 """A state matrix that depends on parameters, as a linear system with the parameters fed back.
 
-    dx/dt or x[k+1] = A x + B w,   v = C x + D w,   w = Delta v,   Delta = diag(delta_1 I, .., delta_k I, E)
+    dx/dt or x[k+1] = A x + B w,   v = C x + D w,   w = Delta v,   Delta = diag(delta_1 I, .., delta_k I)
 
-delta_i, real, in [-1, 1] from one end of a parameter's interval to the other; E a full block of norm one for what the
-form lacks. The state matrix is A + B Delta (I - D Delta)^-1 C.
+delta_i, real, in [-1, 1] from one end of a parameter's interval to the other. The state matrix is
+A + B Delta (I - D Delta)^-1 C.
 
 `fitted` takes any smooth A(delta): a polynomial of total degree two by least squares on a grid,
 
     A(delta) = A_0 + sum_i delta_i (A_i + sum_(j >= i) delta_j A_ij),
 
-with A_i + .. of the least ranks to rounding. What is left is measured at other points, corners among them, and covered
-by E with `SAFETY` times what was measured: no more than that is known of it.
+with A_i + .. of the least ranks; with a mass matrix E(delta) both E and E A are such polynomials, and A is exact where
+the equations of motion are. What the form lacks is measured at other points, corners among
+them: `left`, which what is shown of the form neglects.
 """
 
 from __future__ import annotations
@@ -30,9 +31,7 @@ GRID = (-1.0, -0.5, 0.0, 0.5, 1.0)
 MOST_GRID = 3  # parameters with a full grid
 POINTS, CHECKED = 150, 150
 CORNERS = 6  # parameters of which all corners are looked at
-RANK = 1e-7  # relative singular values that count
-SAFETY = 1.3
-NOTHING = 1e-9  # of |A|: what is left that needs no cover
+RANK = 1e-3  # singular values that count, beside the largest element of the state matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +44,7 @@ class FractionalForm(OwnsArrays):
     D: Array = field(repr=False)
     blocks: tuple[Block, ...]
     dt: float | None = None
-    left: float = 0.0  # largest |what the form lacks| / |A| that was measured: covered by the last block
+    left: float = 0.0  # largest |what the form lacks| / |A| that was measured
 
     def at(self, delta: Array) -> Array:
         """The state matrix (n, n) with real blocks of delta (k,), other blocks at zero."""
@@ -57,27 +56,34 @@ class FractionalForm(OwnsArrays):
         return np.asarray(self.A + self.B @ w)
 
 
-def fitted(state_matrix: Callable[[Array], Array], count: int, dt: float | None = None) -> FractionalForm:
-    """The form of a function of delta (count,) in [-1, 1]."""
+def fitted(
+    state_matrix: Callable[[Array], Array],
+    count: int,
+    dt: float | None = None,
+    mass: Callable[[Array], Array] | None = None,
+) -> FractionalForm:
+    """The form of a function of delta (count,) in [-1, 1].
+
+    mass: E(delta) (n, n) by which E(delta) A(delta) is a polynomial too, as a mass matrix makes it.
+    """
     points, checked = _points(count)
     values = np.array([state_matrix(d) for d in points])
     n = values.shape[-1]
+    weights = np.array([np.eye(n) if mass is None else mass(d) for d in points])
     unit = _units(values)
-    values = values * unit / unit[:, None]
+    values, weights = values * unit / unit[:, None], weights * unit / unit[:, None]
+    inverse = np.linalg.inv(weights[np.abs(points).sum(axis=1).argmin()])
+    weights = inverse @ weights  # the identity in the middle
     pairs = list(combinations_with_replacement(range(count), 2))
-    columns = np.column_stack(
-        [np.ones(len(points)), points, *(points[:, i] * points[:, j] for i, j in pairs)]
-    )
-    found = np.linalg.lstsq(columns, values.reshape(len(points), -1), rcond=None)[0].reshape(-1, n, n)
-    A, first, second = found[0], found[1 : count + 1], dict(zip(pairs, found[count + 1 :]))
-    form = _realised(A, first, second, dt)
+    columns = np.column_stack([np.ones(len(points)), points, *(points[:, i] * points[:, j] for i, j in pairs)])
+    both = np.concatenate([weights @ values, -weights], axis=-1)
+    found = np.linalg.lstsq(columns, both.reshape(len(points), -1), rcond=None)[0].reshape(-1, n, 2 * n)
+    form = _realised(found[0], found[1 : count + 1], dict(zip(pairs, found[count + 1 :])), dt)
     truth = np.array([state_matrix(d) for d in checked]) * unit / unit[:, None]
     lacks = truth - np.array([form.at(d) for d in checked])
-    size, left = np.linalg.norm(A, 2), float(np.linalg.norm(lacks, 2, axis=(1, 2)).max())
-    if left > NOTHING * size:
-        form = _covered(form, lacks)
+    left = float(np.linalg.norm(lacks, 2, axis=(1, 2)).max() / np.linalg.norm(form.A, 2))
     return FractionalForm(
-        form.A * unit[:, None] / unit, form.B * unit[:, None], form.C / unit, form.D, form.blocks, dt, left / size
+        form.A * unit[:, None] / unit, form.B * unit[:, None], form.C / unit, form.D, form.blocks, dt, left
     )
 
 
@@ -101,46 +107,38 @@ def _points(count: int) -> tuple[Array, Array]:
     return fit, np.vstack([rng.uniform(-1, 1, (CHECKED, count)), edges, corners])
 
 
-def _realised(A: Array, first: Array, second: dict[tuple[int, int], Array], dt: float | None) -> FractionalForm:
-    """v_i = R_i x + sum_j P_ij s_j, w_i = delta_i v_i entering by U_i; s_j = delta_j Q_j x."""
-    k, n, size = len(first), len(A), float(np.linalg.norm(A, 2))
-    U = [_range(np.hstack([first[i], *(second[i, j] for j in range(i, k))]), size) for i in range(k)]
+def _realised(both: Array, first: Array, second: dict[tuple[int, int], Array], dt: float | None) -> FractionalForm:
+    """0 = [E A, -E] [x; z] for the rate (or next state) z: of the form both + sum_i delta_i (first_i + ..).
+
+    v_i = R_i [x; z] + sum_j P_ij s_j, w_i = delta_i v_i entering by U_i; s_j = delta_j Q_j [x; z].
+    """
+    k, n = len(first), len(both)
+    size = np.abs(both[:, n:]).max(), np.abs(both[:, :n]).max()
+    even = np.concatenate([np.full(n, 1 / size[1]), np.full(n, 1 / size[0])])  # x and z in units that count alike
+    U = [
+        _range(np.hstack([first[i], *(second[i, j] for j in range(i, k))]) * np.tile(even, k - i + 1)) for i in range(k)
+    ]
     inner = [np.vstack([U[i].T @ second[i, j] for i in range(j + 1)]) for j in range(k)]
-    Q = [_range(stack.T, size).T for stack in inner]
+    Q = [_range((stack * even).T).T / even for stack in inner]
     ranks, more = [u.shape[1] for u in U], [len(q) for q in Q]
     starts = np.cumsum([0, *(r + s for r, s in zip(ranks, more))])
     m = int(starts[-1])
-    B, C, D = np.zeros((n, m)), np.zeros((m, n)), np.zeros((m, m))
+    B, C, D = np.zeros((n, m)), np.zeros((m, 2 * n)), np.zeros((m, m))
     for i in range(k):
+        if not ranks[i] + more[i]:
+            raise ValueError("fitted: a parameter has no effect on the loop")
         own = slice(starts[i], starts[i] + ranks[i])
         B[:, own], C[own] = U[i], U[i].T @ first[i]
         C[own.stop : starts[i + 1]] = Q[i]
         for j in range(i, k):
-            D[own, starts[j] + ranks[j] : starts[j + 1]] = U[i].T @ second[i, j] @ Q[j].T
-    kept = [i for i in range(k) if ranks[i] + more[i]]
-    if len(kept) < k:
-        raise ValueError("fitted: a parameter has no effect on the loop")
-    return FractionalForm(A, B, C, D, tuple(Block("real", ranks[i] + more[i]) for i in kept), dt)
+            D[own, starts[j] + ranks[j] : starts[j + 1]] = U[i].T @ second[i, j] @ np.linalg.pinv(Q[j])
+    E = -both[:, n:]
+    A, B = np.linalg.solve(E, both[:, :n]), np.linalg.solve(E, B)
+    blocks = tuple(Block("real", r + s) for r, s in zip(ranks, more))
+    return FractionalForm(A, B, C[:, :n] + C[:, n:] @ A, D + C[:, n:] @ B, blocks, dt)
 
 
-def _range(columns: Array, size: float) -> Array:
-    """An orthonormal basis of what the columns span."""
+def _range(columns: Array) -> Array:
+    """An orthonormal basis of what columns, of size one beside the state matrix, span."""
     left, values, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(left[:, values > RANK * size])
-
-
-def _covered(form: FractionalForm, lacks: Array) -> FractionalForm:
-    """With a full block E of norm one: left E right takes in all that was measured."""
-    n, most = len(form.A), np.abs(lacks).max(axis=0)
-    floor = 1e-6 * most.max()
-    row, column = np.ones(n), np.ones(n)
-    for _ in range(20):
-        row = np.sqrt(row * np.maximum((most / column).max(axis=1), floor))
-        column = np.sqrt(column * np.maximum((most / row[:, None]).max(axis=0), floor))
-    norm = np.linalg.norm(lacks / row[:, None] / column, 2, axis=(1, 2)).max()
-    row = row * SAFETY * norm
-    m = len(form.D)
-    D = np.zeros((m + n, m + n))
-    D[:m, :m] = form.D
-    B, C = np.hstack([form.B, np.diag(row)]), np.vstack([form.C, np.diag(column)])
-    return FractionalForm(form.A, B, C, D, (*form.blocks, Block("full", n)), form.dt)
+    return np.asarray(left[:, values > RANK])

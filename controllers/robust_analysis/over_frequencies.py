@@ -4,9 +4,9 @@ Scalings D, G found at one frequency hold as far around it as
 
     F(omega) = beta^2 D - M* D M - j (G M - M* G)
 
-stays positive definite: up to where j omega is an eigenvalue of a Hamiltonian matrix (as in Ferreres, Magni and Biannic
-2003). One frequency after the other is taken in the middle of what is not yet covered; where scalings show no less, beta
-is raised to what they show. A sampled system is mapped to a continuous one of the same gains.
+stays positive definite: up to where j omega is an eigenvalue of a Hamiltonian matrix (as in Ferreres, Magni and
+Biannic 2003). One frequency after the other is taken in the middle of what is not yet covered; where scalings show no
+less, beta is raised to what they show. A sampled system is mapped to a continuous one of the same gains.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ ABOVE = 1.002  # times what scalings show: the bound that is raised to
 ENOUGH = 0.999  # of the bound: scalings that are not improved further
 ON_AXIS = 1e-7  # |real part| over the eigenvalue's modulus that may be rounding
 MOST = 400  # frequencies
-NARROW = 1e-5  # relative width of a gap over which beta is raised until scalings hold: a real bound may jump there
-RAISED = 1.02
+NARROW = 1e-6  # relative width of a gap over which beta is raised until scalings hold: a real bound may jump there
+RAISED = 1.005
+WELL = 0.98  # of the bound: scalings that hold over such a gap
 
 
 class Bound(NamedTuple):
@@ -66,7 +67,7 @@ def bound(form: FractionalForm, least: float = 0.0, most: float = np.inf) -> Bou
         covered = _holds(A, B, C, D, found, beta, omega)
         while high > 0 and high - low <= NARROW * high and not (covered[0] <= low and high <= covered[1]):
             beta, where = beta * RAISED, omega
-            found = upper(gain(omega), of, None, ENOUGH * beta)
+            found = upper(gain(omega), of, None, WELL * beta)
             covered = _holds(A, B, C, D, found, beta, omega)
             if beta > most:
                 break

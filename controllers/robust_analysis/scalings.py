@@ -62,7 +62,6 @@ def upper(M: Array, of: Structure, start: Scalings | None = None, enough: float 
     M = M * unit[:, None] / unit
     size = float(np.linalg.norm(M, 2))
     M = M / size
-    k = len(of.D)
     moved = np.concatenate([M.conj().T @ of.D @ M, 1j * (of.G @ M - M.conj().T @ of.G)])
     x = _coordinates(of, start, unit, size)
     D, G = _combined(of, x)
