@@ -35,7 +35,7 @@ from .over_frequencies import bound
 
 Array = np.ndarray
 MOST = 8  # boxes that are looked at
-KEPT = 0.95  # of a value, that it may fall by where more boxes would take it past zero
+KEPT = 0.95  # of a value, that it may fall by where boxes larger than the given one would take it past zero
 SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3, 0.15, 0.05)  # of the nearest instability: boxes that are tried
 
 
@@ -128,7 +128,7 @@ def over_box(
     size = np.abs(middle)
     with np.errstate(divide="ignore"):
         reach = np.where(size > 0, KEPT * size / half, np.inf)
-    most = float(min(MOST, reach.min()))
+    most = float(min(MOST, max(1.0, reach.min())))
     if (rate := growth(state_matrix(np.zeros(len(names))), dt)) >= 0:
         raise PliantError(f"the loop is not stable in the middle of the box: it grows by {rate:.4g} 1/s")
     found = nearest(state_matrix, len(names), dt, most)
