@@ -27,6 +27,8 @@ from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.nmpc.nmpc import NMPC
 from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
+from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
+from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
 from pliant.plants.core import imports
 
 __all__ = [
@@ -47,9 +49,12 @@ __all__ = [
     "Objective",
     "Policy",
     "Predictive",
+    "RobustGain",
+    "RobustStability",
     "Sensor",
     "Shaper",
     "Spillover",
+    "UncertainLTV",
     "arrays_of",
     "delayed",
     "export_arrays",
@@ -59,9 +64,12 @@ __all__ = [
     "margins",
     "notch",
     "optimal",
+    "over_box",
     "plan",
     "riccati",
     "rl",
+    "robust_gain",
+    "robust_stability",
     "roll_off",
     "sensors",
     "sensors_of",

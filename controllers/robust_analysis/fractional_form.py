@@ -22,6 +22,7 @@ from itertools import combinations_with_replacement, product
 
 import numpy as np
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import OwnsArrays
 
 from .blocks import Block
@@ -88,8 +89,6 @@ def fitted(
 
 
 def _units(values: Array) -> Array:
-    from pliant.plants.core.imports import linalg
-
     _, (scale, _) = linalg.matrix_balance(np.abs(values).max(axis=0), permute=False, separate=True)
     return np.asarray(scale)
 

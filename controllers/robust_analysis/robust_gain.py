@@ -8,8 +8,8 @@ negative (a hard integral quadratic constraint), so that the gain is bounded whe
 
     -dP/dt = A'P + P A + Q - (P B + S) R^-1 (P B + S)',   P(T) = G'G,
 
-of the system with its filters has a solution back to the start; Q, S, R: (psi v)' X (psi v) - (psi w / size)' X (psi w / size)
-- gain^2 d'd. Any X bounds; the least gain over X is looked for by Nelder and Mead's method.
+of the system with its filters has a solution back to the start; Q, S, R are of (psi v)' X (psi v) less
+(psi w / size)' X (psi w / size) and gain^2 d'd. Any X bounds; the least gain is looked for by Nelder and Mead's method.
 
 Source   Seiler, Moore, Meissen, Arcak and Packard, "Finite horizon robustness analysis of LTV systems using integral
          quadratic constraints", Automatica 100 (2019), theorem 2, with the factorisation of its example 2

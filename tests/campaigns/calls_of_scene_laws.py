@@ -29,6 +29,8 @@ from pliant.controllers import (
 from pliant.controllers.analysis.linear_laws import LinearLaw, linearised
 from pliant.controllers.analysis.loops import closed_loop, closed_loops
 from pliant.controllers.analysis.margins import disk_gain, disk_phase_deg
+from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, robust_gain, shows
+from pliant.controllers.robust_analysis.robust_stability import over_box
 from pliant.controllers.analysis.spillover import case_of, crossover_hz, growth
 from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.controllers.estimation.process_noise import process_noise
@@ -91,6 +93,7 @@ def loop_calls() -> list[Call]:
     more = {"at": ByName({"hub_angle": 0.5}, none=True), "reserve": Number(1.25, low=1.0)}
     spill = LQR.for_plant(ARM, np.zeros(2), np.zeros(1), np.eye(2), np.eye(1))
     return [
+        *robust_calls(),
         Call("LinearLaw", LinearLaw, own | reads),
         Call(
             "linearised",
@@ -113,6 +116,31 @@ def loop_calls() -> list[Call]:
             spillover,
             {"redesign": Function(lambda f: spill, none=True)},
             {"controller": spill, "plants": [ARM], "at": {"hub_angle": 0.0}},
+        ),
+    ]
+
+
+def robust_calls() -> list[Call]:
+    """Of boxes of parameters and of uncertain blocks."""
+    one, t = np.ones((5, 1, 1)), np.linspace(0.0, 1.0, 5)
+    fields = {n: Array(v) for n, v in {"t": t, "A": -one, "B": one, "E": one, "C": one, "D": 0 * one}.items()}
+    along = UncertainLTV(t, -one, one, one, one, 0 * one, 0 * one, np.ones((1, 1)))
+    sizes = {"size": Number(0.5, **POSITIVE), "pole": Number(2.0, **POSITIVE)}
+    return [
+        Call(
+            "over_box",
+            lambda **k: over_box(**k).stable_to,
+            {"dt": Number(0.5, none=True, **POSITIVE)},
+            {"state_matrix": lambda d: np.array([[-0.5 + d[0] / 4]]), "box": {"a": (1.0, 2.0)}},
+            compare=False,
+        ),
+        Call("UncertainLTV", UncertainLTV, fields, {"F": 0 * one, "G": np.ones((1, 1))}),
+        Call("robust_gain", robust_gain, {"system": Object(along)} | sizes, compare=False),
+        Call(
+            "robust_gain.shows",
+            shows,
+            {"system": Object(along), "gain": Number(8.0, **POSITIVE), "multiplier": Array(np.eye(2), wrong=False)}
+            | sizes,
         ),
     ]
 
