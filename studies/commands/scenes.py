@@ -18,13 +18,28 @@ from pliant.plants.files.atomic_files import write_text
 from pliant.plants.tables.plant_types import named
 from pliant.studies.common.formatting import measured
 from pliant.studies.report.json_tables import scene_table
+from pliant.studies.scene_pages import tables
 
-from .console import complain, listed, print_json
+from .console import complain, listed, print_json, say, show
 from .options import AsJson, Settings
 
 
-def scenes(as_json: AsJson = False) -> None:
-    """List the scenes: shipped, registered by files that --with imports, and of installed packages."""
+def scenes(
+    name: Annotated[
+        str | None, typer.Argument(help="One scene, or its file: print its page.", show_default=False)
+    ] = None,
+    settings: Settings = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the scenes: shipped, registered by files that --with imports, of installed packages; or print one's page.
+
+    A page says what is observed, moved, priced, bounded and drawn, with units.
+    """
+    if name is not None:
+        _page(with_settings(name, settings or []), as_json)
+        return
+    if settings:
+        raise ValueError("scenes: --set must follow a scene's name or file")
     found, refused = [], []
     for name in known.names():
         try:
@@ -37,6 +52,18 @@ def scenes(as_json: AsJson = False) -> None:
         _list(found)
     for reason in refused:
         complain(reason)
+
+
+def _page(scene: Scene, as_json: bool) -> None:
+    if as_json:
+        print_json(
+            scene_table(scene)
+            | {table.about: [dict(zip(table.head, r)) for r in table.rows] for table in tables(scene)}
+        )
+        return
+    say(f"{scene.name}: {scene.about}")
+    for table in tables(scene):
+        show(table.about, table.head, table.rows)
 
 
 def _list(found: list[Scene]) -> None:

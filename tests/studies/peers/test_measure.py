@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from itertools import pairwise
 
 import numpy as np
@@ -46,6 +47,7 @@ def test_what_fails_is_a_row(monkeypatch):
 
 def test_rows_are_fronts(monkeypatch):
     monkeypatch.setattr(measuring, "PROGRAMS", PROGRAMS[:2])
+    monkeypatch.setattr(time, "perf_counter", time.process_time)  # what else runs here must not shorten the search
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     told = []
     truth = physics_motion(Motions(DROP), DROP.tolerance).outputs
