@@ -29,13 +29,13 @@ from pliant.controllers import (
 from pliant.controllers.analysis.linear_laws import LinearLaw, linearised
 from pliant.controllers.analysis.loops import closed_loop, closed_loops
 from pliant.controllers.analysis.margins import disk_gain, disk_phase_deg
-from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, robust_gain, shows
-from pliant.controllers.robust_analysis.robust_stability import over_box
 from pliant.controllers.analysis.spillover import case_of, crossover_hz, growth
 from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.joint_control.input_shaping import shaper, switches
 from pliant.controllers.optimal_control.nominal_motions import rigid_nominal
+from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, robust_gain, shows
+from pliant.controllers.robust_analysis.robust_stability import over_box
 
 RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
 SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
