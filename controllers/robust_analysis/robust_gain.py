@@ -96,7 +96,7 @@ def robust_gain(system: UncertainLTV, *, size: float, pole: float = 10.0) -> Rob
     Example
     -------
     >>> found = robust_gain(arm_in_its_loop, size=0.8)
-    >>> print(found.nominal, found.upper)  # 0.0550, 0.0596
+    >>> print(found.nominal, found.upper)  # 0.0550, 0.0588
     """
     nominal = end_gain(system)
     wide = _with_filters(system, size, pole)

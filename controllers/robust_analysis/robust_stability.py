@@ -26,7 +26,7 @@ from pliant.plants.core.argument_gates import (
     require_number,
 )
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.core.signals import OwnsArrays, rows_by_name
 from pliant.plants.dynamics.plant import Plant
 
 from .fractional_form import FractionalForm, fitted
@@ -98,17 +98,24 @@ def robust_stability(
     x0, u0 = varied.equilibrium(at, p=middle)
     n = len(x0)
 
+    middle_model = varied.linearize(x0, u0, p=middle)
+    rows = rows_by_name(middle_model, law.reads).at
+    whole = len(plant_of(middle_model, law)[0]) == n  # nothing conserved leaves the loop
+
     def state_matrix(delta: Array) -> Array:
-        found = varied.linearize(x0, u0, p=middle + half * delta)
-        return closed_matrix(plant_of(found, law), law)
+        p = middle + half * delta
+        if not whole:
+            return closed_matrix(plant_of(varied.linearize(x0, u0, p=p), law), law)
+        A, B, _, C, D, _ = varied.jacobians(x0, u0, p=p)
+        seen, direct = np.vstack([np.eye(n), C])[rows], np.vstack([np.zeros_like(B), D])[rows]
+        return closed_matrix((A, B, seen, direct), law)
 
     def mass(delta: Array) -> Array:
         M = np.asarray(varied.mass_matrix(x0, p=middle + half * delta))  # type: ignore[attr-defined]
-        wide = np.eye(len(state_matrix(delta)))
+        wide = np.eye(n + len(law.A))
         wide[n - len(M) : n, n - len(M) : n] = M
         return wide
 
-    whole = len(closed_matrix(plant_of(varied.linearize(x0, u0, p=middle), law), law)) == n + len(law.A)
     known = whole and hasattr(varied, "mass_matrix") and 2 * len(varied.mass_matrix(x0, p=middle)) == n
     return over_box(state_matrix, dict(zip(names, zip(middle - half, middle + half))), mass=mass if known else None)
 

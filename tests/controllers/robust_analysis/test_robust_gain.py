@@ -6,7 +6,7 @@ from finite_horizon_arm import arm, gains, in_its_loop, nominal
 
 from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, end_gain, robust_gain, shows
 
-X = np.diag([0.1, 10**1.5])  # over the square of the nominal gain
+X = np.array([[0.652, 0.0912], [0.0912, 25.76]])  # over the square of the nominal gain
 WORST = -0.8, 22.86, 28.57  # of (-0.8 s + 22.86)/(s + 28.57), a first-order all-pass
 
 
@@ -54,14 +54,14 @@ def test_gain_of_the_published_arm(published):
 def test_robust_gain_of_the_published_arm(published):
     """The same file: 0.062 expected for a block of 0.8, and about 0.0575 for the worst of 100 random blocks."""
     unit = end_gain(published) ** 2
-    assert shows(published, 0.0605, X * unit, size=0.8)
+    assert shows(published, 0.059, X * unit, size=0.8)
     assert not shows(published, 0.0575, X * unit, size=0.8)
 
 
 def test_a_block_of_first_order_stays_within(published):
     lead, b, a = WORST
     block = np.array([[-a]]), np.array([[1.0]]), np.array([[b - lead * a]]), np.array([[lead]])
-    assert end_gain(published) < end_gain(published.closed(*block)) < 0.0605
+    assert end_gain(published) < end_gain(published.closed(*block)) < 0.059
 
 
 def test_what_is_no_multiplier(published):
