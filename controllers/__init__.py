@@ -29,6 +29,7 @@ from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
 from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
 from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
+from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
 from pliant.plants.core import imports
 
 __all__ = [
@@ -55,6 +56,7 @@ __all__ = [
     "Shaper",
     "Spillover",
     "UncertainLTV",
+    "WorstParameters",
     "arrays_of",
     "delayed",
     "export_arrays",
@@ -76,6 +78,7 @@ __all__ = [
     "shape",
     "shaper_for",
     "spillover",
+    "worst_parameters",
 ]
 
 imports.serve(

@@ -61,7 +61,8 @@ class Structure(NamedTuple):
 def structure(blocks: Sequence[Block]) -> Structure:
     """Hermitian matrices whose real combinations are the D and the G of these blocks."""
     n = sum(b.size for b in blocks)
-    D, G, groups = [], [], []
+    D, G = [], []
+    groups: list[slice] = []
     for block, at in zip(blocks, places(blocks)):
         whole = block.kind == "full"
         for small in [np.eye(block.size)] if whole else hermitian(block.size):

@@ -79,6 +79,8 @@ REASONS = {  # patterns of module and name
     "controllers.robust_analysis.robust_gain.RobustGain*": RESULT,
     "controllers.robust_analysis.robust_gain.end_gain": INNER,
     "controllers.robust_analysis.robust_gain.UncertainLTV.closed": INNER,
+    "controllers.robust_analysis.worst_parameters.WorstParameters*": RESULT,
+    "controllers.robust_analysis.worst_parameters.worst_parameters": "its own tests: a motion of a plant and a box by names",
     "controllers.export.arrays.*": "see the calls that are there",
     "controllers.export.c_text*": INNER,
     "controllers.export.estimators*": INNER,

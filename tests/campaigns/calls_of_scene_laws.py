@@ -129,7 +129,7 @@ def robust_calls() -> list[Call]:
     return [
         Call(
             "over_box",
-            lambda **k: over_box(**k).stable_to,
+            over_box,
             {"dt": Number(0.5, none=True, **POSITIVE)},
             {"state_matrix": lambda d: np.array([[-0.5 + d[0] / 4]]), "box": {"a": (1.0, 2.0)}},
             compare=False,
