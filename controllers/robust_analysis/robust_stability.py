@@ -139,9 +139,9 @@ def over_box(
     if (rate := growth(state_matrix(np.zeros(len(names))), dt)) >= 0:
         raise PliantError(f"the loop is not stable in the middle of the box: it grows by {rate:.4g} 1/s")
     found = nearest(state_matrix, len(names), dt, most)
-    reach = most if found is None else found[0]
+    edge, k = most if found is None else found[0], 0.0
     for share in (1.0, *SHARES) if found is None else SHARES:
-        k = reach * share
+        k = edge * share
         form = fitted(_scaled(state_matrix, k), len(names), dt, None if mass is None else _scaled(mass, k))
         if bound(form, 1.0, 1.0).beta <= 1:
             break

@@ -34,7 +34,7 @@ from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.joint_control.input_shaping import shaper, switches
 from pliant.controllers.optimal_control.nominal_motions import rigid_nominal
-from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, robust_gain, shows
+from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, shows
 from pliant.controllers.robust_analysis.robust_stability import over_box
 
 RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
@@ -135,9 +135,8 @@ def robust_calls() -> list[Call]:
             compare=False,
         ),
         Call("UncertainLTV", UncertainLTV, fields, {"F": 0 * one, "G": np.ones((1, 1))}),
-        Call("robust_gain", robust_gain, {"system": Object(along)} | sizes, compare=False),
         Call(
-            "robust_gain.shows",
+            "shows",
             shows,
             {"system": Object(along), "gain": Number(8.0, **POSITIVE), "multiplier": Array(np.eye(2), wrong=False)}
             | sizes,

@@ -1,5 +1,6 @@
 """Boxes of a plant's own parameters."""
 
+import boxes
 import numpy as np
 import pytest
 
@@ -28,6 +29,11 @@ def test_what_is_no_box():
             over_box(lambda d: -np.eye(1), box)
     with pytest.raises(PliantError, match="grows by 1"):
         over_box(lambda d: np.eye(1), {"a": (0.0, 1.0)})
+
+
+def test_a_sample_of_the_campaign():
+    found = boxes.run(0, 300)
+    assert not found["wrong"] and found["gap"] < 0.02
 
 
 @pytest.mark.campaign
