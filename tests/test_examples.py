@@ -126,6 +126,11 @@ assert all(Path(name).stat().st_size > 500 for name in written)
 [Path(name).unlink() for name in written]
 """
 
+DEPLOYMENT_CHECKS = """
+assert "typedef float law_real;" in header.read_text()
+source.unlink(), header.unlink()
+"""
+
 
 @pytest.mark.parametrize(
     ("page", "least", "checks"),
@@ -134,6 +139,7 @@ assert all(Path(name).stat().st_size > 500 for name in written)
         pytest.param("docs/methods.md", 12, METHODS_CHECKS, id="methods", marks=pytest.mark.docs),
         pytest.param("docs/identification.md", 4, IDENTIFIED, id="identification", marks=pytest.mark.docs),
         pytest.param("docs/gnc.md", 4, GNC_CHECKS, id="gnc", marks=pytest.mark.docs),
+        pytest.param("docs/deployment.md", 1, DEPLOYMENT_CHECKS, id="deployment", marks=pytest.mark.docs),
     ],
 )
 def test_blocks_run_in_order(page, least, checks, alone, tmp_path_factory) -> None:

@@ -56,7 +56,13 @@ def _alone(controller: Any, reads: Any, dt: Any) -> Any:
 def _system(system: Any, model: LinearModel, reads: tuple[str, ...] | None) -> LinearLaw:
     import control
 
-    found = control.ss(system)
+    try:
+        found = control.ss(system)
+    except (NotImplementedError, TypeError, ValueError) as error:
+        raise ValueError(
+            f"loop.controller: python-control makes no states of this {type(system).__name__}: {error}; give a "
+            "StateSpace"
+        ) from None
     if found.dt is True:
         raise ValueError("loop: controller.dt = True must be 0, None or a sampling time in seconds")
     names = _named(model, reads, found.ninputs, tuple(system.input_labels))

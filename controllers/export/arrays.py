@@ -12,7 +12,10 @@ import numpy as np
 
 from pliant.controllers.analysis.linear_laws import law_of
 from pliant.controllers.estimation.kalman import Kalman
+from pliant.controllers.learning.policy import Policy
+from pliant.controllers.learning.policy_files import parts_of
 from pliant.controllers.linear_quadratic.lqg import LQG
+from pliant.controllers.mpc.mpc import MPC
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.signals import names
 from pliant.plants.files.atomic_files import require_path, write_bytes
@@ -23,7 +26,8 @@ LONGEST = 31  # characters of a variable's name in a .mat file
 
 def arrays_of(what: Any) -> dict[str, Any]:
     """{name: array} of a LinearModel (A .. F, x0, u0, y0, names), or of a controller: its linear form A, B, C, D in
-    u = -(C s + D y), s' = A s + B y where it has one, and its own arrays; `dt` = 0 where it is continuous.
+    u = -(C s + D y), s' = A s + B y where it has one, and its own numbers and arrays, of a policy W1, b1 .., of an MPC
+    its programs; `dt` = 0 where it is continuous.
 
     Example
     -------
@@ -46,6 +50,10 @@ def arrays_of(what: Any) -> dict[str, Any]:
         if isinstance(what, LQG):
             inside = arrays_of(what.law) | {f"filter_{k}": v for k, v in arrays_of(what.filter).items()}
             found |= {k if k.startswith("filter_") else f"law_{k}": v for k, v in inside.items()}
+        elif isinstance(what, MPC):
+            found |= _programs(what)
+        elif isinstance(what, Policy):
+            found |= parts_of(what)[1] | {"goal": what.goal, "limits": what.limits, "clip": float(what.clip)}
         elif dataclasses.is_dataclass(what):
             found |= _fields(what, set(found))
         if not found:
@@ -78,13 +86,34 @@ def export_arrays(what: Any, path: str | Path) -> Path:
     return target
 
 
-def _fields(what: Any, taken: set[str]) -> dict[str, Any]:
-    """Numeric fields of a dataclass, limits as lowest and highest."""
+def _fields(what: Any, taken: set[str], prefix: str = "") -> dict[str, Any]:
+    """Numbers and numeric arrays of a dataclass, limits as lowest and highest, those of a reference after its name."""
     found: dict[str, Any] = {}
     for field in dataclasses.fields(what):
-        value = getattr(what, field.name, None)
+        name, value = prefix + field.name, getattr(what, field.name, None)
         if field.name == "limits" and isinstance(value, tuple):
             found |= {"lowest": value[0], "highest": value[1]}
-        elif isinstance(value, np.ndarray) and value.dtype.kind in "fic" and field.name not in taken:
-            found[field.name] = value
+        elif field.name in ("reference", "shaper") and dataclasses.is_dataclass(value):
+            found |= _fields(value, taken, f"{name}_")
+        elif field.name[0] == "_" or name in taken or name == "dt":
+            continue
+        elif isinstance(value, float) or (isinstance(value, np.ndarray) and value.dtype.kind in "fic"):
+            found[name] = value
     return found
+
+
+def _programs(law: MPC) -> dict[str, Any]:
+    """u = u0 + G p + first z, z of least |z|^2 with low <= rows p + M z <= high, of each node in turn."""
+    m = len(law._steps[0].low)
+    each = {
+        "u0": lambda s: s.u,
+        "G": lambda s: s.G[m:],
+        "rows": lambda s: s.G[:m],
+        "low": lambda s: s.low,
+        "high": lambda s: s.high,
+        "M": lambda s: s.solver.M,
+        "first": lambda s: s.first,
+    }
+    found: dict[str, Any] = {name: np.array([part(s) for s in law._steps]) for name, part in each.items()}
+    found |= {"lowest": law.limits.low, "highest": law.limits.high, "change": law.limits.change}
+    return found | {"soft": law._steps[0].solver.soft.astype(float), "penalty": float(law.penalty)}

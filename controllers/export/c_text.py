@@ -17,6 +17,7 @@ import numpy as np
 from pliant.plants.core.argument_gates import require_text, shown
 
 PRECISIONS = {"double": ("double", ""), "single": ("float", "f")}
+MOST = 2_000_000  # numbers of constants, or of a state: 16 MB in double precision, about 50 MB of text
 FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "fabs", "pow", "atan2")
 RESERVED = (
     *(
@@ -101,9 +102,21 @@ def number(value: float) -> str:
     return f"(REAL){value!r}" if value >= 0 else f"((REAL){value!r})"
 
 
+def require_room(what: str, constants: int, state: int, single: bool) -> None:
+    """ValueError, with the size that a file would have, where that is more than MOST numbers."""
+    if max(constants, state) > MOST:
+        size = 4 if single else 8
+        raise ValueError(
+            f"export_c: {what} would take {constants:,} numbers of constants ({constants * size / 1e6:,.1f} MB) and a "
+            f"state of {state:,} ({state * size / 1e6:,.1f} MB), at most {MOST:,} of either are written: shorten the "
+            "horizon or the motion, or give `blocks`"
+        )
+
+
 def array(name: str, values: np.ndarray | Sequence[float]) -> str:
     """A constant array, row by row."""
     flat = np.asarray(values, dtype=float).ravel()
+    require_room(name, len(flat), 0, False)
     lines = [", ".join(map(number, flat[k : k + 4])) for k in range(0, len(flat), 4)]
     return f"static const REAL {name}[{len(flat)}] = {{\n    " + ",\n    ".join(lines) + "\n};\n"
 
@@ -135,11 +148,10 @@ def clipped(p: str, count: int, low: np.ndarray, high: np.ndarray) -> tuple[str,
 def files(name: str, head: str, struct: str, declared: str, code: str, precision: str) -> tuple[str, str]:
     """(header, source) of a part in `precision`; `head` is the comment that says what it is."""
     kind, suffix = PRECISIONS[precision]
-    comment = "/* " + head.strip().replace("*/", "* /").replace("\n", "\n * ") + "\n */\n"
+    comment = "/* " + _printable(head.strip()).replace("\n", "\n * ") + "\n */\n"
     guard = f"{name.upper()}_H"
-    header = (
-        f"{comment}#ifndef {guard}\n#define {guard}\n\ntypedef {kind} {name}_real;\n\n{struct}{declared}\n#endif\n"
-    ).replace("REAL", f"{name}_real")
+    header = f"#ifndef {guard}\n#define {guard}\n\ntypedef {kind} {name}_real;\n\n{struct}{declared}\n#endif\n"
+    header = comment + re.sub(r"\bREAL\b", f"{name}_real", header)
     calls = "".join(f"#define {f.upper()} {f}{suffix}\n" for f in FUNCTIONS if re.search(rf"\b{f.upper()}\(", code))
     if "ADD_PRODUCT(" in code:
         code = re.sub(r"\bADD_PRODUCT\b", f"{name}_add_product", PRODUCT + "\n" + code)
@@ -150,6 +162,12 @@ def files(name: str, head: str, struct: str, declared: str, code: str, precision
     if precision == "single":
         code = re.sub(rf"\({name}_real\)(-?[0-9.]+(?:e[+-]?[0-9]+)?)", _single, code)
     return header, f'{comment}#include "{name}.h"\n{maths}{calls}\n{code}'
+
+
+def _printable(text: str) -> str:
+    """What may stand in a comment: no end or start of one, no sign that compilers refuse or people cannot see."""
+    text = text.replace("*/", "* /").replace("/*", "/ *").replace("??/", "? ?/")
+    return "".join(c if c == "\n" or c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def _single(found: re.Match[str]) -> str:

@@ -7,20 +7,29 @@ optimum without rows. The row that is broken most joins with a growing multiplie
 their bounds; a multiplier that falls to zero leaves; that of a soft row which grows past w is that of a row which
 yields, mu = w + w c v. Each step raises the dual cost, so that no set comes again but by rounding. The method is that
 of "A numerically stable dual method for solving strictly convex quadratic programs" (Goldfarb and Idnani 1983), with
-the set's Gram matrix factorised anew at each step: the time of a step does not depend on the steps before. At the end
+the set's Gram matrix factorised row by row: rows before the first that left or yielded stay as they are. At the end
 the multipliers of the set are solved for once more, so that rounding of the steps does not add up, and every row is
 looked at: a plan that breaks one which does not yield is none.
 
-Rounds are at most NAME_ROUNDS; what needs more counts as a failure, and the law says what it does then.
+A program is its sizes, M row by row, which rows are soft, and w / 2 with 1 / (c w / 2). Rounds are at most ten for each
+row and unknown; what needs more counts as a failure, and the law says what it does then.
 """
 
 from __future__ import annotations
 
-QP = r"""/* Cholesky factor of a packed symmetric matrix, lower triangle by rows, in place; 0: it is not definite */
-static int NAME_factor(int n, REAL *K)
+PROGRAM = """typedef struct {
+    int rows, nz;
+    const REAL *M; /* (rows, nz) */
+    const char *soft; /* (rows), 0: none */
+    REAL price, compliance;
+} NAME_program;
+"""
+
+QP = r"""/* Cholesky factor of a packed symmetric matrix by rows, in place, from row `first` on; 0: not definite */
+static int NAME_factor(int first, int n, REAL *K)
 {
     int i, j, k;
-    for (i = 0; i < n; i++) {
+    for (i = first; i < n; i++) {
         REAL *row = K + i * (i + 1) / 2;
         for (j = 0; j <= i; j++) {
             const REAL *other = K + j * (j + 1) / 2;
@@ -48,26 +57,29 @@ static void NAME_substitute(int n, const REAL *K, REAL *x)
     }
 }
 
-static REAL NAME_dot(const REAL *a, const REAL *b)
+static REAL NAME_dot(int n, const REAL *a, const REAL *b)
 {
     int k;
     REAL sum = 0;
-    for (k = 0; k < NAME_NZ; k++) sum += a[k] * b[k];
+    for (k = 0; k < n; k++) sum += a[k] * b[k];
     return sum;
 }
 
 /* factor of the Gram matrix of the rows in the set, with signs and what yields; 0 where they depend on each other */
-static int NAME_gram(NAME_work *w)
+static int NAME_gram(NAME_work *w, const NAME_program *q)
 {
+    const int nz = q->nz;
+    const int first = w->known;
     int i, j;
-    for (i = 0; i < w->count; i++)
+    for (i = first; i < w->count; i++)
         for (j = 0; j <= i; j++) {
             const int a = w->set[i], b = w->set[j];
-            REAL sum = NAME_dot(NAME_M + a * NAME_NZ, NAME_M + b * NAME_NZ) * (REAL)(w->side[a] * w->side[b]);
-            if (i == j && w->yields[a]) sum += NAME_COMPLIANCE;
+            REAL sum = NAME_dot(nz, q->M + a * nz, q->M + b * nz) * (REAL)(w->side[a] * w->side[b]);
+            if (i == j && w->yields[a]) sum += q->compliance;
             w->K[i * (i + 1) / 2 + j] = sum;
         }
-    return NAME_factor(w->count, w->K);
+    w->known = w->count;
+    return NAME_factor(first, w->count, w->K);
 }
 
 static void NAME_drop(NAME_work *w, int at)
@@ -78,28 +90,31 @@ static void NAME_drop(NAME_work *w, int at)
     w->mu[w->set[at]] = 0;
     for (i = at; i + 1 < w->count; i++) w->set[i] = w->set[i + 1];
     w->count--;
+    if (w->known > at) w->known = at;
 }
 
-/* z where all rows hold as far as they can; 1: found, 0: no z keeps the hard rows, -1: not found in NAME_ROUNDS */
-static int NAME_qp(NAME_work *w, const REAL *lower, const REAL *upper, int all_hard, REAL *z)
+/* z where all rows hold as far as they can; 1: found, 0: no z keeps the hard rows, -1: not found in so many rounds */
+static int NAME_qp(NAME_work *w, const NAME_program *q, const REAL *lower, const REAL *upper, int all_hard, REAL *z)
 {
+    const REAL *const M = q->M;
+    const int nz = q->nz, rows = q->rows, rounds = 10 * (rows + nz);
     int i, k, round, p = -1;
-    w->count = 0;
-    for (i = 0; i < NAME_ROWS; i++) {
+    w->count = w->known = 0; /* rows in the set, and of those in the factor */
+    for (i = 0; i < rows; i++) {
         w->mu[i] = 0;
         w->side[i] = 0;
         w->yields[i] = 0;
     }
-    for (k = 0; k < NAME_NZ; k++) z[k] = 0;
-    for (round = 0; round < NAME_ROUNDS; round++) {
+    for (k = 0; k < nz; k++) z[k] = 0;
+    for (round = 0; round < rounds; round++) {
         REAL gap, slope, step, own, *const d = w->d;
         int event = 0, at = -1;
         if (p < 0) {
             REAL worst = NAME_TOLERANCE;
-            for (i = 0; i < NAME_ROWS; i++) {
+            for (i = 0; i < rows; i++) {
                 REAL value;
                 if (w->side[i]) continue;
-                value = NAME_dot(NAME_M + i * NAME_NZ, z);
+                value = NAME_dot(nz, M + i * nz, z);
                 if (value - upper[i] > worst) {
                     worst = value - upper[i];
                     p = i;
@@ -114,39 +129,39 @@ static int NAME_qp(NAME_work *w, const REAL *lower, const REAL *upper, int all_h
             if (p < 0) break;
             w->side[p] = at;
         }
-        if (!NAME_gram(w)) return -1;
+        if (!NAME_gram(w, q)) return -1;
         for (i = 0; i < w->count; i++) {
             const int j = w->set[i];
-            d[i] = -NAME_dot(NAME_M + j * NAME_NZ, NAME_M + p * NAME_NZ) * (REAL)(w->side[j] * w->side[p]);
+            d[i] = -NAME_dot(nz, M + j * nz, M + p * nz) * (REAL)(w->side[j] * w->side[p]);
         }
         NAME_substitute(w->count, w->K, d);
-        for (k = 0; k < NAME_NZ; k++) w->dz[k] = -NAME_M[p * NAME_NZ + k] * (REAL)w->side[p];
+        for (k = 0; k < nz; k++) w->dz[k] = -M[p * nz + k] * (REAL)w->side[p];
         for (i = 0; i < w->count; i++)
-            for (k = 0; k < NAME_NZ; k++)
-                w->dz[k] -= d[i] * NAME_M[w->set[i] * NAME_NZ + k] * (REAL)w->side[w->set[i]];
-        own = NAME_dot(NAME_M + p * NAME_NZ, NAME_M + p * NAME_NZ);
-        slope = -NAME_dot(NAME_M + p * NAME_NZ, w->dz) * (REAL)w->side[p];
-        gap = w->side[p] > 0 ? NAME_dot(NAME_M + p * NAME_NZ, z) - upper[p]
-                             : lower[p] - NAME_dot(NAME_M + p * NAME_NZ, z);
+            for (k = 0; k < nz; k++)
+                w->dz[k] -= d[i] * M[w->set[i] * nz + k] * (REAL)w->side[w->set[i]];
+        own = NAME_dot(nz, M + p * nz, M + p * nz);
+        slope = -NAME_dot(nz, M + p * nz, w->dz) * (REAL)w->side[p];
+        gap = w->side[p] > 0 ? NAME_dot(nz, M + p * nz, z) - upper[p]
+                             : lower[p] - NAME_dot(nz, M + p * nz, z);
         if (slope < NAME_DEFINITE * own) slope = 0;
         if (w->yields[p]) {
-            slope += NAME_COMPLIANCE;
-            gap -= NAME_COMPLIANCE * (w->mu[p] - NAME_PRICE);
+            slope += q->compliance;
+            gap -= q->compliance * (w->mu[p] - q->price);
         }
         step = slope > 0 ? (gap > 0 ? gap / slope : 0) : INFINITY;
-        if (NAME_soft[p] && !all_hard && !w->yields[p] && NAME_PRICE - w->mu[p] < step) {
-            step = NAME_PRICE - w->mu[p];
+        if (!all_hard && q->soft[p] && !w->yields[p] && q->price - w->mu[p] < step) {
+            step = q->price - w->mu[p];
             event = 1; /* p yields from here on */
         }
         for (i = 0; i < w->count; i++) {
-            const int j = w->set[i], soft = NAME_soft[j] && !all_hard;
+            const int j = w->set[i], soft = !all_hard && q->soft[j];
             REAL room = INFINITY;
             int what = 0;
             if (d[i] < 0) {
-                room = (w->mu[j] - (w->yields[j] ? NAME_PRICE : 0)) / -d[i];
+                room = (w->mu[j] - (w->yields[j] ? q->price : 0)) / -d[i];
                 what = w->yields[j] ? 2 : 3; /* firm again, or leaves */
             } else if (d[i] > 0 && soft && !w->yields[j]) {
-                room = (NAME_PRICE - w->mu[j]) / d[i];
+                room = (q->price - w->mu[j]) / d[i];
                 what = 4; /* yields */
             }
             if (room < step) {
@@ -158,28 +173,30 @@ static int NAME_qp(NAME_work *w, const REAL *lower, const REAL *upper, int all_h
         if (!(step < INFINITY)) return 0;
         for (i = 0; i < w->count; i++) w->mu[w->set[i]] += step * d[i];
         w->mu[p] += step;
-        for (k = 0; k < NAME_NZ; k++) z[k] += step * w->dz[k];
+        for (k = 0; k < nz; k++) z[k] += step * w->dz[k];
         if (event == 0) {
             w->set[w->count++] = p;
             p = -1;
         } else if (event == 1) w->yields[p] = 1;
-        else if (event == 2) w->yields[w->set[at]] = 0;
         else if (event == 3) NAME_drop(w, at);
-        else w->yields[w->set[at]] = 1;
+        else {
+            w->yields[w->set[at]] = event == 4;
+            if (w->known > at) w->known = at;
+        }
     }
-    if (round == NAME_ROUNDS || !NAME_gram(w)) return -1;
+    if (round == rounds || !NAME_gram(w, q)) return -1;
     for (i = 0; i < w->count; i++) {
         const int j = w->set[i];
         w->d[i] = w->side[j] > 0 ? -upper[j] : lower[j];
-        if (w->yields[j]) w->d[i] += NAME_COMPLIANCE * NAME_PRICE;
+        if (w->yields[j]) w->d[i] += q->compliance * q->price;
     }
     NAME_substitute(w->count, w->K, w->d);
-    for (k = 0; k < NAME_NZ; k++) z[k] = 0;
+    for (k = 0; k < nz; k++) z[k] = 0;
     for (i = 0; i < w->count; i++)
-        for (k = 0; k < NAME_NZ; k++)
-            z[k] -= w->d[i] * NAME_M[w->set[i] * NAME_NZ + k] * (REAL)w->side[w->set[i]];
-    for (i = 0; i < NAME_ROWS; i++) { /* rows that nearly depend on each other can have let a row go */
-        const REAL value = NAME_dot(NAME_M + i * NAME_NZ, z);
+        for (k = 0; k < nz; k++)
+            z[k] -= w->d[i] * M[w->set[i] * nz + k] * (REAL)w->side[w->set[i]];
+    for (i = 0; i < rows; i++) { /* rows that nearly depend on each other can have let a row go */
+        const REAL value = NAME_dot(nz, M + i * nz, z);
         if (w->yields[i]) continue;
         if (value - upper[i] > NAME_KEPT || lower[i] - value > NAME_KEPT) return 0;
     }

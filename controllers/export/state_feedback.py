@@ -8,6 +8,7 @@ from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.controllers.base.controller import Feedback
 from pliant.controllers.filters.filtered import Filtered
 from pliant.controllers.linear_quadratic.lqr import LQR
+from pliant.controllers.linear_quadratic.nominal_loop import AHEAD
 from pliant.controllers.linear_quadratic.tvlqr import TVLQR
 
 from .c_text import Law, added, array, clipped, each, indented, number
@@ -83,24 +84,51 @@ def lqr(law: LQR, p: str) -> Law:
 
 
 def tvlqr(law: TVLQR, p: str) -> Law:
-    """u = offset_k - K_k x within the limits, k by the time since `start`; the last one stays."""
-    if law.index != "time":
-        raise ValueError(
-            f"export_c: TVLQR.index = {law.index!r} must be 'time': the phase is looked for along the path"
-        )
+    """u = offset_k - K_k x within the limits, k by the time since `start` or by phase; the last one stays."""
     gains, offsets = np.asarray(law._gains), np.asarray(law._offsets)
     n, nu, ny = gains.shape
     limited, clip = clipped(p, nu, *law.limits)
     constants = array(f"{p}_K", gains) + array(f"{p}_offset", offsets) + limited
-    act = f"int i, k;\ndouble at = (t - {law.start!r}) / {law.dt!r} + 1e-6;\nREAL x[{ny}];\n"
-    act += f"k = at < 0 ? 0 : at >= {n - 1} ? {n - 1} : (int)at;\n" + each("i", ny, "x[i] = y[i];")
+    fields: tuple[str, ...] = ()
+    reset, act = "", f"int i, k;\ndouble at = (t - {law.start!r}) / {law.dt!r} + 1e-6;\nREAL x[{ny}];\n"
+    act += f"k = at < 0 ? 0 : at >= {n - 1} ? {n - 1} : (int)at;\n"
+    if law.index == "phase":
+        constants += array(f"{p}_path", law._progress._path) + array(f"{p}_scale", law._progress._scale)
+        fields, reset, act = ("double phase; /* nodes since reset */",), "s->phase = 0;\n", _by_phase(law, p)
+    act += each("i", ny, "x[i] = y[i];")
     if law.drift is not None:
         constants += array(f"{p}_drift", law.drift)
         end = law.start + (n - 1) * law.dt
         act += f"if (k == {n - 1})\n    " + each("i", ny, f"x[i] -= (REAL)({p}_drift[i] * (t - {end!r}));")
     act += each("i", nu, f"u[i] = {p}_offset[k * {nu} + i];")
     act += added(nu, ny, "-1", f"{p}_K + k * {nu * ny}", "x", "u") + clip
-    return Law(p, "u = offset_k - K_k x, k by time", law.reads, nu, (), constants, "", "", act)
+    return Law(p, f"u = offset_k - K_k x, k by {law.index}", law.reads, nu, fields, constants, "", reset, act)
+
+
+def _by_phase(law: TVLQR, p: str) -> str:
+    """k, the nearest of the next nodes of the path, moved on by `slowest` to `fastest` nodes (nominal_loop.py)."""
+    n, ny = len(law._gains), len(law.reads)
+    return f"""int i, j, k = (int)s->phase;
+REAL x[{ny}], least = INFINITY;
+if (k < {n - 1}) {{
+    const int first = k, furthest = (int)(s->phase + {law.fastest!r});
+    for (j = first; j < first + {AHEAD}; j++) {{
+        REAL away = 0;
+        for (i = 0; i < {ny}; i++) {{
+            const REAL off = {p}_path[j * {ny} + i] - y[i] * {p}_scale[i];
+            away += off * off;
+        }}
+        if (away < least) {{
+            least = away;
+            k = j;
+        }}
+    }}
+    if (k > furthest) k = furthest;
+    s->phase += {law.slowest!r};
+    if (s->phase < k) s->phase = k;
+}}
+if (k > {n - 1}) k = {n - 1};
+"""
 
 
 def linear(law: LinearLaw, p: str) -> Law:

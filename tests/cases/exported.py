@@ -144,6 +144,8 @@ def loop_in_python(plant, law, x0, dt: float, count: int, substeps: int) -> np.n
 def answers_in_c(folder: Path, law, readings: np.ndarray) -> Path:
     """main.c: what `law.c` answers to each reading, each after a reset; the last number of a row counts failures."""
     n, rows = len(law.reads), ",\n        ".join(", ".join(f"{float(v)!r}" for v in y) for y in readings)
+    predicts = hasattr(law, "horizon")
+    nu, failures = (len(law.limits.low), "s.failures") if predicts else (len(law.inputs), "0L")
     (folder / "main.c").write_text(
         f"""#include <stdio.h>
 #include "law.h"
@@ -153,13 +155,42 @@ int main(void)
     static const law_real y[{readings.size}] = {{
         {rows}
     }};
-    law_real u[{len(law.limits.low)}];
+    law_real u[{nu}];
     int i, k;
     for (k = 0; k < {len(readings)}; k++) {{
         law_reset(&s);
         law_act(&s, 0, y + k * {n}, u);
-        for (i = 0; i < {len(law.limits.low)}; i++) printf("%.17g ", (double)u[i]);
-        printf("%ld\\n", s.failures);
+        for (i = 0; i < {nu}; i++) printf("%.17g ", (double)u[i]);
+        printf("%ld\\n", {failures});
+    }}
+    return 0;
+}}
+"""
+    )
+    return folder / "main.c"
+
+
+def answers_over_time(folder: Path, law, times: np.ndarray, readings: np.ndarray, nu: int) -> Path:
+    """main.c: what `law.c` answers to one reading after the other, after one reset."""
+    n, rows = len(law.reads), ",\n        ".join(", ".join(f"{float(v)!r}" for v in y) for y in readings)
+    at = ", ".join(f"{float(t)!r}" for t in times)
+    (folder / "main.c").write_text(
+        f"""#include <stdio.h>
+#include "law.h"
+int main(void)
+{{
+    static law_state s;
+    static const double at[{len(times)}] = {{{at}}};
+    static const law_real y[{readings.size}] = {{
+        {rows}
+    }};
+    law_real u[{nu}];
+    int i, k;
+    law_reset(&s);
+    for (k = 0; k < {len(times)}; k++) {{
+        law_act(&s, at[k], y + k * {n}, u);
+        for (i = 0; i < {nu}; i++) printf("%.17g ", (double)u[i]);
+        printf("\\n");
     }}
     return 0;
 }}

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from pliant.controllers import Feedback, loop, margins
+from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.plants import SingleLinkArm
 
 ARM = SingleLinkArm.textbook()
@@ -35,7 +36,25 @@ def test_a_system_closes_the_loop_that_python_control_closes(dt) -> None:
     assert loop(MODEL, named).at(W) == pytest.approx(own.at(W))
 
 
+@pytest.mark.parametrize("periods", [1, 3])
+def test_a_sampled_system_with_delay_is_python_controls_loop_and_the_law_whose_readings_are_late(periods) -> None:
+    dt = 0.01
+    lead = control.ss(control.tf([6.0, 4.0], [1.0, 25.0]).sample(dt, "tustin"))
+    late = lead * control.ss(control.tf([1.0], [1.0] + [0.0] * periods, dt))
+    own = loop(MODEL, late, reads=("hub_angle",))
+    plant = MODEL.discretize(dt).to_control(outputs=("hub_angle",))
+    wanted = control.feedback(plant * late, 1).poles()
+    found = np.linalg.eigvals(own.closed())
+    assert np.poly(found).real == pytest.approx(np.poly(wanted).real, abs=1e-7)  # its zeros at the origin are multiple
+    told = loop(MODEL, LinearLaw(lead.A, lead.B, lead.C, lead.D, ("hub_angle",), dt, delay=periods))
+    assert told.at(W) == pytest.approx(own.at(W), rel=1e-9)
+    static = loop(MODEL, lambda y: -40.0 * y, reads=("hub_angle",), dt=dt)
+    assert static.at(W) == pytest.approx(loop(MODEL, control.ss([], [], [], [[40.0]], dt), reads=("hub_angle",)).at(W))
+
+
 def test_what_does_not_fit_is_told() -> None:
+    with pytest.raises(ValueError, match="python-control makes no states of this TransferFunction"):
+        loop(MODEL, control.tf([1.0, 0.0, 0.0], [1.0, 1.0]), reads=("hub_angle",))
     with pytest.raises(ValueError, match=r"loop\.reads = None must name what a"):
         loop(MODEL, lambda y: y)
     with pytest.raises(ValueError, match=r"loop\.reads = None must name 2 of"):

@@ -4,8 +4,9 @@ import ctypes
 import subprocess
 
 import numpy as np
-from exported import COMPILERS, STRICT, needs_compiler
+from exported import COMPILERS, STRICT, needs_compiler, same_loop
 
+from pliant.controllers import LQR, Predictive
 from pliant.controllers.export import export_c
 from pliant.plants import SingleLinkArm
 
@@ -37,3 +38,10 @@ def test_a_step_with_disturbance_and_parameter(tmp_path) -> None:
     arm.arm_outputs(ctypes.c_double(0.0), pointer(x), pointer(u), *given, pointer(y))
     assert np.abs(found - wanted).max() < 1e-13 * np.abs(wanted).max()
     assert np.allclose(y, plant.measure(x, u, w=w, p=p), rtol=1e-13, atol=1e-15)
+
+
+@needs_compiler
+def test_a_law_that_predicts_over_late_inputs(tmp_path, reach, near_double) -> None:
+    """Its inner law reads outputs too; an input past its limit acts as the limit does."""
+    law = Predictive.for_scene(reach, 3, LQR.for_scene(reach, integral={"tip_x": 1.0, "tip_y": 1.0}))
+    same_loop(tmp_path, reach, law, near_double, count=25)

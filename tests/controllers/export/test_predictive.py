@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from exported import answers_in_c, compiled, needs_compiler, run, same_loop
+from exported import answers_in_c, answers_over_time, compiled, needs_compiler, run, same_loop
 
-from pliant.controllers import MPC
+from pliant.controllers import MPC, plan
 from pliant.controllers.export import export_c
 from pliant.controllers.solvers.daqp_model import INFINITE
+from pliant.envs import scenes
 from pliant.plants.linear.lti import LinearModel
 
 pytestmark = needs_compiler
@@ -61,3 +62,36 @@ def test_a_plan_that_rounding_makes_up_is_none(tmp_path, definite) -> None:
     source.write_text(text.replace("law_DEFINITE ((law_real)1e-12)", f"law_DEFINITE ((law_real){definite})"))
     found = run(compiled([answers_in_c(tmp_path, law, readings), source], tmp_path / "answers"))
     assert np.abs(found[:, :-1] - wanted).max() < 1e-9
+
+
+def test_along_a_nominal(tmp_path) -> None:
+    """References and held inputs of each node, before its start and past its end; limits bind in some programs."""
+    scene = scenes.get("single-link-slew")
+    t = 0.02 * np.arange(12)
+    motion = scene.plant.simulate(scene.initial[0], np.sin(9 * t)[:, None], t)
+    law = MPC.for_scene(scene, 5, nominal=motion, rates=60.0)
+    times = np.array([-0.01, *(t - 0.008), 0.3, 5.0])  # the nearest node counts
+    rng = np.random.default_rng(1)
+    nodes = np.clip(np.rint(times / 0.02).astype(int), 0, 11)
+    readings = motion.x[nodes] + rng.standard_normal((len(times), scene.plant.nx)) * 2e-3
+    law.reset()
+    wanted = np.array([law.act(float(a), y).copy() for a, y in zip(times, readings)])
+    assert law.record.limited > 2 and law.record.failures == 0 and len(law._steps) == 12
+    files = [export_c(law, tmp_path / "law.c")[0], answers_over_time(tmp_path, law, times, readings, 1)]
+    found = run(compiled(files, tmp_path / "answers"))
+    assert np.abs(found - wanted).max() < 1e-9 * np.abs(wanted).max()
+
+
+@pytest.mark.campaign
+def test_along_a_plan_in_closed_loop(tmp_path, reach, near) -> None:
+    law = MPC.for_scene(reach, 10, nominal=plan(reach, reserve=0.1).trajectory(reach.plant), blocks=(1, 1, 2, 6))
+    same_loop(tmp_path, reach, law, near)
+
+
+def test_what_would_be_too_large_is_told_with_its_size(tmp_path) -> None:
+    model = LinearModel.from_matrices(-np.eye(2), np.eye(2))
+    law = MPC.design(model, np.eye(2), np.eye(2), dt=0.1, horizon=10, limits=(-1.0, 1.0))
+    law._steps = law._steps * 20_000
+    with pytest.raises(ValueError, match=r"MPC, horizon 10 would take [\d,]+ numbers of constants \([\d.,]+ MB\)"):
+        export_c(law, tmp_path / "law.c")
+    assert not list(tmp_path.iterdir())

@@ -2,11 +2,21 @@
 
 import numpy as np
 import pytest
-from exported import compiled, loop_in_c, needs_compiler, plant_objects, run, same_loop, strict_everywhere
+from exported import (
+    answers_over_time,
+    compiled,
+    loop_in_c,
+    needs_compiler,
+    plant_objects,
+    run,
+    same_loop,
+    strict_everywhere,
+)
 
 from pliant.controllers import LQR, TVLQR, Feedback, Filtered, roll_off
 from pliant.controllers.analysis.linear_laws import LinearLaw
 from pliant.controllers.export import export_c
+from pliant.envs import scenes
 
 pytestmark = needs_compiler
 
@@ -28,6 +38,20 @@ def test_a_file_whose_name_has_two_underscores(tmp_path) -> None:
 @pytest.mark.campaign
 def test_tvlqr_by_time(tmp_path, reach, near_double) -> None:
     same_loop(tmp_path, reach, TVLQR.for_scene(reach), near_double, count=30)
+
+
+def test_tvlqr_by_phase(tmp_path) -> None:
+    """Readings that linger at the start, rush, jump back and pass the end; each with an error of its own."""
+    law = TVLQR.for_scene(scenes.get("single-link-slew"), index="phase")
+    last, at = len(law.x) - 1, np.repeat(0, 5)
+    at = np.concatenate([at, np.arange(0, last // 2, 3), np.arange(last // 4, last + 6)])
+    noise = 0.02 * np.random.default_rng(0).standard_normal((len(at), law.x.shape[1])) * np.ptp(law.x, axis=0)
+    readings, times = law.x[np.minimum(at, last)] + noise, law.dt * np.arange(len(at))
+    law.reset()
+    wanted = np.array([law.act(float(t), y) for t, y in zip(times, readings)])
+    assert law.phase == last and (np.abs(wanted) < law.limits[1]).sum() > len(at) / 2
+    files = [export_c(law, tmp_path / "law.c")[0], answers_over_time(tmp_path, law, times, readings, 1)]
+    assert np.abs(run(compiled(files, tmp_path / "answers")) - wanted).max() < 1e-12 * np.abs(wanted).max()
 
 
 def test_feedback_and_a_law_with_states(tmp_path, reach) -> None:

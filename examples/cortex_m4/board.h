@@ -1,0 +1,4 @@
+#include <stdint.h>
+
+void print(const char *text); /* to the terminal of the debugger, or of qemu */
+void stop(int failed);
