@@ -59,7 +59,7 @@ def summary(rows: list[dict[str, Any]]) -> str:
     gaps = np.array([r["gap"] for r in rows if r["gap"] is not None])
     return (
         f"{len(rows)} loops: {sum(r['wrong'] for r in rows)} wrong; of {len(gaps)} that end in what was looked at the "
-        f"bounds are within {np.median(gaps):.1%} in the middle, 2 % in {(gaps < 0.0205).sum()}, {gaps.max():.0%} at most"
+        f"bounds are within {np.median(gaps):.1%} in half, 2 % in {(gaps < 0.0205).sum()}, {gaps.max():.0%} at most"
     )
 
 
