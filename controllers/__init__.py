@@ -29,6 +29,9 @@ from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.nmpc.nmpc import NMPC
 from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
+from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
+from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
+from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
 from pliant.plants.core import imports
 
 rl.settings.LEARNERS["apg"] = _by_gradients
@@ -52,9 +55,13 @@ __all__ = [
     "PeriodicLQR",
     "Policy",
     "Predictive",
+    "RobustGain",
+    "RobustStability",
     "Sensor",
     "Shaper",
     "Spillover",
+    "UncertainLTV",
+    "WorstParameters",
     "arrays_of",
     "delayed",
     "export_arrays",
@@ -64,15 +71,19 @@ __all__ = [
     "margins",
     "notch",
     "optimal",
+    "over_box",
     "plan",
     "riccati",
     "rl",
+    "robust_gain",
+    "robust_stability",
     "roll_off",
     "sensors",
     "sensors_of",
     "shape",
     "shaper_for",
     "spillover",
+    "worst_parameters",
 ]
 
 imports.serve(

@@ -35,6 +35,8 @@ from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.joint_control.input_shaping import shaper, switches
 from pliant.controllers.optimal_control.nominal_motions import rigid_nominal
+from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, shows
+from pliant.controllers.robust_analysis.robust_stability import over_box
 
 RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
 SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
@@ -98,6 +100,7 @@ def loop_calls() -> list[Call]:
     more = {"at": ByName({"hub_angle": 0.5}, none=True), "reserve": Number(1.25, low=1.0)}
     spill = LQR.for_plant(ARM, np.zeros(2), np.zeros(1), np.eye(2), np.eye(1))
     return [
+        *robust_calls(),
         Call("LinearLaw", LinearLaw, own | reads),
         Call(
             "linearised",
@@ -120,6 +123,30 @@ def loop_calls() -> list[Call]:
             spillover,
             {"redesign": Function(lambda f: spill, none=True)},
             {"controller": spill, "plants": [ARM], "at": {"hub_angle": 0.0}},
+        ),
+    ]
+
+
+def robust_calls() -> list[Call]:
+    """Of boxes of parameters and of uncertain blocks."""
+    one, t = np.ones((5, 1, 1)), np.linspace(0.0, 1.0, 5)
+    fields = {n: Array(v) for n, v in {"t": t, "A": -one, "B": one, "E": one, "C": one, "D": 0 * one}.items()}
+    along = UncertainLTV(t, -one, one, one, one, 0 * one, 0 * one, np.ones((1, 1)))
+    sizes = {"size": Number(0.5, **POSITIVE), "pole": Number(2.0, **POSITIVE)}
+    return [
+        Call(
+            "over_box",
+            over_box,
+            {"dt": Number(0.5, none=True, **POSITIVE)},
+            {"state_matrix": lambda d: np.array([[-0.5 + d[0] / 4]]), "box": {"a": (1.0, 2.0)}},
+            compare=False,
+        ),
+        Call("UncertainLTV", UncertainLTV, fields, {"F": 0 * one, "G": np.ones((1, 1))}),
+        Call(
+            "shows",
+            shows,
+            {"system": Object(along), "gain": Number(8.0, **POSITIVE), "multiplier": Array(np.eye(2), wrong=False)}
+            | sizes,
         ),
     ]
 
