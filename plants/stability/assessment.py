@@ -276,8 +276,8 @@ def _drift(
             why += f"{most:.3g} times as large as it began"
             return made("drift", "growth", -grown.rate, why, evidence, said, bound, "polynomial", free)
     why = f"over {duration:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed, "
-    why += "but it does not build on itself, as free drift does not: no exponential growth is shown; `states` can leave "
-    why += "out what drifts"
+    why += "but it does not build on itself, as free drift does not: no exponential growth is shown; `states` can "
+    why += "leave out what drifts"
     return made("undecided", "", -grown.rate, why, evidence, said, bound, "polynomial")
 
 
