@@ -29,6 +29,7 @@ from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.nmpc.nmpc import NMPC
 from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
+from pliant.controllers.robust_analysis.miss_over_box import MissOverBox, miss_over_box
 from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
 from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
 from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
@@ -50,6 +51,7 @@ __all__ = [
     "Filtered",
     "Kalman",
     "Margins",
+    "MissOverBox",
     "Motion",
     "Objective",
     "PeriodicLQR",
@@ -69,6 +71,7 @@ __all__ = [
     "lag",
     "loop",
     "margins",
+    "miss_over_box",
     "notch",
     "optimal",
     "over_box",
