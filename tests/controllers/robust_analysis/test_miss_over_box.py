@@ -20,7 +20,7 @@ def slew():
 
 
 def test_a_polynomial_is_bounded_by_its_own_maximum():
-    """x^3 + y of x^3 = (3 T1 + T3)/4, largest 2 at a corner; 1 - 2 x^2 y^2 = 1/2 - (T2 + T2' + T2 T2')/2, largest 1 inside."""
+    """x^3 + y, x^3 = (3 T1 + T3)/4, is 2 at a corner; 1 - 2 x^2 y^2 = 1/2 - (T2 + T2' + T2 T2')/2 is 1 inside."""
     corner, inside = np.zeros((4, 4, 1)), np.zeros((3, 3, 1))
     corner[1, 0], corner[3, 0], corner[0, 1] = 0.75, 0.25, 1.0
     inside[0, 0], inside[2, 0], inside[0, 2], inside[2, 2] = 0.5, -0.5, -0.5, -0.5
@@ -74,7 +74,7 @@ def test_a_box_over_which_no_polynomial_follows(slew, monkeypatch):
 
 
 def test_what_is_no_box(slew):
-    with pytest.raises(ValueError, match="miss_over_box.box"):
+    with pytest.raises(ValueError, match=r"miss_over_box\.box"):
         miss_over_box(*slew, {}, ["tip_deflection"])
     six = ("hub_inertia", "payload.mass", "payload.inertia", "link.E", "link.density", "link.damping")
     with pytest.raises(ValueError, match="at most 5"):
