@@ -67,8 +67,8 @@ class MotionsInBox:
             found[:, i] = np.asarray(self.varied.measure(x, u, p=p))[:, rows] - nominal.y[i, rows]
             if i < len(nominal.t) - 1:
                 x = np.array(step(x, u, p))
-        if not np.isfinite(found).all():
-            raise PliantError("the motion leaves the range of numbers within the box: take a smaller one")
+            if not np.isfinite(x).all():
+                raise PliantError(f"a motion within the box leaves the range of numbers with {self.substeps} substeps")
         return found
 
     def values(self, sides: Array) -> Array:

@@ -80,6 +80,7 @@ REASONS = {  # patterns of module and name
     "controllers.robust_analysis.robust_gain.end_gain": INNER,
     "controllers.robust_analysis.robust_gain.robust_gain": "as shows, by the same gates, and longer",
     "controllers.robust_analysis.robust_gain.UncertainLTV.closed": INNER,
+    "controllers.robust_analysis.loop_over_box*": INNER,
     "controllers.robust_analysis.miss_over_box.MissOverBox*": RESULT,
     "controllers.robust_analysis.miss_over_box.miss_over_box": "its own tests: of a motion and a box",
     "controllers.robust_analysis.worst_parameters.MotionsInBox*": INNER,
