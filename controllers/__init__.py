@@ -7,6 +7,7 @@ from pliant.controllers import learning as rl
 from pliant.controllers import riccati
 from pliant.controllers.analysis.loops import loop
 from pliant.controllers.analysis.margins import Margins, margins
+from pliant.controllers.analysis.margins_along import MarginsAlong, margins_along
 from pliant.controllers.analysis.spillover import Spillover, spillover
 from pliant.controllers.analytic_gradients.training import learn as _by_gradients
 from pliant.controllers.base.controller import Controller, Feedback
@@ -51,6 +52,7 @@ __all__ = [
     "Filtered",
     "Kalman",
     "Margins",
+    "MarginsAlong",
     "MissOverBox",
     "Motion",
     "Objective",
@@ -71,6 +73,7 @@ __all__ = [
     "lag",
     "loop",
     "margins",
+    "margins_along",
     "miss_over_box",
     "notch",
     "optimal",

@@ -38,7 +38,7 @@ from .over_frequencies import bound
 Array = np.ndarray
 MOST = 8  # boxes that are looked at
 KEPT = 0.95  # of a value, that it may fall by where boxes larger than the given one would take it past zero
-MOST_PARTS = 1500  # of a box, of which each was halved along the parameter that turns it most
+MOST_PARTS = 3000  # of a box, of which each was halved along the parameter that turns it most
 TWICE = 2.0  # times the rest that was measured
 WORST_BASIS = 1e8  # condition number of eigenvectors
 SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3, 0.15, 0.05)  # of the nearest instability: boxes that are tried

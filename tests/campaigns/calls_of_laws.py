@@ -67,6 +67,8 @@ REASONS = {  # patterns of module and name
     "controllers.estimation.sensors.accelerometer": "as Sensor",
     "controllers.estimation.square_root*": INNER,
     "controllers.analysis.users_laws*": INNER,
+    "controllers.analysis.margins_along.MarginsAlong*": RESULT,
+    "controllers.analysis.margins_along.margins_along": "its own tests: of a motion and its gains",
     "controllers.robust_analysis.blocks*": INNER,
     "controllers.robust_analysis.scalings*": INNER,
     "controllers.robust_analysis.power_iteration*": INNER,
