@@ -32,7 +32,7 @@ from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
 from pliant.controllers.robust_analysis.miss_over_box import MissOverBox, miss_over_box
 from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
-from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
+from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability, stands
 from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
 from pliant.plants.core import imports
 
@@ -89,6 +89,7 @@ __all__ = [
     "shape",
     "shaper_for",
     "spillover",
+    "stands",
     "worst_parameters",
 ]
 

@@ -21,6 +21,7 @@ from itertools import product
 import numpy as np
 
 from pliant.plants.core.argument_gates import (
+    require_count,
     require_finite,
     require_function,
     require_mapping,
@@ -38,6 +39,7 @@ from .over_frequencies import bound
 Array = np.ndarray
 MOST = 8  # boxes that are looked at
 KEPT = 0.95  # of a value, that it may fall by where boxes larger than the given one would take it past zero
+STEPS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0)  # boxes that a quick look tries
 MOST_PARTS = 3000  # of a box, of which each was halved along the parameter that turns it most
 TWICE = 2.0  # times the rest that was measured
 WORST_BASIS = 1e8  # condition number of eigenvectors
@@ -117,10 +119,7 @@ def over_box(
 
 
 def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox) -> RobustStability:
-    with np.errstate(divide="ignore"):
-        reach = np.where(middle != 0, KEPT * np.abs(middle) / half, np.inf)
-    most = float(min(MOST, loop.most, max(1.0, reach.min())))
-    count, dt = len(names), loop.dt
+    most, count, dt = _most(middle, half, loop), len(names), loop.dt
     if (rate := growth(loop.state_matrix(np.zeros(count)), dt)) >= 0:
         raise PliantError(f"the loop is not stable in the middle of the box: it grows by {rate:.4g} 1/s")
     found = nearest(loop.state_matrix, count, dt, most)
@@ -147,6 +146,35 @@ def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox
     )
 
 
+def _most(middle: Array, half: Array, loop: LoopOverBox) -> float:
+    with np.errstate(divide="ignore"):
+        reach = np.where(middle != 0, KEPT * np.abs(middle) / half, np.inf)
+    return float(min(MOST, loop.most, max(1.0, reach.min())))
+
+
+def stands(
+    plant: Plant,
+    controller: object,
+    box: Mapping[str, tuple[float, float]],
+    at: Mapping[str, float],
+    *,
+    parts: int = 100,
+) -> float:
+    """How many boxes, of 1/4, 1/2, 1, 1.5, 2 and 3, a loop was shown to stand: `stable_to`, coarser and faster.
+
+    Arguments as in `robust_stability`, parts: of the box, at most. 0: not even the first.
+    """
+    names, middle, half = require_box("stands.box", box)
+    parts = require_count("stands", "parts", parts, 1, 100_000)
+    loop = loop_over_box(plant, controller, names, middle, half, at)
+    most, shown = _most(middle, half, loop), 0.0
+    for k in STEPS:
+        if k > most or _by_parts(loop, len(names), k, 2 * parts - 1) is None:
+            break
+        shown = k
+    return shown
+
+
 def _by_scalings(loop: LoopOverBox, count: int, k: float) -> FractionalForm | None:
     """The form of k boxes over which scalings show stability."""
     mass = None if loop.mass is None else _scaled(loop.mass, k)
@@ -154,11 +182,11 @@ def _by_scalings(loop: LoopOverBox, count: int, k: float) -> FractionalForm | No
     return form if bound(form, 1.0, 1.0).beta <= 1 else None
 
 
-def _by_parts(loop: LoopOverBox, count: int, k: float) -> tuple[int, float] | None:
+def _by_parts(loop: LoopOverBox, count: int, k: float, looked: int = MOST_PARTS) -> tuple[int, float] | None:
     """Parts of k boxes and the largest rest: one norm |T x| for each, in which the loop falls at all its corners."""
     corners = np.array(list(product((-1.0, 1.0), repeat=count)))
     waiting, parts, left = [(np.zeros(count), np.ones(count))], 0, 0.0
-    for _ in range(MOST_PARTS):
+    for _ in range(looked):
         centre, half = waiting.pop()
         A0 = loop.state_matrix(k * centre)
         if growth(A0, loop.dt) >= 0:

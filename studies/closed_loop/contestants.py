@@ -11,6 +11,7 @@ import numpy as np
 
 from pliant import controllers
 from pliant.controllers import Controller, Policy
+from pliant.controllers.linear_quadratic.periodic_lqr import turning
 from pliant.envs import scenes
 from pliant.envs.scenes.registry import is_file
 from pliant.envs.scenes.scene import Scene
@@ -19,6 +20,12 @@ from pliant.plants.core.argument_gates import require_names
 
 MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
 Maker = Callable[[Scene], Controller]
+LACKS_OF_A_CYCLE = {
+    "TVLQR": "cost to go at its nominal's end, nor law after it, that go round with a cycle",
+    "MPC": "model, targets and cost to go at its horizon's end that go round with a cycle",
+    "NMPC": "cost to go at its horizon's end that goes round with a cycle",
+    "LQG": "gains, of its law and of its filter, that go round with a cycle",
+}
 
 
 @dataclass(frozen=True)
@@ -29,7 +36,21 @@ class Designed:
     options: tuple[tuple[str, Any], ...] = ()
 
     def __call__(self, scene: Scene) -> Controller:
-        return getattr(controllers, self.name).for_scene(scene, **dict(self.options))
+        try:
+            made: Controller = getattr(controllers, self.name).for_scene(scene, **dict(self.options))
+        except EquilibriumError as failure:
+            if self.name not in LACKS_OF_A_CYCLE:
+                raise
+            try:
+                angle, rate = turning(scene)
+            except PliantError:
+                raise failure from None
+            raise EquilibriumError(
+                f"the goal is a cycle, {scene.plant.states[angle].name} goes round at {rate:.4g} rad/s: {self.name} "
+                f"has no {LACKS_OF_A_CYCLE[self.name]}; PeriodicLQR, which plays as LQR, holds it",
+                failure.residual,
+            ) from None
+        return made
 
 
 def regulator(scene: Scene) -> Controller:

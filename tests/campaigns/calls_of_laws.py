@@ -77,6 +77,7 @@ REASONS = {  # patterns of module and name
     "controllers.robust_analysis.nearest_instability*": INNER,
     "controllers.robust_analysis.robust_stability.RobustStability*": RESULT,
     "controllers.robust_analysis.robust_stability.require_box": "a gate itself",
+    "controllers.robust_analysis.robust_stability.stands": "as robust_stability",
     "controllers.robust_analysis.robust_stability.robust_stability": "over_box after the plant's own gates",
     "controllers.robust_analysis.robust_gain.RobustGain*": RESULT,
     "controllers.robust_analysis.robust_gain.end_gain": INNER,
