@@ -10,6 +10,7 @@ from pliant.studies.closed_loop.comparison import HORIZON, POLICY, Contest
 from pliant.studies.closed_loop.scores import deflections
 from pliant.studies.common.formatting import duration, number, paragraph, table
 from pliant.studies.figures import arm_outline
+from pliant.studies.stability.over_ranges import over_ranges
 
 from .findings import Findings
 
@@ -18,11 +19,11 @@ PEAK = 4  # column of the table of controllers
 
 
 def verdict(found: Findings) -> str:
-    """The verdict along the motion in one sentence."""
+    """The verdict along the motion in one sentence, and what LQR stands of the scene's ranges in another."""
     told = found.judgement.found
     if told is None:
         return f"There is no stability verdict along the motion: {found.judgement.reason}."
-    return told.sentence
+    return f"{told.sentence} {over_ranges(found.scene)}".strip()
 
 
 def contest(found: Findings) -> str:
