@@ -30,6 +30,7 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "plants/native/compiler.py": {"s"},  # lines of /proc/cpuinfo
     "plants/native/slp_codegen.py": {"text"},  # C source
     "controllers/learning/policy_files.py": {"name", "path.name", "path.name.removesuffix('.npz')"},  # arrays and files
+    "controllers/learning/policy.py": {"name"},  # files
     "controllers/learning/checkpoint.py": {"name"},  # arrays
     "plants/files/leftovers.py": {"entry.name"},  # files
     "plants/files/sealed_arrays.py": {"archive.comment", "name"},  # files
