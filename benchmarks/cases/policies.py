@@ -31,7 +31,7 @@ from pliant.studies.closed_loop.rollout import rollout
 from pliant.studies.commands import console
 from pliant.studies.commands.train import HARSH
 from pliant.studies.common import machine
-from pliant.studies.scoreboard.tasks import CASES, _conditions, played_scene
+from pliant.studies.scoreboard.tasks import CASES, conditions, played_scene
 
 SEEDS = 5
 KEPT = Path(__file__).parents[2] / "docs" / "scoreboard" / "scoreboard.json"  # bounds
@@ -76,7 +76,7 @@ def in_every_case(scene: Scene, policy: Policy) -> dict[str, Any]:
     found = {}
     for case in CASES:
         played, known = played_scene(scene, case)[0], bounds(scene.name, case)
-        runs = [rollout(played, policy, given) for given in _conditions(scene, case, RUNS, 0)]
+        runs = [rollout(played, policy, given) for given in conditions(scene, case, RUNS, 0)]
         ratios = [run.cost / least for run, least in zip(runs, known) if least]
         failed = sum(bool(run.failure) for run in runs)
         found[case] = {"failures": failed, "runs": len(runs), "median": median(ratios), "largest": max(ratios)}
