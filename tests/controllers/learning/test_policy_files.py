@@ -9,7 +9,7 @@ from file_kinds import policy
 
 from pliant.controllers import Policy
 from pliant.controllers.learning import policy_files
-from pliant.controllers.learning.policy import FOLDER, shipped
+from pliant.controllers.learning.policy import shipped
 from pliant.plants.files import sealed_json
 
 
