@@ -74,6 +74,11 @@ def trained(scene: Scene) -> Controller:
     return Policy.for_scene(scene.name)
 
 
+def robust(scene: Scene) -> Controller:
+    """The same of one that was trained under delay, noise and other parameters."""
+    return Policy.for_scene(scene.name, robust=True)
+
+
 CONTESTANTS: Mapping[str, Maker] = {
     "LQR": regulator,
     "LQR, delay known": predictive,
@@ -85,6 +90,7 @@ CONTESTANTS: Mapping[str, Maker] = {
     "PD, shaped": Designed("PD", (("shape", "zvd"),)),
     "computed torque": Designed("ComputedTorque"),
     "trained policy": trained,
+    "robust policy": robust,
 }
 
 

@@ -15,7 +15,7 @@ MOST_STATES = 16  # of a plant whose loop is looked at: a larger one takes more 
 def over_ranges(scene: Scene) -> str:
     """Of LQR about the goal, as it is sampled; "" where a scene has no ranges or its goal no such loop.
 
-    Of the linear loop, shown in parts by `stands`: what its state matrix does between the corners of a part was measured
+    Of the linear loop, shown in parts by `stands`: what its state matrix does between corners of a part was measured
     and not shown.
 
     Example
