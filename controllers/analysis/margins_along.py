@@ -173,9 +173,12 @@ class _Pushed:
         if delay > 0:
             A, E, C = self._late(f, delay)
         if f.imag:
-            A, E, C = (np.block([[M.real, -M.imag], [M.imag, M.real]]) for M in (A, E, C))
+            real: list[Array] = [np.block([[M.real, -M.imag], [M.imag, M.real]]) for M in (A, E, C)]
         else:
-            A, E, C = A.real, E.real, C.real
+            real = [A.real, E.real, C.real]
+        return self._largest(*real, 2 if f.imag else 1)
+
+    def _largest(self, A: Array, E: Array, C: Array, parts: int) -> Array:
         Phi = even_expm(magnus.exponent(A, self.h))
         step = magnus.reached(A, E @ np.swapaxes(E, -1, -2), self.h)
         W, most = np.zeros(A.shape[-2:]), np.zeros(C.shape[1])
@@ -183,10 +186,8 @@ class _Pushed:
             W = Phi[k] @ W @ Phi[k].T + step[k]
             most = np.maximum(most, np.einsum("ij,jk,ik->i", C[k], W, C[k]))
             if not np.isfinite(most).all():
-                return np.full(len(most) // (2 if f.imag else 1), np.inf)
-        if f.imag:
-            most = most.reshape(2, -1).max(axis=0)
-        return np.sqrt(most)
+                return np.full(len(most) // parts, np.inf)
+        return np.asarray(np.sqrt(most.reshape(parts, -1).max(axis=0)))
 
     def _late(self, f: complex, tau: float) -> tuple[Array, Array, Array]:
         """N(-s tau)/N(s tau) = -1 + h (s tau - F)^-1 g before each input."""
