@@ -12,7 +12,8 @@ Along       the largest change of the input, u = -f K(t) x, under which no outpu
 A sampled law acts as if continuous. A change is raised from none until an output is past the limit, by steps of GAINS,
 PHASES and DELAYS, then halved in between: what comes after the first is not looked at.
 
-Source   Green and Limebeer 1995, "Linear robust control", 3.2 and 3.3, for the gain of a motion that ends
+Source   Seiler, Moore, Meissen, Arcak and Packard, "Finite horizon robustness analysis of LTV systems using integral
+         quadratic constraints", Automatica 100 (2019), for gains of motions that end
 """
 
 from __future__ import annotations
@@ -176,7 +177,7 @@ class _Pushed:
             real: list[Array] = [np.block([[M.real, -M.imag], [M.imag, M.real]]) for M in (A, E, C)]
         else:
             real = [A.real, E.real, C.real]
-        return self._largest(*real, 2 if f.imag else 1)
+        return self._largest(real[0], real[1], real[2], 2 if f.imag else 1)
 
     def _largest(self, A: Array, E: Array, C: Array, parts: int) -> Array:
         Phi = even_expm(magnus.exponent(A, self.h))

@@ -10,7 +10,6 @@ from pliant.studies.closed_loop.comparison import HORIZON, POLICY, Contest
 from pliant.studies.closed_loop.scores import deflections
 from pliant.studies.common.formatting import duration, number, paragraph, table
 from pliant.studies.figures import arm_outline
-from pliant.studies.stability.over_ranges import over_ranges
 
 from .findings import Findings
 
@@ -23,7 +22,7 @@ def verdict(found: Findings) -> str:
     told = found.judgement.found
     if told is None:
         return f"There is no stability verdict along the motion: {found.judgement.reason}."
-    return f"{told.sentence} {over_ranges(found.scene)}".strip()
+    return f"{told.sentence} {found.judgement.over_ranges}".strip()
 
 
 def contest(found: Findings) -> str:

@@ -12,6 +12,7 @@ from pliant.plants.core.argument_gates import require_function, require_instance
 from pliant.plants.stability import Verdict
 from pliant.studies.common.reference_motions import Progress, silent
 
+from .over_ranges import over_ranges
 from .verdicts import left_out, model_along, verdict_along, verdict_at_goal
 
 SECONDS = 8.0  # for the motion and its linear model
@@ -30,12 +31,14 @@ class Judgement:
     left_out: tuple[str, ...] = ()  # states without a part in it
     at_the_goal: Verdict | None = None  # about the goal as an equilibrium; None where it is none or moves
     reason: str = ""  # why there is no verdict
+    over_ranges: str = ""  # what LQR stands of the scene's ranges; "" where nothing is told
 
     def to_json(self) -> dict[str, Any]:
         return {
             **(self.found.to_json() if self.found is not None else {"verdict": None}),
             "left_out": list(self.left_out),
             "at_the_goal": None if self.at_the_goal is None else self.at_the_goal.to_json(),
+            "over_ranges": self.over_ranges or None,
             "reason": self.reason or None,
         }
 
@@ -77,4 +80,4 @@ def judge(
     told(0.8, "verdict")
     found = verdict_along(scene, model)
     told(1.0, found.verdict)
-    return Judgement(found, out, goal)
+    return Judgement(found, out, goal, over_ranges=over_ranges(scene))
