@@ -4,7 +4,8 @@ from typing import Any
 
 from pliant.envs.scenes.scene import ENVIRONMENTS, Scene
 
-from .env import PlantEnv, environment_id, register
+from .env import PlantEnv
+from .registration import environment_id, register
 from .vector_env import PlantVectorEnv
 
 __all__ = ["PlantEnv", "PlantVectorEnv", "environment_id", "register"]

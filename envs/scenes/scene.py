@@ -281,17 +281,13 @@ class Scene(Manoeuvre):
         """The goal as a motion: over one turn where it turns steadily, else at the control times."""
         return steady_motion(self)
 
-    def vector_env(
-        self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float64, threads: int | None = None
-    ) -> Any:
+    def vector_env(self, num_envs: int, *, randomise: bool = False, **options: Any) -> Any:
         """`num_envs` lanes of this scene as a Gymnasium vector environment, PlantVectorEnv; keywords as there."""
-        return ENVIRONMENTS["vector"](self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
+        return ENVIRONMENTS["vector"](self, num_envs, randomise=randomise, **options)
 
-    def sb3_env(
-        self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float32, threads: int | None = None
-    ) -> Any:
+    def sb3_env(self, num_envs: int, *, randomise: bool = False, **options: Any) -> Any:
         """`num_envs` lanes of this scene for Stable-Baselines3, a PlantVecEnv. ImportError without it."""
-        return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
+        return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, **options)
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: sealed(getattr(self, f.name)) for f in dataclasses.fields(self)}
