@@ -111,10 +111,21 @@ def test_options_of_lanes_are_those_of_the_single_environment() -> None:
             assert np.array_equal(obs[lane], wanted) and np.array_equal(vector.states[lane], single.state)
 
 
-def test_rendering_says_that_lanes_are_not_drawn() -> None:
-    with pytest.warns(UserWarning, match="lanes are not drawn"):
+def test_lanes_are_drawn_as_the_single_environment_draws_itself() -> None:
+    with pytest.warns(UserWarning, match="rgb_array"):
         assert PlantVectorEnv(SCENE, 2).render() is None
-    vector = PlantVectorEnv(SCENE, 2)
+    vector, single = PlantVectorEnv(SCENE, 2, render_mode="rgb_array"), PlantEnv(SCENE, render_mode="rgb_array")
+    vector.reset(seed=0)
+    single.reset(seed=0)
+    for action in (0.3, -0.2):
+        vector.step(np.full((2, SCENE.plant.nu), action))
+        single.step(np.full(SCENE.plant.nu, action))
+        pictures = vector.render()
+        assert len(pictures) == 2 and np.array_equal(pictures[1], single.render())
+    with pytest.raises(ValueError, match="must be at most 64"):
+        many = PlantVectorEnv(SCENE, 65, render_mode="rgb_array")
+        many.reset()
+        many.render()
     vector.close()
     vector.close()
 
