@@ -1,7 +1,7 @@
 """A scene's rollout as a function of PyTorch, with exact gradients in states, inputs and parameters.
 
-A control period is the environment's own RK4 steps in native code, x+ = F(x, u, p), with the derivatives of that discrete
-map (`plants.integration.step_sensitivities`); backward they are multiplied with what comes from the periods after.
+A control period is the environment's own RK4 steps in native code, x+ = F(x, u, p), with the derivatives of that map
+(`plants.integration.step_sensitivities`); backward they are multiplied with what comes from the periods after.
 Observations and costs are the environment's, differentiated symbolically. Nothing here ends an episode at a bound, and
 nothing is cut off but the actions at the limits, where `rollout` does so.
 """
@@ -66,7 +66,7 @@ class Differentiable:
         """compute(k, x, u, p) -> (value (lanes, m), its slopes (lanes, m, ..) in x, u, p) as a function of tensors."""
         torch = self.torch
 
-        class Native(torch.autograd.Function):  # type: ignore[misc, name-defined]
+        class Native(torch.autograd.Function):  # type: ignore[name-defined]
             @staticmethod
             def forward(ctx: Any, k: int, *given: Tensor) -> Tensor:
                 arrays = [tensor.detach().to(torch.float64).numpy() for tensor in given]
@@ -79,7 +79,7 @@ class Differentiable:
                 needed = zip(ctx.needs_input_grad[1:], ctx.saved_tensors)
                 return None, *(torch.einsum("bi,bij->bj", g, slope) if wanted else None for wanted, slope in needed)
 
-        return Native.apply  # type: ignore[no-any-return]
+        return Native.apply
 
     def _stepped(self, k: int, x: Array, u: Array, p: Array) -> tuple[Array, list[Array]]:
         scene, work, nx, nu = self.scene, self._work, self.plant.nx, self.plant.nu
@@ -140,9 +140,8 @@ class Differentiable:
 def _sensed(scene: Scene) -> tuple[NumericFunction, NumericFunction]:
     """(x, u, ref, w, p) -> ([obs; cost],), and its slopes in x, u and p."""
     plant = scene.varied_plant
-    x, u, w, p = (
-        ca.SX.sym(name, size) for name, size in zip("xuwp", (plant.nx, plant.nu, plant.nw, len(plant.varied)))
-    )
+    sizes = plant.nx, plant.nu, plant.nw, len(plant.varied)
+    x, u, w, p = (ca.SX.sym(name, size) for name, size in zip("xuwp", sizes))
     ref = ca.SX.sym("ref", len(reference(scene)))
     obs, cost, _ = observe_function(scene)(x, u, ref, w, p)
     value = ca.vertcat(obs, cost)

@@ -53,7 +53,7 @@ class Channel(OwnsArrays):
             self._streams[lane] = np.random.default_rng([STREAM, int(seed)])
             self._next[lane] = CHUNK
 
-    def unseeded(self, lanes: Sequence[int]) -> list[int]:
+    def unseeded(self, lanes: Array) -> list[int]:
         """Those of the lanes that have no stream yet."""
         return [int(lane) for lane in lanes if self._streams[lane] is None]
 
