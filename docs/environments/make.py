@@ -21,12 +21,13 @@ TOP = """# Environments
 what is observed, moved, priced, bounded and drawn, and what simple laws return; `pliant scenes NAME` prints the same
 of any scene, your own included. Made by `python docs/environments/make.py`.
 
-Every environment takes the keywords of `pliant.envs.Task`, by `gymnasium.make(id, ...)`, `vector_env` and `sb3_env` alike:
+Every environment takes the keywords of `pliant.envs.Task`, by `gymnasium.make(id, ...)`, `vector_env` and `sb3_env`:
 
 | keyword | what it makes of the scene |
 | --- | --- |
-| reward="normalised" | in [0, 1]: 1/(1 + c/k), c the cost's rate, k an eighth of that at the start; 0 where an episode ends early |
-| difficulty="nominal", "randomised", "hard" | nothing drawn; what the page calls drawn; also all that is uncertain by +-30 %, 1 % of noise, actions late by 0 or 1 period |
+| reward="normalised" | in [0, 1]: 1 at the goal, 0 where an episode ends early ([learning](../learning.md)) |
+| difficulty="nominal", "randomised" | nothing drawn; what the scene's page calls drawn |
+| difficulty="hard" | also all that is uncertain by +-30 %, 1 % of noise, actions late by 0 or 1 period |
 | sensors=True | observed are the readings of the plant's own sensors, with a data sheet's noise |
 | noise=0.01 | standard deviation of each reading, over its signal's range in the nominal motion |
 | action_delay=1, observation_delay=(0, 2) | whole control periods; a pair is drawn anew for each episode |
