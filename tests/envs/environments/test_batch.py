@@ -3,9 +3,11 @@
 import copy
 import pickle
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers.vector import RecordVideo
 
 from pliant.envs import PlantEnv, scenes
 from pliant.envs.environments.vector_env import PlantVectorEnv
@@ -137,3 +139,20 @@ def test_observations_of_one_signal_are_no_view_of_the_kernels(lanes) -> None:
     vector.reset()
     vector.step(np.zeros((lanes, 1)))
     assert not np.shares_memory(vector._obs, vector._step.obs)
+
+
+def test_videos_are_recorded(tmp_path) -> None:
+    pytest.importorskip("moviepy")
+    env = gymnasium.make("pliant/SingleLinkSlew-v0", render_mode="rgb_array", max_episode_steps=3)
+    one = gymnasium.wrappers.RecordVideo(env, str(tmp_path / "one"))
+    one.reset(seed=0)
+    for _ in range(3):
+        one.step(np.zeros(1))
+    one.close()
+    venv = gymnasium.make_vec("pliant/SingleLinkSlew-v0", num_envs=2, render_mode="rgb_array", max_episode_steps=3)
+    many = RecordVideo(venv, str(tmp_path / "many"), video_aspect_ratio=(1, 1), video_length=2)
+    many.reset(seed=0)
+    for _ in range(3):
+        many.step(np.zeros((2, 1)))
+    many.close()
+    assert all(list((tmp_path / name).glob("*.mp4")) for name in ("one", "many"))
