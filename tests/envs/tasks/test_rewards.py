@@ -9,11 +9,11 @@ from pliant.envs.tasks.rewards import KNEE, knee_cost, normalised
 SLEW = scenes.get("single-link-slew")
 
 
-def test_one_at_the_goal_a_ninth_at_the_start_zero_where_an_episode_ends() -> None:
+def test_one_at_the_goal_a_third_at_the_start_zero_where_an_episode_ends() -> None:
     at_start = SLEW.dt * 10.0  # weight 10 of hub_angle, one radian off
     assert knee_cost(SLEW) == pytest.approx(at_start / KNEE)
     found = normalised(SLEW, np.array([0.0, at_start, np.inf, 0.0]), np.array([False, False, False, True]))
-    assert found.tolist() == pytest.approx([1.0, 1.0 / 9.0, 0.0, 0.0])
+    assert found.tolist() == pytest.approx([1.0, 0.3127606, 0.0, 0.0], abs=1e-6)  # 1/(1 + log 9)
 
 
 def test_every_environment_gives_it_and_ending_never_pays() -> None:
@@ -28,7 +28,7 @@ def test_every_environment_gives_it_and_ending_never_pays() -> None:
         _, rewards, _, _, infos = lanes.step(np.ones((2, 1)))
         assert rewards.tolist() == [reward] * 2
         cost = info["cost"] - info["early_end_cost"]
-        assert reward == (0.0 if over else pytest.approx(1.0 / (1.0 + cost / knee_cost(short))))
+        assert reward == (0.0 if over else pytest.approx(1.0 / (1.0 + np.log(1.0 + cost / knee_cost(short)))))
     assert infos["cost"][0] == info["cost"] > 50.0  # what the scene charges is told as before
 
 
