@@ -13,7 +13,7 @@ def test_one_at_the_goal_a_third_at_the_start_zero_where_an_episode_ends() -> No
     at_start = SLEW.dt * 10.0  # weight 10 of hub_angle, one radian off
     assert knee_cost(SLEW) == pytest.approx(at_start / KNEE)
     found = normalised(SLEW, np.array([0.0, at_start, np.inf, 0.0]), np.array([False, False, False, True]))
-    assert found.tolist() == pytest.approx([1.0, 0.3127606, 0.0, 0.0], abs=1e-6)  # 1/(1 + log 9)
+    assert found.tolist() == pytest.approx([1.0, 1.0 / 3.1972246, 0.0, 0.0])  # log 9 = 2.1972246
 
 
 def test_every_environment_gives_it_and_ending_never_pays() -> None:
