@@ -1,4 +1,4 @@
-"""The bounded reward, by which learners with their defaults learn.
+"""The bounded reward, for learners with their defaults.
 
 The scene's own reward, minus its cost, falls without bound: a policy that begins with noise as large as the limits
 throws the machine about, pays for it by the square, and what ends its episode charges thousands. The normalised one is
