@@ -64,7 +64,7 @@ def chart(
     peers: bool | Peers = False,
     progress: Progress | None = None,
 ) -> Chart:
-    """Measure the rows of a scene in `budget` [s] of processor time, the first of each variant before others; see `plan`.
+    """Measure the rows of a scene in `budget` [s] of processor time, first one of each variant; see `plan`.
 
     Before it begins physics is found, each variant's own motion converged, and its motions compiled where that pays,
     cheapest variants first for as long as PREPARING or the budget. A budget that does not prepare each variant and buy
