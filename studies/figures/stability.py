@@ -88,6 +88,7 @@ def _tube(ax: Axes, horizon: FiniteHorizon) -> None:
         label = "of unit energy" if side > 0 else None
         ax.plot(horizon.t, side * times * horizon.by_energy[worst.name], color=COLOURS[1], lw=1.2, label=label)
     ax.set_ylabel(f"{worst.name}\noff its nominal" + (f" [{unit}]" if unit else ""))
+    ax.set_xlabel("time [s]")
     ax.legend(loc="upper left", title=", ".join(s.name for s in horizon.disturbances), title_fontsize=7)
 
 
@@ -117,7 +118,7 @@ def _real_parts(ax: Axes, frozen: FrozenTime) -> None:
     near = max(1e-2 * float(np.abs(frozen.eigenvalues).max()), 1e-9)
     size = float(np.abs(frozen.eigenvalues.real).max())
     if size > 3 * near:
-        ax.set_yscale("symlog", linthresh=near)
+        ax.set_yscale("symlog", linthresh=10 ** np.ceil(np.log10(near)))  # so that no power of ten stands beside 0
     elif size < ROUNDED * np.abs(frozen.eigenvalues).max():
         ax.set_ylim(-near, near)
     ax.set_ylabel("frozen real part\n[1/s]")
