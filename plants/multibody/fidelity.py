@@ -116,7 +116,9 @@ class TreeFidelity(TreeDeclaration):
         if not bent and not any(b.modal is not None and b.modal.n for b in self.bodies):
             return (self,)
         rungs = tuple(rung for rung in LADDER if bent or rung[0] != "strain")
-        bending = _bending if self.nominal is self else _bending.__wrapped__  # symbols have no equality
+        bending: Callable[..., tuple[Self, ...]] = _bending
+        if self.nominal is not self:  # symbols have no equality
+            bending = _bending.__wrapped__
         return (dataclasses.replace(self, kinematics="rigid"), *bending(self._with(*LADDER[0]), rungs))
 
     def physics(self, more: int = 0) -> Self:
