@@ -72,7 +72,7 @@ class Margins(OwnsArrays):
 
     @property
     def bandwidth_hz(self) -> float:
-        """The highest crossover."""
+        """The highest crossover [Hz]."""
         return max(c.crossover_hz for c in self.channels)
 
     def __str__(self) -> str:

@@ -92,7 +92,10 @@ class Shaper(OwnsArrays):
         return Shaper(times[fresh], np.bincount(np.cumsum(fresh) - 1, weights=amplitudes))
 
     def residual(self, frequency: Any, damping: float = 0.0) -> Any:
-        """V [-] at natural frequencies [rad/s], a number or an array (m,): the sensitivity curve."""
+        """V [-] at natural frequencies [rad/s], a number or an array (m,): the sensitivity curve.
+
+        ValueError where a frequency is negative or not finite.
+        """
         w, damping = real_array("Shaper.residual: frequency", frequency), share("shaper.damping", damping)
         if not np.isfinite(w).all() or (w < 0).any():
             raise ValueError(f"Shaper.residual: frequency = {shown(frequency)} must be finite and >= 0 [rad/s]")
@@ -135,7 +138,7 @@ def shaper_for(
 
     Of a model, sampled or not, those count that oscillate with a damping ratio below 0.2; the `most` slowest where
     given. A sampled model shows what oscillates faster than half its sampling rate at a lower frequency: take the
-    continuous model where it has such modes.
+    continuous model where it has such modes. ValueError where none oscillates.
     """
     if most is not None:
         most = require_count("shaper_for", "most", most, 1, 1000)

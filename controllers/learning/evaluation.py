@@ -16,7 +16,7 @@ from .settings import CURVE_FORMAT
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The deterministic policy on the scene as it is: nothing drawn at random."""
+    """The deterministic policy on the scene as it is: nothing drawn at random. `cost` is in the scene's own unit."""
 
     steps: int  # of training so far
     seconds: float  # of training so far
@@ -25,7 +25,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Training:
-    """What a run made: `policy` is the one that did best of those evaluated."""
+    """What a run made: `policy` is the one that did best of those evaluated. `seconds` is what it took [s]."""
 
     policy: Policy
     cost: float  # of `policy`
@@ -54,7 +54,7 @@ def read_curve(path: str | Path) -> tuple[Evaluation, ...]:
 def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
     """The scene's cost under the policy, by its environment: RK4 and the charge for an early end.
 
-    env: one lane of the scene that may be used again, made where not given.
+    env: one lane of the scene that may be used again, made where not given. The cost is in the scene's own unit.
     """
     require_instance("evaluate.policy", policy, Policy)
     require_scene("evaluate", scene, ("plant", "observe", "limits", "dt", "stage_cost"))

@@ -38,7 +38,7 @@ class Regulator(NamedTuple):
 
 
 class Sampled(NamedTuple):
-    """x+ = A x + B u and the cost x'Qx + u'Ru + 2 x'Nu of one step."""
+    """x+ = A x + B u and the cost x'Qx + u'Ru + 2 x'Nu of one step. A, Q (nx, nx), B, N (nx, nu), R (nu, nu)."""
 
     A: np.ndarray
     B: np.ndarray

@@ -53,7 +53,7 @@ class RobustStability(OwnsArrays):
 
     @property
     def mu(self) -> tuple[float, float]:
-        """Lower and upper bound."""
+        """Lower and upper bound. Dimensionless."""
         return (
             0.0 if self.unstable_at is None else 1 / self.unstable_at,
             1 / self.stable_to if self.stable_to else np.inf,

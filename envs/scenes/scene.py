@@ -168,18 +168,18 @@ class Manoeuvre:
         return [index(self.signals, name, f"{owner}: signal") for name in require_names(owner, names, repeated=True)]
 
     def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
-        """The named states or outputs from x (..., nx) and y (..., ny)."""
+        """The named states or outputs (..., k) from x (..., nx) and y (..., ny)."""
         places = self.positions(names, owner="signal_values.names")
         x, y = rows("signal_values", x=(x, self.plant.nx), y=(y, self.plant.ny))
         return np.concatenate([x, y], axis=-1)[..., places]
 
     def goal_values(self, names: tuple[str, ...]) -> np.ndarray:
-        """The named states or outputs at the goal, at t = 0."""
+        """The named states or outputs (k,) at the goal, at t = 0, each in its unit."""
         x, u = self.target
         return np.concatenate([x, self.plant.measure(x, u)])[self.positions(names, owner="goal_values.names")]
 
     def goal_drift(self, names: tuple[str, ...]) -> np.ndarray:
-        """d/dt of `goal_values`: of states as in `goal_rates`; ValueError for outputs that follow these."""
+        """d/dt of `goal_values` (k,): of states as in `goal_rates`; ValueError for outputs that follow these."""
         names = require_names("goal_drift.names", names, repeated=True)
         require_still(f"scene {self.name!r}", self._following, names)
         return np.concatenate([self.drift, np.zeros(self.plant.ny)])[self.positions(names, owner="goal_drift.names")]
@@ -223,7 +223,7 @@ class Scene(Manoeuvre):
 
     @cached_property
     def cost_origin(self) -> tuple[np.ndarray, np.ndarray]:
-        """Values at the goal, at t = 0, of the weighted signals and of the priced inputs."""
+        """Values at the goal, at t = 0, of the weighted signals (nz,) and of the priced inputs (k,)."""
         return self.goal_values(self.weighted), self.target[1][self.priced_inputs]
 
     def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray, t: Any = 0.0) -> Any:
@@ -236,7 +236,7 @@ class Scene(Manoeuvre):
         return cost.early_end_rate(self)
 
     def cost(self, motion: Trajectory) -> float:
-        """The scene's cost of a motion sampled at the control times."""
+        """The scene's cost of a motion sampled at the control times; no unit but that of the weights."""
         return cost.of_motion(self, motion)
 
     @cached_property
@@ -260,7 +260,7 @@ class Scene(Manoeuvre):
 
     @kept_property
     def nominal_input(self) -> Callable[[float], np.ndarray]:
-        """Inputs u(t) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
+        """u(t) (nu,) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
 
         The same inputs drive every fidelity in the speed-accuracy chart. Warns (NominalWarning) beyond `limits`.
         """

@@ -38,7 +38,7 @@ class Terms(OwnsArrays):
 
     @property
     def residual(self) -> Array:
-        """J q'' + F q' + Gamma - tau, zero to rounding."""
+        """J q'' + F q' + Gamma - tau, zero to rounding. (4,) or (nq,), torques [N m]."""
         return self.J * self.acceleration + self.F * self.rate + self.Gamma - self.applied
 
 

@@ -88,7 +88,7 @@ def loaded_roots(n: int, mass: float, inertia: float, coupling: float = 0.0) -> 
 
     Bisection on the count of roots. Brackets: a tip load lowers every root of the clamped-free beam;
     Dunkerley's bound, with tip compliances 1/3 and 1, lies below the first; clamping the tip adds two
-    constraints.
+    constraints. ValueError where the coupling is larger than a load can have.
     """
     n = require_count("modes", "n", n, 0, MOST_MODES)
     mass = require_number("modes.mass", mass, least=0.0, most=LARGEST_RATIO)

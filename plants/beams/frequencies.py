@@ -19,7 +19,7 @@ def frequencies(beam: Beam, n: int, boundary: str = "clamped-free", payload: Pay
     """The lowest n natural frequencies [rad/s] (n,) of bending in the x-y plane.
 
     omega = beta^2 sqrt(EI/(rho A L^4)). A payload needs boundary "clamped-free"; its offset must lie in the
-    x-y plane, else bending and torsion couple.
+    x-y plane, else bending and torsion couple. ValueError for an offset out of the plane.
     """
     require_instance("frequencies.beam", beam, Beam)
     require_choice("frequencies", "boundary", boundary, BOUNDARIES)

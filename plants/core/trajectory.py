@@ -83,6 +83,7 @@ class Trajectory(OwnsArrays):
 
         With `plant` the signals are the plant's and y, where None, is what the plant measures. Without it
         the names are given; states and inputs default to x1.., u1...
+        ValueError names the array whose shape does not fit.
         """
         t = read_only_times("Trajectory.t", t)
         x = require_finite("Trajectory.x", x, (len(t), -1))
@@ -149,7 +150,7 @@ class Trajectory(OwnsArrays):
 
         x by cubic Hermite polynomials where dx is known (the new dx is theirs), else by a spline; y by a
         spline; u and w as `hold` says. Under "zero-order" the rate jumps at the old times and y with it: x
-        is then of third order.
+        is then of third order. ValueError for times beyond them.
         """
         from scipy.interpolate import CubicHermiteSpline, CubicSpline
 

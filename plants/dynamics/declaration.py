@@ -27,27 +27,29 @@ COMPILED, NATIVE = ("_dynamics", "_output", "_jacobians"), "_native"  # function
 
 @dataclass(frozen=True, kw_only=True)
 class Declaration(ABC):
-    """Signals, equations and parameters. `varied` holds the dotted names of parameters that are inputs p of every
-    function.
-    """
+    """Signals, equations, parameters; `varied`: dotted names of parameters that are inputs p of every function."""
 
     varied: tuple[str, ...] = dataclasses.field(default=(), metadata={"gate": require_names})
 
     @property
     @abstractmethod
-    def states(self) -> tuple[Signal, ...]: ...
+    def states(self) -> tuple[Signal, ...]:
+        """Names and units of x (nx,)."""
 
     @property
     @abstractmethod
-    def inputs(self) -> tuple[Signal, ...]: ...
+    def inputs(self) -> tuple[Signal, ...]:
+        """Names and units of u (nu,)."""
 
     @property
     @abstractmethod
-    def disturbances(self) -> tuple[Signal, ...]: ...
+    def disturbances(self) -> tuple[Signal, ...]:
+        """Names and units of w (nw,)."""
 
     @property
     @abstractmethod
-    def outputs(self) -> tuple[Signal, ...]: ...
+    def outputs(self) -> tuple[Signal, ...]:
+        """Names and units of y (ny,)."""
 
     @property
     @abstractmethod
@@ -95,18 +97,22 @@ class Declaration(ABC):
 
     @cached_property
     def nx(self) -> int:
+        """How many states: x is (nx,)."""
         return len(self.states)
 
     @cached_property
     def nu(self) -> int:
+        """How many inputs: u is (nu,)."""
         return len(self.inputs)
 
     @cached_property
     def nw(self) -> int:
+        """How many disturbances: w is (nw,)."""
         return len(self.disturbances)
 
     @cached_property
     def ny(self) -> int:
+        """How many outputs: y is (ny,)."""
         return len(self.outputs)
 
     @property
