@@ -99,6 +99,12 @@ def loop(
 
     ValueError where the model varies in time or lacks what the controller reads, PliantError for controllers without a
     linear form. K is (nu, len(reads)); dt: period [s] of a gain, None: the model's.
+
+    Example
+    -------
+    >>> from pliant.plants import LinearModel
+    >>> motor = LinearModel.from_matrices([[0.0, 1.0], [0.0, -1.0]], [[0.0], [1.0]])
+    >>> loop(motor, [[4.0, 2.0]]).dt
     """
     if not isinstance(model, LinearModel):
         raise ValueError(f"loop.model = {shown(model)} must be a LinearModel: a loop has margins at rest")

@@ -40,6 +40,14 @@ def read_curve(path: str | Path) -> tuple[Evaluation, ...]:
     """The evaluations of a run, from the curve.json in its folder.
 
     ValueError, which names the file, where it is damaged or something else.
+
+    Example
+    -------
+    >>> try:
+    ...     read_curve("curve.json")
+    ... except OSError as error:
+    ...     print(type(error).__name__)
+    FileNotFoundError
     """
     told = sealed_json.load("read_curve", path, CURVE_FORMAT)
     try:
@@ -55,6 +63,13 @@ def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
     """The scene's cost under the policy, by its environment: RK4 and the charge for an early end.
 
     env: one lane of the scene that may be used again, made where not given. The cost is in the scene's own unit.
+
+    Example
+    -------
+    >>> from pliant.envs import scenes
+    >>> from pliant.controllers import Policy
+    >>> bool(evaluate(Policy.for_scene("single-link-slew"), scenes.get("single-link-slew")) < 5.0)
+    True
     """
     require_instance("evaluate.policy", policy, Policy)
     require_scene("evaluate", scene, ("plant", "observe", "limits", "dt", "stage_cost"))

@@ -128,6 +128,12 @@ def over_box(
 ) -> RobustStability:
     """The same of any closed loop by its state matrix (n, n), a function of delta (k,), each in [-1, 1] in one box;
     `box` only names and scales them. dt [s]: of a sampled loop. mass: E(delta) (n, n), by which E A is a polynomial.
+
+    Example
+    -------
+    >>> found = over_box(lambda delta: np.array([[-1.0 + delta[0]]]), {"gain": (0.0, 0.5)})
+    >>> found.stable_to >= 1.0
+    False
     """
     names, middle, half = require_box("over_box.box", box)
     state_matrix = require_function("over_box.state_matrix", state_matrix)

@@ -206,5 +206,11 @@ def clamped_payload_roots(
     chi: float,
     mu: float,
 ) -> np.ndarray:
-    """The lowest n roots lambda (n,), none missed, of a clamped beam with an offset payload; see OffsetPayload."""
+    """The lowest n roots lambda (n,), none missed, of a clamped beam with an offset payload; see OffsetPayload.
+
+    Example
+    -------
+    >>> clamped_payload_roots(2, mass=1.0, chi=1.1, mu=0.05).round(4)
+    array([1.2479, 4.0311])
+    """
     return OffsetPayload(mass=mass, offset=offset, inertia=inertia, chi=chi, mu=mu).roots(n)

@@ -67,7 +67,7 @@ class Sliding:
     """What holds the shifts of a "planar" or "free" joint: a spring to zero, damping, dry friction, and stops where
     each of them reaches `lower` and `upper`; as those of `Joint`, in metres.
 
-    >>> Sliding(stiffness=200.0, damping=3.0) In [N/m], [N s/m], [N] and [m].
+    >>> Sliding(stiffness=200.0, damping=3.0)
     """
 
     stiffness: Any = quantity("N/m", "nonnegative", 0.0)
