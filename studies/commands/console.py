@@ -36,10 +36,10 @@ class Commands(TyperGroup):
         except BrokenPipeError:  # the reader, such as `head`, has seen enough
             raise
         except USAGE as error:
-            complain(error.format_message())
+            complain(f"{error.format_message()} {_see(ctx)}")
             raise typer.Exit(2) from None
         except (ValueError, OSError) as error:
-            complain(str(error))
+            complain(f"{error} {_see(ctx)}")
             raise typer.Exit(2) from None
         except PliantError as error:
             complain(f"{type(error).__name__}: {error}")
@@ -49,6 +49,11 @@ class Commands(TyperGroup):
         except Exception as error:  # last: a fault, which people are told in a line that they can report
             complain(f"{type(error).__name__}: {error} in {_where(error)}. {REPORT_IT}")
             raise typer.Exit(1) from None
+
+
+def _see(ctx: Any) -> str:
+    """What to do about a bad call."""
+    return f"(see `pliant {ctx.invoked_subcommand or ''} --help`)".replace("  ", " ")
 
 
 def _where(error: BaseException) -> str:
