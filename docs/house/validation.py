@@ -27,7 +27,7 @@ NOT_VALIDATED = """## What is not validated
 
 - No comparison is with a measurement on a machine: all sources are equations, tables and programs.
 - What no line of the table names stands on the library's own tests alone: energy balance, Jacobians by
-  differences, limits between fidelities, and agreement among variants. Those find slips, and lack what all variants lack.
+  differences, limits between fidelities, agreement among variants. Those find slips, and lack what all variants lack.
 - Of the plants damping (Kelvin-Voigt, Rayleigh, friction at stops) is compared with formulas at most, and material data
   (strength, creep, plasticity), backlash, fluids and contact are not modelled.
 - The table holds comparisons that go through `agrees`; other tests compare with outside sources too (Exudyn's spatial

@@ -18,6 +18,7 @@ from pliant.plants import LinearModel, Plant, Signal, Trajectory
 from pliant.plants.core.argument_gates import require_instance, require_names
 from pliant.plants.core.parameters import quantity, validate
 from pliant.plants.core.signals import index, owned, sealed
+from pliant.plants.files.html_tables import SceneTable
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.linear.quadratic_cost import (
     QuadraticCost,
@@ -40,8 +41,7 @@ Pairs = tuple[tuple[str, float], ...]
 Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
-ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector" and "sb3": (scene, num_envs, ...) -> environment, filled
-# by pliant.envs.environments, which imports this room
+ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector" and "sb3": filled by pliant.envs.environments
 
 __all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 
@@ -186,7 +186,7 @@ class Manoeuvre:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene(Manoeuvre):
+class Scene(Manoeuvre, SceneTable):
     """Drive `plant` from `start` to `goal`, at least cost, within limits.
 
     Start and goal name coordinates of rest points; joints not named are at zero, what no input drives in equilibrium.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant.plants.files import sealed_arrays
+from pliant.plants.files.html_tables import TrajectoryTable
 
 from .argument_gates import shown
 from .parameters import require_choice, require_finite
@@ -26,7 +27,7 @@ FILE, FORMAT = "motion", 2  # what a file says of itself; format 1, of version 0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(OwnsArrays):
+class Trajectory(OwnsArrays, TrajectoryTable):
     """Rows belong to the times t; `traj["tip_x"]` is a column by name. The arrays are write-protected copies.
 
     `hold` says what the input does between two times: "zero-order" keeps the earlier row, "linear" joins the

@@ -19,6 +19,7 @@ from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_names
 from pliant.plants.core.casadi_functions import built_once
 from pliant.plants.core.signals import Signal, owned, sealed
+from pliant.plants.files.html_tables import PlantTable
 from pliant.plants.native.batch_kernels import compiled
 
 Array = np.ndarray
@@ -26,7 +27,7 @@ COMPILED, NATIVE = ("_dynamics", "_output", "_jacobians"), "_native"  # function
 
 
 @dataclass(frozen=True, kw_only=True)
-class Declaration(ABC):
+class Declaration(PlantTable, ABC):
     """Signals, equations, parameters; `varied`: dotted names of parameters that are inputs p of every function."""
 
     varied: tuple[str, ...] = dataclasses.field(default=(), metadata={"gate": require_names})
@@ -73,7 +74,7 @@ class Declaration(ABC):
         """Where the positions stand in x; their rates follow. None where a plant states no more than dx/dt."""
         return slice(0, 0)
 
-    def check_state(self, x: Array) -> None:  # noqa: B027  any finite numbers are a state of most plants
+    def check_state(self, x: Array) -> None:
         """Raise ValueError where x (..., nx) is no state of the plant, at the start of a motion or on a nominal."""
 
     def consistent(self, x: Array) -> Array:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pliant.plants.core.argument_gates import LEAST, require_seconds, shown
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
+from pliant.plants.files.html_tables import ModelTable
 
 from . import modal_analysis
 from .even_units import even_expm
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LinearModel(ModelSignals):
+class LinearModel(ModelSignals, ModelTable):
     """A, B, E, C, D, F about (x0, u0, w0). Arrays are write-protected copies, sized as the signals."""
 
     A: np.ndarray = field(repr=False)  # (nx, nx)
