@@ -36,10 +36,10 @@ class Commands(TyperGroup):
         except BrokenPipeError:  # the reader, such as `head`, has seen enough
             raise
         except USAGE as error:
-            complain(f"{error.format_message()} {_see(ctx)}")
+            complain(_with_help(error.format_message(), ctx))
             raise typer.Exit(2) from None
         except (ValueError, OSError) as error:
-            complain(f"{error} {_see(ctx)}")
+            complain(_with_help(str(error), ctx))
             raise typer.Exit(2) from None
         except PliantError as error:
             complain(f"{type(error).__name__}: {error}")
@@ -51,9 +51,10 @@ class Commands(TyperGroup):
             raise typer.Exit(1) from None
 
 
-def _see(ctx: Any) -> str:
-    """What to do about a bad call."""
-    return f"(see `pliant {ctx.invoked_subcommand or ''} --help`)".replace("  ", " ")
+def _with_help(message: str, ctx: Any) -> str:
+    """The message, and where to look for what is right unless it says so itself."""
+    command = " ".join(("pliant", *filter(None, [ctx.invoked_subcommand])))
+    return message if "`pliant" in message else f"{message} (see `{command} --help`)"
 
 
 def _where(error: BaseException) -> str:
