@@ -149,8 +149,13 @@ def shown(item: Public) -> bool:
     name = item.name.rpartition(".")[2]
     over = [base for base in item.owner.__mro__ if name in vars(base)]
     makers = {maker for base in over for maker in made_of(base)}
-    texts = (examples(inspect.getdoc(maker) or "") + session(maker.__name__) for maker in makers)
-    return any(re.search(rf"\.{re.escape(name)}\b", text) for text in texts)
+    return any(name in used(maker) for maker in makers)
+
+
+@cache
+def used(maker: type) -> set[str]:
+    """What stands after a dot in a class's examples."""
+    return set(re.findall(r"\.(\w+)", examples(inspect.getdoc(maker) or "") + session(maker.__name__)))
 
 
 def made_of(base: type) -> Iterator[type]:
