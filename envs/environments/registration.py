@@ -11,7 +11,13 @@ from .thresholds import THRESHOLDS
 
 
 def environment_id(scene_name: str) -> str:
-    """The registered id of a named scene: "two-link-reach" -> "pliant/TwoLinkReach-v0"."""
+    """The registered id of a named scene: "two-link-reach" -> "pliant/TwoLinkReach-v0".
+
+    Example
+    -------
+    >>> environment_id("two-link-reach")
+    'pliant/TwoLinkReach-v0'
+    """
     return f"pliant/{''.join(word.capitalize() for word in scene_name.split('-'))}-v0"
 
 

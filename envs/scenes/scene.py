@@ -290,7 +290,10 @@ class Scene(Manoeuvre, SceneTable):
         return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, **options)
 
     def differentiable(self, torch: Any, lanes: int = 1) -> Any:
-        """Rollouts as functions of the module `torch` with exact gradients: pliant.envs.simulation.differentiable."""
+        """Rollouts as functions of the module `torch` with exact gradients: pliant.envs.simulation.differentiable.
+
+        >>> play = scene.differentiable(torch, lanes=8)
+        """
         return ENVIRONMENTS["differentiable"](self, torch, lanes)
 
     def __getstate__(self) -> dict[str, Any]:

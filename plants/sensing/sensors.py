@@ -91,7 +91,13 @@ class Sensor:
 
 
 def read(sensors: Sequence[Sensor], y: np.ndarray, dt: float, rng: np.random.Generator) -> np.ndarray:
-    """One sample (ns,) of each sensor from the true values y (ns,) of what they read."""
+    """One sample (ns,) of each sensor from the true values y (ns,) of what they read, in their units.
+
+    Example
+    -------
+    >>> read([encoder("hub_angle")], np.array([0.5]), 0.01, np.random.default_rng(0)).round(3)
+    array([0.5])
+    """
     sensors = require_all("read.sensors", sensors, Sensor)
     y = require_finite("read.y", y, (len(sensors),))
     require_instance("read.rng", rng, np.random.Generator)
@@ -99,7 +105,13 @@ def read(sensors: Sequence[Sensor], y: np.ndarray, dt: float, rng: np.random.Gen
 
 
 def covariance(sensors: Sequence[Sensor], dt: float) -> np.ndarray:
-    """V (ns, ns) of their errors in samples dt [s] apart."""
+    """V (ns, ns) of their errors in samples dt [s] apart, in their units squared.
+
+    Example
+    -------
+    >>> covariance([encoder("hub_angle"), gyro("tip_rate")], 0.01).shape
+    (2, 2)
+    """
     sensors, dt = require_all("covariance.sensors", sensors, Sensor), _step(dt)
     return np.diag([sensor.deviation(dt) ** 2 for sensor in sensors])
 
@@ -129,23 +141,48 @@ def _sensor(place: Sensed, unit: str) -> Sensor:
 
 
 def encoder(output: str) -> Sensor:
-    """Of an angle [rad]."""
+    """Of an angle [rad].
+
+    Example
+    -------
+    >>> encoder("hub_angle").unit
+    'rad'
+    """
     return Sensor("encoder", output, "rad", noise=COUNT / 2, quantum=COUNT)
 
 
 def gauge(output: str, beam: Beam) -> Sensor:
-    """Of the curvature [1/m] about z."""
+    """Of the curvature [1/m] about z, of a beam that stands in for the gauge's place.
+
+    Example
+    -------
+    >>> from pliant.plants import SingleLinkArm
+    >>> gauge("root_curvature", SingleLinkArm.textbook().link).unit
+    '1/m'
+    """
     require_instance("gauge.beam", beam, Beam)
     return Sensor("strain gauge", output, "1/m", noise=STRAIN / float(np.sqrt(3 * beam.I_z / beam.area)))
 
 
 def accelerometer(output: str) -> Sensor:
-    """Of an acceleration [m/s^2]."""
+    """Of an acceleration [m/s^2].
+
+    Example
+    -------
+    >>> accelerometer("tip_acceleration").kind
+    'accelerometer'
+    """
     return Sensor("accelerometer", output, "m/s^2", density=ACCELERATION)
 
 
 def gyro(output: str, density: float = TIP_RATE) -> Sensor:
-    """Of a rate [rad/s]."""
+    """Of a rate [rad/s].
+
+    Example
+    -------
+    >>> gyro("tip_rate").kind
+    'gyro'
+    """
     return Sensor("gyro", output, "rad/s", density=density)
 
 
