@@ -252,3 +252,12 @@ class Path(OwnsArrays):
         """Largest |eigenvalue| [1/s] at a few times."""
         at = self.t[:: max(1, len(self.t) // 8)] if not self.constant else self.t[:1]
         return float(np.abs(np.linalg.eigvals(self(at))).max(initial=0.0))
+
+
+def paths_of(joined: Any, states: Sequence[str] | None) -> tuple[list[Path], list[np.ndarray]]:
+    """A(t) of each piece, and the jumps between them, all in the same scaled coordinates."""
+    keep = kept(joined, states)
+    A = [piece.A[:, keep][:, :, keep] for piece in joined.pieces]
+    scale = scaling(np.concatenate(A))
+    jumps = [J[np.ix_(keep, keep)] * scale / scale[:, None] for J, _ in joined.jumps]
+    return [Path(piece.t, a, scale) for piece, a in zip(joined.pieces, A)], jumps
