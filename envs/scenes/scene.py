@@ -26,6 +26,7 @@ from pliant.plants.linear.quadratic_cost import (
     quadratic_cost,
     require_still,
 )
+from pliant.plants.motions.tabulated_inputs import tabulated
 
 from . import cost
 from .checks import checked, rest_point, rows
@@ -274,8 +275,9 @@ class Scene(Manoeuvre):
         return told(self, self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options))
 
     def nominal_motion(self, **options: Any) -> Trajectory:
-        """As `open_loop`, from `nominal_start`."""
-        return told(self, self.plant.simulate(self.nominal_initial[0], self.nominal_input, self.times, **options))
+        """As `open_loop`, from `nominal_start`; inputs that are dear to evaluate come from a table."""
+        u = tabulated(self.nominal_input)
+        return told(self, self.plant.simulate(self.nominal_initial[0], u, self.times, **options))
 
     def goal_motion(self) -> Trajectory:
         """The goal as a motion: over one turn where it turns steadily, else at the control times."""
