@@ -3,7 +3,7 @@
 constant, tends    intervals of rates about the eigenvalues of the limit: bounds, if the limit is what was said
 persists           slow variation first, which proves a rate on the record; else averages of the triangular model over
                    windows of the record. Their interval is an estimate and no bound: it decides only where it is
-                   further from zero than it is wide, and where running averages come to rest
+                   further from zero than it is wide, twice as far where running averages do not come to rest
 periodic           Floquet's multipliers, in `assess` itself
 
 A deviation that grows in the record and decays later decays, and the other way round: what was found over the record
@@ -27,6 +27,7 @@ from .long_run import Spectrum
 from .slow_dichotomy import SlowDichotomy, slow_dichotomy
 from .spectrum import BEYOND, spectrum
 
+APART, UNRESTED = 1.0, 2.0  # widths of an estimated interval from zero, from which on it decides
 SLOWLY = "A goes on to vary as slowly beside the gaps between its roots as in the record"
 
 
@@ -64,8 +65,8 @@ def in_the_long_run(
     why = rates.why
     if beyond == "persists":
         bound, why = np.nan, f"estimated from averages over the record: {rates.why}"
-        near = high - low >= (low if verdict == "unstable" else -high)
-        if verdict != "undecided" and (near or not rates.regular):
+        apart = (low if verdict == "unstable" else -high) / max(high - low, 1e-300)
+        if verdict != "undecided" and apart <= (APART if rates.regular else UNRESTED):
             verdict, why = "undecided", f"the estimate is too near to zero beside what is open in it: {rates.why}"
     rate = float(rates.exponents[0]) if len(rates.exponents) else -np.inf
     return _decided(found, verdict, -rate, bound, why, rates.assumption, over, rates)

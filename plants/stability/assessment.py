@@ -154,6 +154,7 @@ def _judged(
             _beside(joined, states, coordinates, window, cycle, evidence, said)
         return of_periodic(joined, states, cycle, evidence, said)
     evidence["slow_variation"] = slow = slow_variation(joined, states=states)
+    moved = None
     if thorough or not slow:
         try:
             evidence["lyapunov"] = lyapunov(joined, periodic=False, states=states, most=OPEN_STEPS)
