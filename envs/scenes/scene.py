@@ -1,7 +1,7 @@
 """A scene: a plant, a manoeuvre, limits, a cost and a tolerance.
 
-A scene is what controllers are scored on, what environments wrap and what the speed-accuracy chart runs. It
-names signals, never indices, so that every fidelity of its plant can play it.
+Controllers are scored on it, environments wrap it, the speed-accuracy chart runs it. It names signals, never indices,
+so that every fidelity of its plant can play it.
 """
 
 from __future__ import annotations
@@ -41,9 +41,7 @@ Pairs = tuple[tuple[str, float], ...]
 Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
-ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector" and "sb3": (scene, num_envs, ...) -> environment, filled
-# by pliant.envs.environments, which imports this room
-
+ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector", "sb3": filled by pliant.envs.environments
 __all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 
 

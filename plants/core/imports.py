@@ -53,9 +53,8 @@ class _Offering(ModuleType):
     _offers: Mapping[str, str] = {}  # {name: "module:object" or "module", behind the package's own name}
 
     def __setattr__(self, name: str, value: Any) -> None:
-        module, _, _ = self._offers.get(name, "").partition(":")
         room = isinstance(value, ModuleType) and value.__name__ == f"{self.__name__}.{name}"
-        if not module or not room or module == name:
+        if not (room and ":" in self._offers.get(name, "")):
             super().__setattr__(name, value)
 
     def __getattr__(self, name: str) -> Any:

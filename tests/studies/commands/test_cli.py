@@ -1,3 +1,4 @@
+import importlib
 import json
 import subprocess
 import sys
@@ -6,7 +7,7 @@ from importlib.metadata import version
 import pytest
 from typer.testing import CliRunner
 
-from pliant.studies.commands.cli import app
+from pliant.studies.commands.cli import COMMANDS, app
 
 
 def run(*arguments):
@@ -67,5 +68,21 @@ def test_start_up_does_not_import_what_draws():
     code = (
         "import sys, pliant.studies.commands.cli; "
         "sys.exit(any(m in sys.modules for m in ('matplotlib', 'control', 'rich')))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_of_commands_says_what_the_command_says(name):
+    place, line = COMMANDS[name]
+    module, function = place.split(":")
+    said = getattr(importlib.import_module(f"pliant.studies.commands.{module}"), function).__doc__
+    assert said.split("\n\n")[0].split("\n")[0] == line
+
+
+def test_the_version_needs_no_plant():
+    code = (
+        "import sys; from pliant.studies.commands import cli; "
+        "sys.exit(any(m.startswith(('pliant.plants.dynamics', 'pliant.envs', 'scipy')) for m in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
