@@ -53,6 +53,11 @@ def trained(scene: Scene) -> Controller:
     return Policy.for_scene(scene.name)
 
 
+def robust(scene: Scene) -> Controller:
+    """The same of one that was trained under delay, noise and other parameters."""
+    return Policy.for_scene(scene.name, robust=True)
+
+
 CONTESTANTS: Mapping[str, Maker] = {
     "LQR": regulator,
     "LQR, delay known": predictive,
@@ -64,6 +69,7 @@ CONTESTANTS: Mapping[str, Maker] = {
     "PD, shaped": Designed("PD", (("shape", "zvd"),)),
     "computed torque": Designed("ComputedTorque"),
     "trained policy": trained,
+    "robust policy": robust,
 }
 
 
