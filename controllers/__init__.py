@@ -18,7 +18,8 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.estimation import sensors
     from pliant.controllers.estimation.kalman import Kalman
     from pliant.controllers.estimation.sensors import Sensor, sensors_of
-    from pliant.controllers.export import arrays_of, export_arrays, export_c
+    from pliant.controllers.export.arrays import arrays_of, export_arrays
+    from pliant.controllers.export.export_c import export_c
     from pliant.controllers.filters import Filter, Filtered, lag, notch, roll_off
     from pliant.controllers.joint_control.computed_torque import ComputedTorque
     from pliant.controllers.joint_control.input_shaping import Shaper, shape, shaper_for

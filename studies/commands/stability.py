@@ -95,8 +95,8 @@ def _campbell(scene: Scene, speeds: tuple[float, float], picture: Path | None, a
         save(campbell_diagram(found, title=scene.name), picture)
     if as_json:
         modes = {"speeds": found.speeds, "frequencies": found.frequencies, "rates": found.rates}
-        meets = [{"order": c.order, "mode": c.mode + 1, "speed": c.speed} for c in found.crossings]
-        print_json({"scene": scene.name, "speed": turning.speed_of(scene), **modes, "crossings": meets})
+        crossings = [{"order": c.order, "mode": c.mode + 1, "speed": c.speed} for c in found.crossings]
+        print_json({"scene": scene.name, "speed": turning.speed_of(scene), **modes, "crossings": crossings})
         return
     ends = [
         (k + 1, *(float(found.frequencies[at, k]) / (2 * np.pi) for at in (0, -1)))
