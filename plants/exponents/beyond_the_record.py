@@ -56,7 +56,7 @@ def in_the_long_run(
     try:
         rates = spectrum(model, beyond=beyond, states=states, limit=limit, within=within)
     except ValueError as refusal:
-        why = f"the long run is not known: {str(refusal).removeprefix('spectrum: ')}"
+        why = f"the long run is not known: {refusal}"
         return _decided(found, "undecided", np.nan, np.nan, why, "", over, None)
     low, high = (float(v) for v in rates.intervals[0]) if len(rates.intervals) else (-np.inf, -np.inf)
     bound, verdict = -high if np.isfinite(high) else np.nan, rates.verdict

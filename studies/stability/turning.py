@@ -8,6 +8,7 @@ A(t) over a turn, and what its changes over the turn do is told by the tongues.
 from __future__ import annotations
 
 import dataclasses
+from typing import cast
 
 import numpy as np
 
@@ -44,8 +45,9 @@ def campbell_of(scene: Scene, low: float, high: float) -> Campbell:
     speeds = np.linspace(max(low, LEAST * high), high, SPEEDS)
     angles = [name for name, own in plant.rates.items() if own == rate]
     kept = tuple(s.name for s in plant.states if s.name not in {*angles, rate}) if angles else None
-    if isinstance(plant, SliderCrank):
-        return campbell(lambda speed: _mean_over_a_turn(plant, speed), speeds, states=kept)
+    if hasattr(plant, "crank_speed"):
+        crank = cast(SliderCrank, plant)
+        return campbell(lambda speed: _mean_over_a_turn(crank, speed), speeds, states=kept)
     return campbell(plant, speeds, rate=rate, x0=_at_rest(plant, scene), states=kept)
 
 
@@ -53,9 +55,7 @@ def tongues_of(scene: Scene, low: float, high: float) -> tuple[Tongue, ...]:
     """The intervals of crank speed [rad/s] in which the cycle is unstable, edges to 1e-4. ValueError for no crank."""
     require_instance("tongues_of.scene", scene, Scene)
     low, high = _speeds("--tongues", low, high)
-    if not isinstance(scene.plant, SliderCrank):
-        raise ValueError(f"--tongues: scene {scene.name!r} must be of a SliderCrank, is of a {scene.plant.label}")
-    return tongues(scene.plant, low, high)
+    return tongues(cast(SliderCrank, scene.plant), low, high)  # which asks
 
 
 def _at_rest(plant: Plant, scene: Scene) -> np.ndarray:

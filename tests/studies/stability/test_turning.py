@@ -38,7 +38,7 @@ def test_what_is_asked_of_the_wrong_scene_is_refused():
     for call, says in (
         (lambda: turning.campbell_of(scenes.get("single-link-slew"), 0.0, 1.0), "nothing turns"),
         (lambda: turning.campbell_of(scenes.get("spin-up"), 2.0, 1.0), "must rise"),
-        (lambda: turning.tongues_of(scenes.get("spin-up"), 1.0, 2.0), "must be of a SliderCrank"),
+        (lambda: turning.tongues_of(scenes.get("spin-up"), 1.0, 2.0), "tongues.plant"),
     ):
         with pytest.raises(ValueError, match=says):
             call()
