@@ -12,6 +12,7 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers import riccati
     from pliant.controllers.analysis.loops import loop
     from pliant.controllers.analysis.margins import Margins, margins
+    from pliant.controllers.analysis.margins_along import MarginsAlong, margins_along
     from pliant.controllers.analysis.spillover import Spillover, spillover
     from pliant.controllers.base.controller import Controller, Feedback
     from pliant.controllers.base.objective import Objective
@@ -34,8 +35,9 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.nmpc.nmpc import NMPC
     from pliant.controllers.optimal_control.optimal import Motion, optimal
     from pliant.controllers.optimal_control.plan import plan
+    from pliant.controllers.robust_analysis.miss_over_box import MissOverBox, miss_over_box
     from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
-    from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
+    from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability, stands
     from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
 
 __all__ = [
@@ -52,6 +54,8 @@ __all__ = [
     "Filtered",
     "Kalman",
     "Margins",
+    "MarginsAlong",
+    "MissOverBox",
     "Motion",
     "Objective",
     "PeriodicLQR",
@@ -71,6 +75,8 @@ __all__ = [
     "lag",
     "loop",
     "margins",
+    "margins_along",
+    "miss_over_box",
     "notch",
     "optimal",
     "over_box",
@@ -85,6 +91,7 @@ __all__ = [
     "shape",
     "shaper_for",
     "spillover",
+    "stands",
     "worst_parameters",
 ]
 
@@ -94,6 +101,7 @@ imports.offer(
         "": "rl=learning riccati sensors=estimation.sensors",
         "analysis.loops": "loop",
         "analysis.margins": "Margins margins",
+        "analysis.margins_along": "MarginsAlong margins_along",
         "analysis.spillover": "Spillover spillover",
         "base.controller": "Controller Feedback",
         "base.objective": "Objective",
@@ -114,8 +122,9 @@ imports.offer(
         "nmpc.nmpc": "NMPC",
         "optimal_control.optimal": "Motion optimal",
         "optimal_control.plan": "plan",
+        "robust_analysis.miss_over_box": "MissOverBox miss_over_box",
         "robust_analysis.robust_gain": "RobustGain UncertainLTV robust_gain",
-        "robust_analysis.robust_stability": "RobustStability over_box robust_stability",
+        "robust_analysis.robust_stability": "RobustStability over_box robust_stability stands",
         "robust_analysis.worst_parameters": "WorstParameters worst_parameters",
     },
 )
