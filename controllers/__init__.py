@@ -3,40 +3,42 @@
 if __name__ != "pliant.controllers":
     raise ImportError("this folder is installed as pliant.controllers: write `import pliant.controllers`")
 
-from pliant.controllers import learning as rl
-from pliant.controllers import riccati
-from pliant.controllers.analysis.loops import loop
-from pliant.controllers.analysis.margins import Margins, margins
-from pliant.controllers.analysis.margins_along import MarginsAlong, margins_along
-from pliant.controllers.analysis.spillover import Spillover, spillover
-from pliant.controllers.analytic_gradients.training import learn as _by_gradients
-from pliant.controllers.base.controller import Controller, Feedback
-from pliant.controllers.base.objective import Objective
-from pliant.controllers.estimation import sensors
-from pliant.controllers.estimation.kalman import Kalman
-from pliant.controllers.estimation.sensors import Sensor, sensors_of
-from pliant.controllers.export import arrays_of, export_arrays, export_c
-from pliant.controllers.filters import Filter, Filtered, lag, notch, roll_off
-from pliant.controllers.joint_control.computed_torque import ComputedTorque
-from pliant.controllers.joint_control.input_shaping import Shaper, shape, shaper_for
-from pliant.controllers.joint_control.pd import PD
-from pliant.controllers.learning.policy import Policy
-from pliant.controllers.linear_quadratic.delay import Predictive, delayed
-from pliant.controllers.linear_quadratic.lqg import LQG
-from pliant.controllers.linear_quadratic.lqr import LQR
-from pliant.controllers.linear_quadratic.periodic_lqr import PeriodicLQR
-from pliant.controllers.linear_quadratic.tvlqr import TVLQR
-from pliant.controllers.mpc.mpc import MPC
-from pliant.controllers.nmpc.nmpc import NMPC
-from pliant.controllers.optimal_control.optimal import Motion, optimal
-from pliant.controllers.optimal_control.plan import plan
-from pliant.controllers.robust_analysis.miss_over_box import MissOverBox, miss_over_box
-from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
-from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability, stands
-from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
+from typing import TYPE_CHECKING
+
 from pliant.plants.core import imports
 
-rl.settings.LEARNERS["apg"] = _by_gradients
+if TYPE_CHECKING:  # imported when they are first asked for: see below
+    from pliant.controllers import learning as rl
+    from pliant.controllers import riccati
+    from pliant.controllers.analysis.loops import loop
+    from pliant.controllers.analysis.margins import Margins, margins
+    from pliant.controllers.analysis.margins_along import MarginsAlong, margins_along
+    from pliant.controllers.analysis.spillover import Spillover, spillover
+    from pliant.controllers.base.controller import Controller, Feedback
+    from pliant.controllers.base.objective import Objective
+    from pliant.controllers.estimation import sensors
+    from pliant.controllers.estimation.kalman import Kalman
+    from pliant.controllers.estimation.sensors import Sensor, sensors_of
+    from pliant.controllers.export.arrays import arrays_of, export_arrays
+    from pliant.controllers.export.export_c import export_c
+    from pliant.controllers.filters import Filter, Filtered, lag, notch, roll_off
+    from pliant.controllers.joint_control.computed_torque import ComputedTorque
+    from pliant.controllers.joint_control.input_shaping import Shaper, shape, shaper_for
+    from pliant.controllers.joint_control.pd import PD
+    from pliant.controllers.learning.policy import Policy
+    from pliant.controllers.linear_quadratic.delay import Predictive, delayed
+    from pliant.controllers.linear_quadratic.lqg import LQG
+    from pliant.controllers.linear_quadratic.lqr import LQR
+    from pliant.controllers.linear_quadratic.periodic_lqr import PeriodicLQR
+    from pliant.controllers.linear_quadratic.tvlqr import TVLQR
+    from pliant.controllers.mpc.mpc import MPC
+    from pliant.controllers.nmpc.nmpc import NMPC
+    from pliant.controllers.optimal_control.optimal import Motion, optimal
+    from pliant.controllers.optimal_control.plan import plan
+    from pliant.controllers.robust_analysis.miss_over_box import MissOverBox, miss_over_box
+    from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
+    from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability, stands
+    from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
 
 __all__ = [
     "LQG",
@@ -93,6 +95,39 @@ __all__ = [
     "worst_parameters",
 ]
 
+imports.offer(
+    __name__,
+    {
+        "": "rl=learning riccati sensors=estimation.sensors",
+        "analysis.loops": "loop",
+        "analysis.margins": "Margins margins",
+        "analysis.margins_along": "MarginsAlong margins_along",
+        "analysis.spillover": "Spillover spillover",
+        "base.controller": "Controller Feedback",
+        "base.objective": "Objective",
+        "estimation.kalman": "Kalman",
+        "estimation.sensors": "Sensor sensors_of",
+        "export": "arrays_of export_arrays export_c",
+        "filters": "Filter Filtered lag notch roll_off",
+        "joint_control.computed_torque": "ComputedTorque",
+        "joint_control.input_shaping": "Shaper shape shaper_for",
+        "joint_control.pd": "PD",
+        "learning.policy": "Policy",
+        "linear_quadratic.delay": "Predictive delayed",
+        "linear_quadratic.lqg": "LQG",
+        "linear_quadratic.lqr": "LQR",
+        "linear_quadratic.periodic_lqr": "PeriodicLQR",
+        "linear_quadratic.tvlqr": "TVLQR",
+        "mpc.mpc": "MPC",
+        "nmpc.nmpc": "NMPC",
+        "optimal_control.optimal": "Motion optimal",
+        "optimal_control.plan": "plan",
+        "robust_analysis.miss_over_box": "MissOverBox miss_over_box",
+        "robust_analysis.robust_gain": "RobustGain UncertainLTV robust_gain",
+        "robust_analysis.robust_stability": "RobustStability over_box robust_stability stands",
+        "robust_analysis.worst_parameters": "WorstParameters worst_parameters",
+    },
+)
 imports.serve(
     __name__,
     {

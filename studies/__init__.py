@@ -3,19 +3,31 @@
 if __name__ != "pliant.studies":
     raise ImportError("this folder is installed as pliant.studies: write `import pliant.studies`")
 
+from typing import TYPE_CHECKING
+
 from pliant.plants.core import imports
 
-# Eager, because these functions share the names of their modules: a later import would put the module
-# in their place. The modules themselves import what draws only where they draw.
-from pliant.studies.charts.gallery import gallery
-from pliant.studies.charts.measure import chart
-from pliant.studies.fidelity.choice import choose
-from pliant.studies.monte_carlo.monte_carlo import monte_carlo
-from pliant.studies.report.report import report
-from pliant.studies.scoreboard.scoreboard import scoreboard
+if TYPE_CHECKING:  # imported when they are first asked for: see below
+    from pliant.studies.charts.gallery import gallery
+    from pliant.studies.charts.measure import chart
+    from pliant.studies.fidelity.choice import choose
+    from pliant.studies.monte_carlo.monte_carlo import monte_carlo
+    from pliant.studies.report.report import report
+    from pliant.studies.scoreboard.scoreboard import scoreboard
 
 __all__ = ["chart", "choose", "gallery", "monte_carlo", "report", "scoreboard"]
 
+imports.offer(
+    __name__,
+    {
+        "charts.gallery": "gallery",
+        "charts.measure": "chart",
+        "fidelity.choice": "choose",
+        "monte_carlo.monte_carlo": "monte_carlo",
+        "report.report": "report",
+        "scoreboard.scoreboard": "scoreboard",
+    },
+)
 imports.serve(
     __name__,
     {

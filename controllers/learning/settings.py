@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from pliant.plants.core.argument_gates import require_count, require_number
+from pliant.plants.core.imports import Late
 
 Progress = Callable[[float, str], None]
 SECONDS = {"apg": 60.0, "ppo": 300.0, "sac": 300.0}  # what a run may take where nothing is said
@@ -102,6 +103,6 @@ class APGSettings:
         _check(self)
 
 
-LEARNERS: dict[str, Callable[..., Any]] = {}  # "apg": what learns by it, of a room that imports this one
+LEARNERS = {"apg": Late("pliant.controllers.analytic_gradients.training")}  # whose `learn` does; it imports this room
 Settings = APGSettings | PPOSettings | SACSettings
 SETTINGS: dict[str, type[Settings]] = {"apg": APGSettings, "ppo": PPOSettings, "sac": SACSettings}

@@ -101,7 +101,7 @@ def train(
     if isinstance(chosen, APGSettings):
         if threads not in (None, 1):
             raise ValueError(f"train: threads = {threads}: apg uses no torch and one thread")
-        return LEARNERS["apg"](
+        return LEARNERS["apg"].learn(
             scene,
             chosen,
             seed=seed,

@@ -1,7 +1,7 @@
 """A scene: a plant, a manoeuvre, limits, a cost and a tolerance.
 
-A scene is what controllers are scored on, what environments wrap and what the speed-accuracy chart runs. It
-names signals, never indices, so that every fidelity of its plant can play it.
+Controllers are scored on it, environments wrap it, the speed-accuracy chart runs it. It names signals, never indices,
+so that every fidelity of its plant can play it.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from pliant.plants.linear.quadratic_cost import (
     quadratic_cost,
     require_still,
 )
+from pliant.plants.motions.tabulated_inputs import tabulated
 
 from . import cost
 from .checks import checked, rest_point, rows
@@ -42,7 +43,6 @@ Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
 ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector", "sb3", "differentiable": made of a scene by rooms below
-
 __all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 
 
@@ -274,8 +274,9 @@ class Scene(Manoeuvre, SceneTable):
         return told(self, self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options))
 
     def nominal_motion(self, **options: Any) -> Trajectory:
-        """As `open_loop`, from `nominal_start`."""
-        return told(self, self.plant.simulate(self.nominal_initial[0], self.nominal_input, self.times, **options))
+        """As `open_loop`, from `nominal_start`; inputs that are dear to evaluate come from a table."""
+        u = tabulated(self.nominal_input)
+        return told(self, self.plant.simulate(self.nominal_initial[0], u, self.times, **options))
 
     def goal_motion(self) -> Trajectory:
         """The goal as a motion: over one turn where it turns steadily, else at the control times."""

@@ -1,6 +1,9 @@
-"""Imports of three kinds of their own: modules when they are first used, old names of modules, other packages' objects.
+"""Imports of four kinds of their own: modules when they are first used, a package's names when they are first asked
+for, old names of modules, other packages' objects.
 
 Late    `linalg.expm` imports scipy.linalg, which costs as much as half of `import pliant.plants` without it
+offer   names of a package, from modules of its rooms: `from pliant.studies import chart` imports what measures,
+        `import pliant.studies` does not
 serve   modules under the names that they had before the rooms: `pliant.plants.sensitivities` is
         `pliant.plants.integration.step_sensitivities`. The old name imports the same module object, with a
         DeprecationWarning that says the new one. A name that is now a room (`pliant.plants.linear`) is not served
@@ -39,6 +42,49 @@ class Late:
 
 
 linalg = Late("scipy.linalg")
+
+
+class _Offering(ModuleType):
+    """A package some of whose names come from modules that are imported when the name is first asked for.
+
+    A room of such a name (pliant.studies.report) does not take its place when something imports the room.
+    """
+
+    _offers: Mapping[str, str] = {}  # {name: "module:object" or "module", behind the package's own name}
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        room = isinstance(value, ModuleType) and value.__name__ == f"{self.__name__}.{name}"
+        if not (room and ":" in self._offers.get(name, "")):
+            super().__setattr__(name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in self._offers:
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        module, _, inner = self._offers[name].partition(":")
+        found: Any = importlib.import_module(f"{self.__name__}.{module}")
+        if inner:
+            found = getattr(found, inner)
+        super().__setattr__(name, found)
+        return found
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self._offers})
+
+
+def offer(package: str, names: Mapping[str, str]) -> None:
+    """Names of a package from modules that are imported when a name is first asked for (as PEP 562 has it).
+
+    names: {module, behind the package's name: "name other=object ..."}; "" for modules of the package: "riccati
+    rl=learning". Where a name differs from what the module calls it, "name=object".
+    """
+    places = {}
+    for module, words in names.items():
+        for word in words.split():
+            name, _, inner = word.partition("=")
+            places[name] = f"{module}:{inner or name}" if module else inner or name
+    own = sys.modules[package]
+    own.__class__ = _Offering
+    vars(own)["_offers"] = places
 
 
 class _Moved(importlib.abc.MetaPathFinder, importlib.abc.Loader):

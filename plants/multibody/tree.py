@@ -19,7 +19,7 @@ Source   R. Featherstone, "Rigid Body Dynamics Algorithms" (2008), composite bod
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,6 +31,7 @@ import numpy as np
 from pliant.plants.beams.section import Beam
 from pliant.plants.core.argument_gates import require_all, require_text
 from pliant.plants.core.casadi_functions import Built, NumericFunction, built_once, function
+from pliant.plants.core.imports import Late
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.elastic_bodies.of_body import readings_of
 from pliant.plants.elastic_bodies.ranges import ranges_of
@@ -46,7 +47,7 @@ from .from_urdf import bodies, platform, tell_repairs
 from .measurements import readings
 from .tree_dynamics import TreeDynamics
 
-FILES: dict[str, Callable[..., Any]] = {}  # "read" and "write", filled by pliant.plants.tables, which imports this room
+FILES = Late("pliant.plants.tables.tree_files")  # which imports this room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,12 +138,12 @@ class FlexibleTree(TreeDynamics):
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
         """The tree of a file as `to_toml` writes it, or by hand. ValueError: file, key, value and what it must be."""
-        made: Self = FILES["read"](cls, path)
+        made: Self = FILES.read_tree(cls, path)
         return made
 
     def to_toml(self, path: str | Path) -> None:
         """Write the fields that are not at their defaults, to the last bit. ValueError where one is an expression."""
-        FILES["write"](self, path)
+        FILES.write_tree(self, path)
 
     @classmethod
     def from_urdf(

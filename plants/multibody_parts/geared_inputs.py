@@ -35,6 +35,7 @@ class GearedInputs(OwnsArrays):
         first, last, time = rest_to_rest_ends(plant, begin, end, time)
         at = [names(plant.states).index(name) for name in names(stiff.states)]
         self._inputs = stiff.rest_to_rest(first[at], last[at], time, profile=profile)
+        self.time = time
         self._ratios = np.array([ratios.get(name, 1.0) for name in names(plant.inputs)])
 
     def __call__(self, t: float) -> Array:

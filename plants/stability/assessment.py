@@ -28,26 +28,21 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.argument_gates import LEAST, require_flag, require_seconds, require_text
+from pliant.plants.core.imports import Late
 from pliant.plants.finite_horizon.asked import asked_of, listed
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 
 from .floquet import Floquet, floquet
-from .frozen_time import (
-    SlowVariation,
-    frozen_along,
-    frozen_time,
-    said_coordinates,
-    slow_along,
-    slow_variation,
-)
+from .frozen_time import SlowVariation, frozen_along, frozen_time, said_coordinates, slow_along, slow_variation
 from .lyapunov_certificate import Certificate, certified, lyapunov
 from .periodicity import varying
-from .state_matrix_path import Model, Path, as_pieces, kept, scaling, unfelt
-from .transition_error import TooManySteps, transition
-from .transition_growth import Growth, grown, growth
+from .state_matrix_path import Model, as_pieces, paths_of, unfelt
+from .transition_error import TooManySteps, Transition, transition
+from .transition_growth import Growth, block, grown, growth, growth_between, spectral
 from .verdict import Verdict, made, of_constant, of_periodic
 
+LONG_RUN = Late("pliant.plants.exponents.beyond_the_record")  # which imports this room
 GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable, if it compounds
 POINTS, MOST_POINTS = 200, 2000  # times at which frozen roots are taken, of a period at which growth is, at most
 SOME, LARGE = 64, 40  # times of a period at which frozen roots are, an eighth of them beyond so many states
@@ -64,6 +59,9 @@ def assess(
     coordinates: str | None = None,
     window: float | None = None,
     thorough: bool = True,
+    beyond: str | None = None,
+    limit: Any = None,
+    within: float = 0.0,
     outputs: Sequence[str] | None = None,
     disturbances: Sequence[str] | None = None,
     limits: Mapping[str, float] | None = None,
@@ -78,6 +76,11 @@ def assess(
     the method that decides. ValueError for what cannot have an effect: a window or a period of a constant model's
     growth, a period of a nominal that is not repeated.
 
+    beyond: what is taken for granted after a nominal that ends, so that the answer is about all times: "constant" (A
+    stays what it is at the end), "tends" (A comes to stay within `within` [1/s] of `limit` (nx, nx), of A at the end
+    where it is None), "periodic", or "persists" (what was seen goes on, by averages: an estimate), as in
+    `exponents.spectrum`. The assumption stands in the sentence. None: the answer is about the nominal alone.
+
     outputs, disturbances, limits, scale: of `Verdict.horizon` as in `finite_horizon`, for an LTVModel. Where they are
     not given it tells of lengths and of the forces on them, else of what is in the unit of the first output.
 
@@ -85,7 +88,13 @@ def assess(
     >>> print(told.verdict, told.sentence)
     """
     about = asked_of("assess", model, outputs, disturbances, limits, scale)
+    if beyond is None and (limit is not None or within):
+        raise ValueError("assess.limit, within belong to beyond = 'tends', must be None and 0")
+    if beyond is not None:
+        periodic = LONG_RUN.repeated("assess", model, beyond, periodic, limit, within)
     found = _judged(model, period, periodic, states, coordinates, window, thorough)
+    if beyond is not None and found.method not in ("eigenvalues", "floquet"):
+        found = LONG_RUN.in_the_long_run(found, model, beyond, states, limit, within)
     return found if about is None else replace(found, asked=about)
 
 
@@ -145,6 +154,7 @@ def _judged(
             _beside(joined, states, coordinates, window, cycle, evidence, said)
         return of_periodic(joined, states, cycle, evidence, said)
     evidence["slow_variation"] = slow = slow_variation(joined, states=states)
+    moved = None
     if thorough or not slow:
         try:
             evidence["lyapunov"] = lyapunov(joined, periodic=False, states=states, most=OPEN_STEPS)
@@ -153,7 +163,11 @@ def _judged(
         except ValueError as refusal:
             said["lyapunov"] = str(refusal)
         try:
-            evidence["growth"] = growth(joined, window, states=states)
+            moved = transition(*paths_of(joined, states), 1e-6)
+        except (ValueError, np.linalg.LinAlgError):
+            moved = None
+        try:
+            evidence["growth"] = growth_between(joined, moved, window, states)
         except ValueError as refusal:
             if window is not None:
                 raise
@@ -161,7 +175,7 @@ def _judged(
     evidence["frozen_time"] = frozen_time(
         joined, states=states, coordinates=coordinates, points=None if thorough else POINTS
     )
-    return _open(joined, states, evidence, said)
+    return _open(joined, states, moved, evidence, said)
 
 
 def _beside(
@@ -209,13 +223,19 @@ def _beside(
         said["lyapunov"] = f"not needed; {found.why}"
 
 
-def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], said: dict[str, str]) -> Verdict:
+def _open(
+    joined: Any,
+    states: Sequence[str] | None,
+    moved: Transition | None,
+    evidence: dict[str, Any],
+    said: dict[str, str],
+) -> Verdict:
     """The verdict over the span of a nominal that is not periodic."""
     slow: SlowVariation = evidence["slow_variation"]
     shown: Certificate | None = evidence.get("lyapunov")
     grown: Growth | None = evidence.get("growth")
     duration = float(joined.pieces[-1].t[-1] - joined.pieces[0].t[0])
-    paths, jumps = _paths(joined, states)
+    paths, _ = paths_of(joined, states)
     hidden = sum(float(np.linalg.norm(path.area(), axis=(1, 2)).sum()) for path in paths)
     why = ""
     if slow and slow.decay * duration > 4 * hidden:
@@ -230,10 +250,7 @@ def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], s
     if grown is None:
         return made("undecided", "", np.nan, f"no method could be used: {said['growth']}", evidence, said)
     why = f"over {duration:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed"
-    try:
-        error = float(np.linalg.norm(transition(paths, jumps, 1e-6).D, 2))
-    except (ValueError, np.linalg.LinAlgError):
-        error = np.inf
+    error = spectral(moved.D) if moved is not None else np.inf
     beyond = not np.isfinite(error) and grown.logs[-1] > 600  # the range of numbers
     bound = -float(np.log(grown.total + error)) / duration if np.isfinite(grown.total + error) else np.nan
     if grown.total + error < 1:
@@ -241,7 +258,7 @@ def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], s
     if (grown.total - error > GROWN or beyond) and grown.compounds:
         return made("unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential")
     if grown.total - error > GROWN:
-        return _drift(joined, states, grown, duration, bound, evidence, said)
+        return _drift(joined, states, moved, grown, bound, evidence, said)
     if grown.total + error <= GROWN:
         why = f"over {duration:.4g} s every deviation ends at most {grown.total + error:.3g} times as large as it began"
         return made("bounded", "growth", -grown.rate, why, evidence, said, bound, "bounded")
@@ -255,35 +272,28 @@ def _open(joined: Any, states: Sequence[str] | None, evidence: dict[str, Any], s
 def _drift(
     joined: Any,
     states: Sequence[str] | None,
+    moved: Transition | None,
     grown: Growth,
-    duration: float,
     bound: float,
     evidence: dict[str, Any],
     said: dict[str, str],
 ) -> Verdict:
-    """Growth that does not build on itself: drift where states that none feels are all that grows."""
+    """Growth that does not build on itself: drift where states that none feels are all that grows.
+
+    The others' transition is a block of the whole, and so is what it may be off.
+    """
     free, known = unfelt(joined, states), joined.pieces[0].state_names if states is None else tuple(states)
-    rest = tuple(name for name in known if name not in free)
-    if free and rest:
-        try:
-            most = growth(joined, states=rest).total + float(
-                np.linalg.norm(transition(*_paths(joined, rest), 1e-6).D, 2)
-            )
-        except (ValueError, np.linalg.LinAlgError):
-            most = np.inf
+    rest = [k for k, name in enumerate(known) if name not in free]
+    if free and rest and moved is not None:
+        M, D = block(joined, [known[k] for k in rest], rest, moved, grown.scale)
+        most = spectral(M) + spectral(D)
         if most <= GROWN:
             why = f"drift of {listed(free)}, which nothing else feels; apart from it every deviation ends at most "
             why += f"{most:.3g} times as large as it began"
             return made("drift", "growth", -grown.rate, why, evidence, said, bound, "polynomial", free)
-    why = f"over {duration:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed, "
+    why = (
+        f"over {grown.t[-1] - grown.t[0]:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed, "
+    )
     why += "but it does not build on itself, as free drift does not: no exponential growth is shown; `states` can "
     why += "leave out what drifts"
     return made("undecided", "", -grown.rate, why, evidence, said, bound, "polynomial")
-
-
-def _paths(joined: Any, states: Sequence[str] | None) -> tuple[list[Path], list[np.ndarray]]:
-    keep = kept(joined, states)
-    A = [piece.A[:, keep][:, :, keep] for piece in joined.pieces]
-    scale = scaling(np.concatenate(A))
-    jumps = [J[np.ix_(keep, keep)] * scale / scale[:, None] for J, _ in joined.jumps]
-    return [Path(piece.t, a, scale) for piece, a in zip(joined.pieces, A)], jumps

@@ -23,6 +23,7 @@ What leaves no trace at any node cannot be known from the nodes.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -82,15 +83,22 @@ class Interpolant(OwnsArrays):
     def __call__(self, times: np.ndarray) -> np.ndarray:
         times = np.asarray(times, dtype=float)
         k = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.h) - 1)
-        h = self.h[k][:, None]
         s = ((times - self.t[k]) / self.h[k])[:, None]
-        low, rise = self.f[k], self.f[k + 1] - self.f[k]
-        b, e = self.begin[k] * h - rise, self.end[k] * h - rise  # beyond the chord
-        found = low + s * rise + s * (1 - s) * ((1 - s) * b - s * e)
+        found = self._cubics[3][k]
+        for power in (2, 1, 0):
+            found *= s
+            found += self._cubics[power][k]
         if self.harmonics or self.waves.any():
             angle = np.outer(times - self.t[0], self.omega)
             found[:, self.waves] = np.hstack([np.cos(angle), np.sin(angle)]) @ self.weights
         return found
+
+    @cached_property
+    def _cubics(self) -> tuple[np.ndarray, ...]:
+        """Coefficients (nt-1, c) of the powers 0 to 3 of the share of an interval that is past."""
+        low, rise = self.f[:-1], np.diff(self.f, axis=0)
+        b, e = (slope * self.h[:, None] - rise for slope in (self.begin, self.end))  # beyond the chord
+        return low, rise + b, -2 * b - e, b + e
 
     def _local(self, those: np.ndarray, wrap: bool) -> None:
         t, f, T = self.t, self.f[:, those], self.t[-1] - self.t[0]

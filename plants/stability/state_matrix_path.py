@@ -26,6 +26,7 @@ NOISE, WIDEST = 1e-12, 2.0**80  # of entries that scaling ignores; of scales fro
 CLEAR = 1e-4  # error from which on "cannot be told from the boundary" is no finding: of a multiplier, or of |A|
 FELT = 1e-12  # of the largest entry in scaled coordinates: what is less is rounding
 SKEW = 1e6  # condition of eigenvectors that are taken for coordinates
+NEAR, FEW_STEPS = 2**17, 16  # numbers of A at a time, so that they stay near the processor; steps at least
 CHUNK = 4096  # steps whose matrices are held at a time
 MOST_STEPS = 2**20
 
@@ -208,9 +209,11 @@ class Path(OwnsArrays):
         """A (.., n, n) in scaled coordinates at the times t."""
         t = np.asarray(t, dtype=float)
         found = np.broadcast_to(self.base, (t.size, self.n, self.n))
-        if not self.constant:
+        if len(self.rows) == self.n**2 and self.n:
+            found = self.values(t.ravel())  # by rows, as np.nonzero lists them
+        elif not self.constant:
             found = found.copy()
-            found[:, self.rows, self.columns] = self.values(t.ravel())
+            found.reshape(t.size, -1)[:, self.rows * self.n + self.columns] = self.values(t.ravel())
         return found.reshape(*t.shape, self.n, self.n)
 
     def rate(self, t: np.ndarray) -> np.ndarray:
@@ -226,8 +229,9 @@ class Path(OwnsArrays):
         if self.constant and np.ptp(h) <= 1e-12 * h.mean():
             return np.broadcast_to(magnus.expm(self.base[None] * h.mean()), (len(h), self.n, self.n))
         found = np.empty((len(h), self.n, self.n))
-        for k in range(0, len(h), CHUNK):
-            part = slice(k, k + CHUNK)
+        at_once = max(FEW_STEPS, min(CHUNK, NEAR // (3 * max(self.n, 1) ** 2)))
+        for k in range(0, len(h), at_once):
+            part = slice(k, k + at_once)
             found[part] = magnus.steps(self(edges[:-1][part, None] + h[part, None] * magnus.GAUSS3), h[part])
         return found
 
@@ -252,3 +256,12 @@ class Path(OwnsArrays):
         """Largest |eigenvalue| [1/s] at a few times."""
         at = self.t[:: max(1, len(self.t) // 8)] if not self.constant else self.t[:1]
         return float(np.abs(np.linalg.eigvals(self(at))).max(initial=0.0))
+
+
+def paths_of(joined: Any, states: Sequence[str] | None) -> tuple[list[Path], list[np.ndarray]]:
+    """A(t) of each piece, and the jumps between them, all in the same scaled coordinates."""
+    keep = kept(joined, states)
+    A = [piece.A[:, keep][:, :, keep] for piece in joined.pieces]
+    scale = scaling(np.concatenate(A))
+    jumps = [J[np.ix_(keep, keep)] * scale / scale[:, None] for J, _ in joined.jumps]
+    return [Path(piece.t, a, scale) for piece, a in zip(joined.pieces, A)], jumps

@@ -25,6 +25,7 @@ from pliant.plants.linear.ltv import LTVModel
 
 from .frozen_time import lasting
 from .state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
+from .transition_error import Transition
 
 BLOCKS = 48  # stretches of the nominal between which growth is compared
 DOUBLED, SQUARED = 4.0, 1.7
@@ -120,6 +121,33 @@ def grown(t: np.ndarray, Phi: np.ndarray, size: np.ndarray, window: float | None
         _crossings(start, within, length),
         compounds(Phi),
     )
+
+
+def growth_between(joined: Any, moved: Transition | None, window: float | None, states: Sequence[str] | None) -> Growth:
+    """Growth between the nodes, of the transition's own steps where these stop at every node."""
+    nodes = np.concatenate([joined.pieces[0].t[:1], *(piece.t[1:] for piece in joined.pieces)])
+    if moved is not None:
+        at = np.searchsorted(moved.times, nodes)
+        if at[-1] < len(moved.times) and (moved.times[at] == nodes).all() and np.isfinite(moved.Phi).all():
+            keep = kept(joined, states)
+            size = scaling(np.concatenate([piece.A[:, keep][:, :, keep] for piece in joined.pieces]))
+            return grown(nodes, magnus.grouped(moved.Phi, at), size, window)
+    return growth(joined, window, states=states)
+
+
+def block(
+    joined: Any, states: Sequence[str], at: Sequence[int], moved: Transition, scale: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of a part that feels no other state, in its own scaled coordinates: the transition, and what it may be off."""
+    keep = kept(joined, states)
+    own = scaling(np.concatenate([piece.A[:, keep][:, :, keep] for piece in joined.pieces])) / scale[list(at)]
+    M, D = (X[np.ix_(at, at)] * own / own[:, None] for X in (moved.M, moved.D))
+    return M, D
+
+
+def spectral(M: np.ndarray) -> float:
+    """2-norm, infinite where it is not known."""
+    return float(np.linalg.norm(M, 2)) if np.isfinite(M).all() else np.inf
 
 
 def compounds(Phi: np.ndarray) -> bool:

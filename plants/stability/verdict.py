@@ -20,7 +20,7 @@ from .floquet import Floquet
 from .frozen_time import said_coordinates
 from .state_matrix_path import CLEAR, kept, scaling, unfelt
 
-METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time")
+METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time", "exponents")
 CANCELLED = 16  # times the rounding of a term: sums of as many
 GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
@@ -40,6 +40,7 @@ class Verdict(OwnsArrays, VerdictTable):
     margin_bound: float = np.nan  # [1/s] guaranteed: whatever the data allow, none decays slower; NaN: none
     growth: str = "unknown"  # of GROWTH: how the deviation that lasts longest behaves
     drifting: tuple[str, ...] = ()  # states that drift: none feels them, and the rest does not make them run away
+    provided: str = ""  # what is taken for granted beyond the record, where the answer is about all times
     asked: Asked | None = field(default=None, repr=False)  # of which `horizon` tells; None: constant, or with jumps
 
     @property
@@ -80,10 +81,11 @@ class Verdict(OwnsArrays, VerdictTable):
         """The verdict and its rate in words; they say no more than was shown."""
         decay, bound = self.margin, self.margin_bound
         known = f", at least {bound:.3g} 1/s" if bound > 0 and decay - bound > 5e-3 * decay else ""
-        if self.verdict == "stable":
-            return f"deviations die out at {decay:.3g} 1/s{known}"
-        if self.verdict == "unstable":
-            return f"deviations grow at {-decay:.3g} 1/s"
+        if self.verdict in ("stable", "unstable"):
+            at = "at an estimated" if self.provided and not np.isfinite(bound) else "at"
+            what = "die out" if self.verdict == "stable" else "grow"
+            later = f" in the long run, provided that {self.provided}" if self.provided else ""
+            return f"deviations {what} {at} {abs(decay):.3g} 1/s{known}{later}"
         drift = f"drift of {listed(self.drifting)}, which nothing else feels" if self.drifting else ""
         if self.verdict == "marginal":
             if self.growth == "polynomial":
@@ -119,6 +121,7 @@ class Verdict(OwnsArrays, VerdictTable):
             "margin": self.margin if np.isfinite(self.margin) else None,
             "margin_bound": self.margin_bound if np.isfinite(self.margin_bound) else None,
             "growth": self.growth,
+            "provided": self.provided or None,
             "drifting": list(self.drifting),
             "horizon": None if self.horizon is None else self.horizon.to_json(),
             "critical_times": list(self.critical_times),
@@ -240,13 +243,13 @@ def made(
             f"deviations change by a factor of up to {found.total:.4g}, "
             f"within {found.window:.3g} s of up to {found.windows.max():.4g}, as computed"
         )
+    reasons.setdefault("exponents", "what lies beyond the record is not given")
     for name in METHODS:
         reasons.setdefault(name, f"not needed: {method} decides" if method else "does not apply")
     reasons.pop(method, None)
     times: tuple[float, ...] = frozen.critical_times if frozen is not None else ()
     if "growth" in evidence:
         times += evidence["growth"].critical_times
-    said_in = frozen.coordinates if frozen is not None else ""
     return Verdict(
         verdict,
         method,
@@ -255,7 +258,7 @@ def made(
         why,
         reasons,
         evidence,
-        said_in,
+        frozen.coordinates if frozen is not None else "",
         float(bound),
         kind,
         drifting,

@@ -17,7 +17,7 @@ from typing import Any
 
 from pliant.plants.core.argument_gates import require_path
 from pliant.plants.files import toml_text
-from pliant.plants.multibody.tree import FILES, FlexibleTree
+from pliant.plants.multibody.tree import FlexibleTree
 
 from .plant_tables import from_table, to_table
 
@@ -40,6 +40,3 @@ def read_tree(kind: type[FlexibleTree], path: Any) -> FlexibleTree:
 def write_tree(tree: FlexibleTree, path: Any) -> None:
     """The whole file, or what was there before. ValueError for a field that is an expression."""
     toml_text.save(require_path("to_toml.path", path), to_table(tree), HEAD)
-
-
-FILES.update(read=read_tree, write=write_tree)

@@ -11,15 +11,17 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from typer.core import TyperGroup
 
-from pliant.plants import PliantError
+from pliant.plants.core.errors import PliantError
 from pliant.studies.common.atomic_files import dumps
-from pliant.studies.common.reference_motions import Progress
 from pliant.studies.figures.style import require_ending
+
+if TYPE_CHECKING:
+    from pliant.studies.common.reference_motions import Progress
 
 USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
 LONGEST_NAME = 255  # bytes of a file's name

@@ -32,7 +32,7 @@ def scenes(
     settings: Settings = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the scenes: shipped, registered by files that --with imports, of installed packages; or print one's page.
+    """List the scenes: shipped, registered by --with, of installed packages; or print one's page.
 
     A page says what is observed, moved, priced, bounded and drawn, with units.
     """
@@ -96,7 +96,7 @@ def check(
     plant: Annotated[str, typer.Argument(help="A plant's type (Crane), a scene's name or its file.")],
     settings: Settings = None,
 ) -> None:
-    """Hold a plant's word against its equations: names, ladder, derivatives, energy, outline; and play a scene once."""
+    """Hold a plant's word against its equations: names, ladder, derivatives, energy; play a scene once."""
     if not (is_file(plant) or plant in known.names()):
         if settings:
             raise ValueError("check: --set must follow a scene's name or file")

@@ -1,9 +1,14 @@
 """Speed against accuracy, the choice of a model, stiffening, the number of modes."""
 
-from .choice import Choice, choose
-from .mode_count import ModeCount, ModesNeeded, modes_needed
-from .speed_accuracy import Chart, Row
-from .stiffening import Stiffening, stiffening_needed
+from typing import TYPE_CHECKING
+
+from pliant.plants.core import imports
+
+if TYPE_CHECKING:  # imported when they are first asked for
+    from .choice import Choice, choose
+    from .mode_count import ModeCount, ModesNeeded, modes_needed
+    from .speed_accuracy import Chart, Row
+    from .stiffening import Stiffening, stiffening_needed
 
 __all__ = [
     "Chart",
@@ -16,3 +21,13 @@ __all__ = [
     "modes_needed",
     "stiffening_needed",
 ]
+
+imports.offer(
+    __name__,
+    {
+        "choice": "Choice choose",
+        "mode_count": "ModeCount ModesNeeded modes_needed",
+        "speed_accuracy": "Chart Row",
+        "stiffening": "Stiffening stiffening_needed",
+    },
+)

@@ -1,8 +1,10 @@
 """Modules of 0.1 under their old names are the modules in the rooms; late modules are imported by their first use,
 what packages offer when it is asked for."""
 
+import ast
 import copy
 import importlib
+import inspect
 import pickle
 import subprocess
 import sys
@@ -12,7 +14,7 @@ import pytest
 import pliant.controllers
 import pliant.envs
 import pliant.plants
-import pliant.studies  # noqa: F401  (each registers its old names)
+import pliant.studies
 from pliant.plants.core import imports
 from pliant.plants.core.imports import Late, loaded, offered
 
@@ -103,3 +105,38 @@ def test_what_a_package_offers_is_listed_first_and_imported_when_it_is_asked_for
 def test_what_cannot_be_had_is_told_with_its_package_and_the_reason(package, name, why):
     with pytest.raises(ValueError, match=rf"scene 'x' of package 'cranes-tried' cannot be had: .*{why}"):
         loaded(offered(GROUP)[name], "scene 'x'")
+
+
+@pytest.mark.parametrize(
+    "package",
+    ["plants", "controllers", "studies", "studies.figures", "studies.fidelity", "studies.charts", "studies.stability"],
+)
+def test_what_a_package_offers_is_what_type_checkers_are_told(package):
+    place = importlib.import_module(f"pliant.{package}")
+    (block,) = [n for n in ast.parse(inspect.getsource(place)).body if isinstance(n, ast.If) and "TYPE" in ast.dump(n)]
+    told = {
+        alias.asname or alias.name: ("." * part.level + (part.module or ""), alias.name)
+        for part in block.body
+        for alias in part.names
+    }
+    assert set(place.__all__) <= set(told) and set(told) <= set(dir(place))
+    for name, (module, inner) in told.items():
+        found = importlib.import_module(module, place.__name__)
+        own = getattr(found, inner, None)
+        own = importlib.import_module(f"{module}.{inner}") if own is None else own
+        vars(place).pop(name, None)  # what an old name of a module may have put there
+        assert getattr(place, name) is own
+
+
+def test_a_room_does_not_take_the_place_of_a_name():
+    code = (
+        "import pliant.studies.report.page, pliant.studies.scoreboard.tables; from pliant.studies import report, "
+        "scoreboard; import pliant.studies as all; print(callable(report), callable(scoreboard), all.report is report)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert done.stdout.split() == ["True"] * 3, done.stdout + done.stderr
+
+
+def test_a_name_that_is_not_offered_is_no_attribute():
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = pliant.studies.nothing

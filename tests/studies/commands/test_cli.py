@@ -1,3 +1,4 @@
+import importlib
 import json
 import os
 import subprocess
@@ -111,3 +112,19 @@ def test_open_tells_the_newest_report(tmp_path, monkeypatch):
 
 def test_a_bad_call_ends_with_where_to_look():
     assert run("choose", "two-link-reach", "--tolerance", "-1").stderr.strip().endswith("(see `pliant choose --help`)")
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_of_commands_says_what_the_command_says(name):
+    place, line = COMMANDS[name]
+    module, function = place.split(":")
+    said = getattr(importlib.import_module(f"pliant.studies.commands.{module}"), function).__doc__
+    assert said.split("\n\n")[0].split("\n")[0] == line
+
+
+def test_the_version_needs_no_plant():
+    code = (
+        "import sys; from pliant.studies.commands import cli; "
+        "sys.exit(any(m.startswith(('pliant.plants.dynamics', 'pliant.envs', 'scipy')) for m in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
