@@ -32,6 +32,7 @@ from pliant.controllers.optimal_control.plan import plan
 from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
 from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
 from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
+from pliant.controllers.robust_design.many_model_lqr import MultiModelLQR
 from pliant.plants.core import imports
 
 rl.settings.LEARNERS["apg"] = _by_gradients
@@ -51,6 +52,7 @@ __all__ = [
     "Kalman",
     "Margins",
     "Motion",
+    "MultiModelLQR",
     "Objective",
     "PeriodicLQR",
     "Policy",

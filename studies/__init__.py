@@ -12,9 +12,10 @@ from pliant.studies.charts.measure import chart
 from pliant.studies.fidelity.choice import choose
 from pliant.studies.monte_carlo.monte_carlo import monte_carlo
 from pliant.studies.report.report import report
+from pliant.studies.robust.robustify import robustify
 from pliant.studies.scoreboard.scoreboard import scoreboard
 
-__all__ = ["chart", "choose", "gallery", "monte_carlo", "report", "scoreboard"]
+__all__ = ["chart", "choose", "gallery", "monte_carlo", "report", "robustify", "scoreboard"]
 
 imports.serve(
     __name__,
