@@ -30,6 +30,7 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "plants/native/compiler.py": {"s"},  # lines of /proc/cpuinfo
     "plants/native/slp_codegen.py": {"text"},  # C source
     "controllers/learning/policy_files.py": {"name", "path.name", "path.name.removesuffix('.npz')"},  # arrays and files
+    "controllers/learning/policy.py": {"name"},  # files
     "controllers/learning/checkpoint.py": {"name"},  # arrays
     "plants/files/leftovers.py": {"entry.name"},  # files
     "plants/files/sealed_arrays.py": {"archive.comment", "name"},  # files
@@ -49,6 +50,11 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "studies/charts/runner.py": {"text", "twin.failure"},
     "studies/closed_loop/rollout.py": {"failure"},
     "studies/commands/doctor.py": {"name"},  # files
+    "studies/commands/console.py": {"category.__module__", "at[0]"},  # of modules
+    "studies/report/sections.py": {"text", "name"},  # sentences, parts of the page
+    "studies/fidelity/verdict_in_words.py": {"choice.physics"},  # the choice's own words
+    "plants/core/errors.py": {"frame.f_globals.get('__name__', '')"},  # modules
+    "controllers/analytic_gradients/run_files.py": {"name"},  # arrays
 }
 
 

@@ -12,7 +12,9 @@ ACTIVATIONS = {"tanh": "TANH({0})", "relu": "{0} > 0 ? {0} : 0"}
 
 
 def policy(law: Policy, p: str) -> Law:
-    """u = limits * clip(net(z)), z = clip((y - goal - mean) / std)."""
+    """u = limits * clip(net(z)), z = clip((y - goal - mean) / std). ValueError for one that has a memory."""
+    if law.history:
+        raise ValueError(f"export_c.what: Policy.history = {law.history} must be 0: its memory has no form in C yet")
     ny, nu, last = len(law.reads), len(law.inputs), len(law.weights)
     constants = array(f"{p}_shift", law._shift) + array(f"{p}_factor", law._factor) + array(f"{p}_limit", law.limits)
     widest = max(ny, *(len(b) for b in law.biases))

@@ -40,6 +40,7 @@ from . import policy_files
 
 ACTIVATIONS = ("tanh", "relu")
 FOLDER = Path(__file__).parent / "policies"
+ROBUST = "-robust"  # ends the name of what was trained under delay, noise and other parameters
 MOST_LAYERS = 100
 MOST_HISTORY = 100
 
@@ -184,10 +185,14 @@ class Policy(OwnsArrays):
             raise ValueError(f"Policy.load: {str(path)!r} holds no policy: {error}") from None
 
     @classmethod
-    def for_scene(cls, name: str) -> Self:
-        """The policy that is shipped for a named scene. ValueError, with the names there are, for others."""
-        require_choice("Policy.for_scene", "name", name, shipped())
-        return cls.load(FOLDER / name)
+    def for_scene(cls, name: str, *, robust: bool = False) -> Self:
+        """The policy that is shipped for a named scene. ValueError, with the names there are, for others.
+
+        robust: the one that was trained under delay, noise and other parameters.
+        """
+        robust = require_flag("Policy.for_scene: robust", robust)
+        require_choice("Policy.for_scene", "name", name, shipped(robust=robust))
+        return cls.load(FOLDER / (f"{name}{ROBUST}" if robust else name))
 
     @classmethod
     def from_sb3_zip(
@@ -221,6 +226,7 @@ def _each_layer(name: str, value: Any) -> tuple[Any, ...]:
     return tuple(value) if isinstance(value, np.ndarray) and value.ndim > 1 else as_tuple(name, value)
 
 
-def shipped() -> Sequence[str]:
-    """Scenes for which a policy is shipped."""
-    return sorted(path.stem for path in FOLDER.glob("*.npz"))
+def shipped(*, robust: bool = False) -> Sequence[str]:
+    """Scenes for which a policy is shipped, or a robust one."""
+    files = [path.stem for path in FOLDER.glob("*.npz")]
+    return sorted(name.removesuffix(ROBUST) for name in files if name.endswith(ROBUST) == robust)

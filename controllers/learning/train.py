@@ -101,7 +101,7 @@ def train(
     if isinstance(chosen, APGSettings):
         if threads not in (None, 1):
             raise ValueError(f"train: threads = {threads}: apg uses no torch and one thread")
-        return LEARNERS["apg"](  # type: ignore[no-any-return]
+        return LEARNERS["apg"](
             scene,
             chosen,
             seed=seed,

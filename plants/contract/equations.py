@@ -74,7 +74,8 @@ def derivatives(plant: Plant, at: list[dict[str, Any]]) -> tuple[float, list[str
         for (letter, what, of), block in zip(BLOCKS, blocks):
             if not block.size:
                 continue
-            given = np.array([_difference(functions[what], point, of, step) for step in STEPS])
+            pairs = [_difference(functions[what], plant, point, of, step, block) for step in STEPS]
+            given, block = np.array([pair[0] for pair in pairs]), pairs[-2][1]
             scale = np.abs(block).max(axis=1, keepdims=True)
             scale = np.where(scale > 0, scale, max(float(np.abs(block).max()), 1.0))
             size = float(np.abs(functions[what](**point)).max())
@@ -94,16 +95,23 @@ def derivatives(plant: Plant, at: list[dict[str, Any]]) -> tuple[float, list[str
     return worst, wrong
 
 
-def _difference(function: Callable[..., Array], point: dict[str, Any], of: str, step: float) -> Array:
-    """(n, n of `of`) by central differences."""
+def _difference(
+    function: Callable[..., Array], plant: Plant, point: dict[str, Any], of: str, step: float, block: Array
+) -> tuple[Array, Array]:
+    """(central differences (n, n of `of`), the Jacobian `block` along the same ways).
+
+    States are moved to states: off the unit quaternions equations may go on as they like.
+    """
     z = np.asarray(point[of], dtype=float)
-    columns = []
+    columns, ways = [], []
     for k in range(len(z)):
         h = np.zeros(len(z))
         h[k] = step * max(1.0, abs(z[k])) if of != "x" else step
-        ahead, back = (function(**point | {of: z + sign * h}) for sign in (1, -1))
+        ends = [plant.consistent(z + sign * h) if of == "x" else z + sign * h for sign in (1, -1)]
+        ahead, back = (function(**point | {of: end}) for end in ends)
         columns.append((ahead - back) / (2 * h[k]))
-    return np.array(columns).T
+        ways.append((ends[0] - ends[1]) / (2 * h[k]))
+    return np.array(columns).T, block @ np.array(ways).T
 
 
 def energy_balance(plant: Plant, at: list[dict[str, Any]]) -> tuple[str, list[str]]:

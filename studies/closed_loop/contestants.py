@@ -72,6 +72,11 @@ def trained(scene: Scene) -> Controller:
     return Policy.for_scene(scene.name)
 
 
+def robust(scene: Scene) -> Controller:
+    """The same of one that was trained under delay, noise and other parameters."""
+    return Policy.for_scene(scene.name, robust=True)
+
+
 CONTESTANTS: Mapping[str, Maker] = {
     "LQR": regulator,
     "LQR, delay known": predictive,
@@ -85,6 +90,7 @@ CONTESTANTS: Mapping[str, Maker] = {
     "multi-model LQR": enduring,
     "multi-model, sensors": enduring_by_sensors,
     "trained policy": trained,
+    "robust policy": robust,
 }
 
 

@@ -117,6 +117,17 @@ def play(scene: Scene, plant: Plant | None = None) -> Scene:
     return dataclasses.replace(found, substeps=max(scene.substeps, stable_substeps(found)))
 
 
+def harsher(scene: Scene) -> Scene:
+    """The scene as the scoreboard's hardest columns play it, but for delay and noise: the plant one fidelity higher
+    where there is one, its uncertain parameters +-30 %, other starts. What a policy that must survive is trained on.
+    """
+    try:
+        plant = finer(scene.plant)
+    except ValueError:
+        plant = scene.plant
+    return accurate(play(scene, plant))[0]
+
+
 def stable_substeps(scene: Scene) -> int:
     """RK4 steps in a control period that keep SAFE below the step limit, at start and goal, for all parameters."""
     plant = scene.varied_plant

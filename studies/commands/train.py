@@ -11,10 +11,12 @@ import typer
 
 from pliant.controllers import rl
 from pliant.controllers.learning.evaluation import Training
+from pliant.controllers.learning.settings import APGSettings
 from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import regulator
+from pliant.studies.closed_loop.evaluation_scene import harsher
 from pliant.studies.figures import style
 from pliant.studies.figures.controllers import learning_curve
 
@@ -22,6 +24,7 @@ from .console import bar, complain, print_json, writable_folder
 from .options import AsJson, SceneName, Settings
 
 PICTURE = "curve.png"
+HARSH = APGSettings(delay=1, noise=0.01)  # of --robust, beside what the scene is then varied by
 
 
 def draw(scene: Scene, algorithm: str, found: Training, folder: Path) -> None:
@@ -60,6 +63,9 @@ def command(
         Literal["apg", "ppo", "sac"] | None,
         typer.Option(help="Who learns: exact gradients (apg), or reinforcement learning.", show_default="apg"),
     ] = None,
+    robust: Annotated[
+        bool, typer.Option("--robust", help="Learn under delay, noise and +-30 % of parameters, one fidelity higher.")
+    ] = False,
     seed: Annotated[int, typer.Option(help="Of everything drawn at random.")] = 0,
     seconds: Annotated[float | None, typer.Option(help="Time it may take; if nothing is said 60 (apg) or 300.")] = None,
     steps: Annotated[int | None, typer.Option(help="Environment steps, in place of a time.")] = None,
@@ -86,8 +92,8 @@ def command(
     try:
         with bar(f"train {chosen.name}") as tell:
             found = rl.train(
-                chosen,
-                algorithm,
+                harsher(chosen) if robust else chosen,
+                "apg" if robust else algorithm,
                 seed=seed,
                 seconds=seconds,
                 steps=steps,
@@ -95,6 +101,7 @@ def command(
                 folder=folder,
                 resume=resume,
                 threads=threads,
+                settings=HARSH if robust else None,
                 command=shlex.join(words),
                 progress=tell,
             )

@@ -10,6 +10,7 @@ import numpy as np
 from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import EquilibriumError, Trajectory
+from pliant.plants.core.argument_gates import require_instance
 
 from .tables import Cell, Table
 
@@ -30,6 +31,7 @@ def returns(scene: Scene, scoreboard: dict[str, Any] | None = None) -> Table:
     >>> [row[0] for row in returns(scenes.get("single-link-slew")).rows]
     ['LQR', 'zero actions', 'random actions']
     """
+    require_instance("returns.scene", scene, Scene)
     kept = scoreboard or {"rows": [], "bounds": []}
     costs: dict[str, float] = {
         row["controller"]: row["cost"]

@@ -47,7 +47,7 @@ def played_scene(scene: Scene, case: str) -> tuple[Scene, float, str]:
 
 
 @lru_cache(maxsize=32)
-def _conditions(scene: Scene, case: str, seeds: int, seed: int) -> tuple[Conditions, ...]:
+def conditions(scene: Scene, case: str, seeds: int, seed: int) -> tuple[Conditions, ...]:
     played = played_scene(scene, case)[0]
     if case not in MANY:
         return (nominal(played),)
@@ -86,7 +86,7 @@ def _work(
     played = played_scene(scene, case)[0]
     scores, times, line = [], [], None
     counts: dict[str, int] = {}
-    for given in _conditions(scene, case, seeds, seed)[first:last]:
+    for given in conditions(scene, case, seeds, seed)[first:last]:
         run = rollout(played, law, given)
         scores.append(score(played, run))
         times.append(run.act_ns)
@@ -131,7 +131,7 @@ def _bounds(scene: Scene, case: str, first: int, last: int, seeds: int, seed: in
         return [None] * (last - first), reason, None
     law = _law(scene, Designed("LQR"))
     line, reason = None, ""
-    for given in _conditions(scene, case, seeds, seed)[first:last]:
+    for given in conditions(scene, case, seeds, seed)[first:last]:
         try:
             cost, x, u = bound(played, given, None if isinstance(law, str) else law)
         except PliantError as error:
@@ -153,7 +153,7 @@ def shown(scene: Scene) -> tuple[str, ...]:
 
 def _entry(scene: Scene, seeds: int, seed: int) -> Entry:
     played, error, remark = played_scene(scene, "finer")
-    noise = _conditions(scene, "varied", seeds, seed)[0].noise
+    noise = conditions(scene, "varied", seeds, seed)[0].noise
     apart, known, why = _from_physics(scene, played)
     return Entry(
         scene=scene.name,

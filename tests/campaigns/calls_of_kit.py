@@ -22,6 +22,8 @@ from pliant.controllers import (
 )
 from pliant.controllers.joint_control.input_shaping import shaper
 from pliant.studies import monte_carlo, robustify
+from pliant.studies.scene_pages.returns import returns
+from pliant.studies.scene_pages.tables import tables
 from pliant.studies.slews import compare_slews
 
 
@@ -107,5 +109,7 @@ def run_calls() -> list[Call]:
             {"delays": (0,), "efforts": (1.0,)},
             long=True,
         ),
+        Call("scene_pages.tables", tables, SCENES, compare=False),
+        Call("scene_pages.returns", returns, SCENES, long=True),
         Call("compare_slews", compare_slews, SCENES | shown, long=True),
     ]

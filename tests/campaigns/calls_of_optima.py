@@ -144,6 +144,7 @@ def learning_calls() -> list[Call]:
         "spread": Number(0.5, low=0.0),
     }
     ppo = {"n_steps": Count(4), "n_epochs": Count(4), "gae_lambda": unit, "clip_range": positive, "noise": positive}
+    apg = {"history": Count(4, low=0), "delay": Count(4, low=0), "noise": Number(0.5, low=0.0)}
     sac = {
         "buffer_size": Count(4),
         "gradient_steps": Count(4),
@@ -156,6 +157,7 @@ def learning_calls() -> list[Call]:
         Call("Policy.load", Policy.load, {"path": Place(place / "kept")}, compare=False),
         Call("Policy.save", made.save, {"path": Place(place / "again")}),
         Call("Policy.for_scene", Policy.for_scene, {"name": Choice("single-link-slew")}, compare=False),
+        Call("APGSettings", rl.APGSettings, {k: common[k] for k in ("num_envs", "learning_rate", "width")} | apg),
         Call("PPOSettings", rl.PPOSettings, common | ppo),
         Call("SACSettings", rl.SACSettings, common | sac),
         Call("rl.read_curve", rl.read_curve, {"path": Place(curve)}),

@@ -36,8 +36,10 @@ from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.joint_control.input_shaping import shaper, switches
 from pliant.controllers.optimal_control.nominal_motions import rigid_nominal
-from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, shows
-from pliant.controllers.robust_analysis.robust_stability import over_box
+from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, robust_gain, shows
+from pliant.controllers.robust_analysis.robust_stability import over_box, robust_stability
+from pliant.controllers.robust_analysis.worst_parameters import worst_parameters
+from pliant.plants import Trajectory
 
 RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
 SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
@@ -141,7 +143,26 @@ def robust_calls() -> list[Call]:
     fields = {n: Array(v) for n, v in {"t": t, "A": -one, "B": one, "E": one, "C": one, "D": 0 * one}.items()}
     along = UncertainLTV(t, -one, one, one, one, 0 * one, 0 * one, np.ones((1, 1)))
     sizes = {"size": Number(0.5, **POSITIVE), "pole": Number(2.0, **POSITIVE)}
+    box, rest = {"link.E": (6e10, 7e10)}, {"hub_angle": 0.0}
+    x, times = np.zeros((4, ARM.nx)), DT * np.arange(4)
+    motion = Trajectory.from_arrays(times, x, np.zeros((4, ARM.nu)), plant=ARM)
     return [
+        Call(
+            "robust_stability",
+            robust_stability,
+            {"plant": Object(ARM), "controller": Object(LQR.for_scene(SCENE))},
+            {"box": box, "at": rest},
+            long=True,
+        ),
+        Call(
+            "worst_parameters",
+            worst_parameters,
+            {"plant": Object(ARM), "nominal": Object(motion), "outputs": Names((ARM.outputs[0].name,))}
+            | {"substeps": Count(2), "seed": Count(1, low=0)},
+            {"box": box},
+            long=True,
+        ),
+        Call("robust_gain", robust_gain, {"system": Object(along)} | sizes, long=True),
         Call(
             "over_box",
             over_box,

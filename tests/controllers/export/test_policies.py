@@ -1,6 +1,9 @@
 """A policy in C: the one that is shipped in closed loop, and a network by hand."""
 
+import dataclasses
+
 import numpy as np
+import pytest
 from exported import answers_in_c, compiled, needs_compiler, run, same_loop
 
 from pliant.controllers import Policy
@@ -34,3 +37,10 @@ def test_a_network_by_hand(tmp_path) -> None:
     found = run(compiled([answers_in_c(tmp_path, law, y), export_c(law, tmp_path / "law.c")[0]], tmp_path / "answers"))
     h = np.maximum(2 * np.clip((y - 2) / 2, -3, 3), 0)
     assert np.abs(found[:, :1] - 5 * np.tanh(h - 1)).max() < 1e-14
+
+
+def test_a_memory_has_no_form_in_c(tmp_path) -> None:
+    own = Policy.for_scene("single-link-slew")
+    wide = (np.zeros((64, 9)), *own.weights[1:])
+    with pytest.raises(ValueError, match=r"Policy\.history = 1 must be 0"):
+        export_c(dataclasses.replace(own, weights=wide, history=1), tmp_path / "law.c")

@@ -9,7 +9,7 @@ from file_kinds import policy
 
 from pliant.controllers import Policy
 from pliant.controllers.learning import policy_files
-from pliant.controllers.learning.policy import FOLDER, shipped
+from pliant.controllers.learning.policy import shipped
 from pliant.plants.files import sealed_json
 
 
@@ -114,11 +114,13 @@ def test_of_version_0_1_both_files_are_needed(tmp_path):
         Policy.load(tmp_path / "mine")
 
 
-@pytest.mark.parametrize("name", shipped())
-def test_shipped_policies_load_without_a_word(name):
+@pytest.mark.parametrize(
+    ("name", "robust"), [*((n, False) for n in shipped()), *((n, True) for n in shipped(robust=True))]
+)
+def test_shipped_policies_load_without_a_word(name, robust):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = Policy.load(FOLDER / name)
+        found = Policy.for_scene(name, robust=robust)
     assert found.scene == name
 
 

@@ -111,6 +111,7 @@ INNER = {
         "SlowVariation",
         "Verdict",
         "FiniteHorizon",
+        "PointingBudget",
     ),
 }
 

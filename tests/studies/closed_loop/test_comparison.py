@@ -85,8 +85,13 @@ def test_a_start_out_of_bounds_ends_nothing():
 
 def test_reasons_where_there_is_no_controller():
     found = compare(scenes.get("slider-crank-run"))
-    assert {c.controller for c in found} == {"LQR", "MPC"} and all(c.motion is None for c in found)
-    assert all("EquilibriumError" in c.failure and "crank_angle changes by 15.1 rad/s" in c.failure for c in found)
+    assert {c.controller for c in found} == {"LQR", "MPC"}
+    for one in found:  # of the two LQR alone has a form for a goal that is a cycle: PeriodicLQR
+        if one.controller == "MPC":
+            assert one.motion is None and "EquilibriumError" in one.failure
+            assert "crank_angle changes by 15.1 rad/s" in one.failure
+        else:
+            assert one.motion is not None and one.failure == "" and one.cost < 0.00990099  # without any control
 
 
 @pytest.mark.parametrize(

@@ -218,8 +218,8 @@ def test_a_rung_whose_outputs_are_no_numbers_is_not_taken():
     """The rigid one keeps 0.1 otherwise. max(0.0, NaN) is 0.0: taken for its error, it was right to every digit."""
 
     class Holed(Motions):
-        def outputs(self, plant, rtol):
-            return super().outputs(plant, rtol) * (np.nan if plant.label == "rigid" else 1.0)
+        def outputs(self, plant, rtol, **options):
+            return super().outputs(plant, rtol, **options) * (np.nan if plant.label == "rigid" else 1.0)
 
     choice = choose(SHORT, 0.1, motions=Holed(SHORT))
     assert choice.rungs[0].error == float("inf") and choice.rungs[0].note == "outputs that are no numbers"
