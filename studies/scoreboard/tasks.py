@@ -109,11 +109,6 @@ def player(scene: Scene, case: str, maker: Maker) -> Controller | str:
     return law
 
 
-def conditions(scene: Scene, case: str, seeds: int, seed: int) -> tuple[Conditions, ...]:
-    """The runs of a case: the scene as it is, or `seeds` drawn ones."""
-    return _conditions(scene, case, seeds, seed)
-
-
 def _count(counts: dict[str, int], law: Any) -> None:
     """Add up what the controller itself recorded of a run: calls, acts without a solution, and so on."""
     record = getattr(law, "record", None)
