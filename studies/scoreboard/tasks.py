@@ -48,6 +48,7 @@ def played_scene(scene: Scene, case: str) -> tuple[Scene, float, str]:
 
 @lru_cache(maxsize=32)
 def conditions(scene: Scene, case: str, seeds: int, seed: int) -> tuple[Conditions, ...]:
+    """The runs of a case: the scene as it is, or `seeds` drawn ones."""
     played = played_scene(scene, case)[0]
     if case not in MANY:
         return (nominal(played),)
