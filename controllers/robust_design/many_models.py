@@ -56,7 +56,8 @@ class Models:
 
         ways = ((1, 1), (1, 0), (0, 1), (1, 1), (0, 0), (1, 0), (1, 1), (0, 0), (1, 0))
         stacks = [np.stack([wide(p[i], bool(r), bool(c)) for p in parts]) for i, (r, c) in enumerate(ways)]
-        return cls(*stacks[:-1], stacks[-1][..., 0])
+        stacks[-1] = stacks[-1][..., 0]
+        return cls(*stacks)
 
     def with_history(self, ny: int, readings: int) -> Models:
         """For laws that know `readings` of the first ny outputs besides the newest: states of the law, which join each
@@ -75,7 +76,7 @@ class Models:
         parts = (self.A, self.B, self.C, self.Q, self.R, self.N, self.X, self.V)
         first = np.einsum("kij,kj->ki", self.C[:, :ny], self.x0)
         x0 = np.hstack([self.x0, np.tile(first, (1, readings))])
-        return Models(*(join(M, corner) for M, corner in zip(parts, corners, strict=True)), x0)
+        return Models(*[*(join(M, corner) for M, corner in zip(parts, corners, strict=True)), x0])
 
 
 class Costed(NamedTuple):
