@@ -69,6 +69,10 @@ def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3)
         if draw in (_frequencies, _real_parts, _growth):
             for time in verdict.critical_times:
                 ax.axvline(time, color=COLOURS[1], ls=":", lw=1.0)
+    timed = [draw in (_tube, _growth, _real_parts, _frequencies) for draw, _ in drawers]
+    for ax, here, below in zip(axes, timed, [*timed[1:], False]):
+        if here and not below:  # the lowest of those over time
+            ax.set_xlabel("time [s]")
     head = verdict.verdict + (f" of {listed(verdict.drifting[:3])}" if verdict.drifting else "")
     axes[0].set_title(f"{title}: {head}")
     return figure
@@ -121,7 +125,6 @@ def _real_parts(ax: Axes, frozen: FrozenTime) -> None:
     elif size < ROUNDED * np.abs(frozen.eigenvalues).max():
         ax.set_ylim(-near, near)
     ax.set_ylabel("frozen real part\n[1/s]")
-    ax.set_xlabel("time [s]")
     ax.legend(loc="best")
 
 
@@ -132,7 +135,6 @@ def _growth(ax: Axes, grown: Growth) -> None:
     ax.set_yscale("log")
     _plain(ax)
     ax.set_ylabel("largest growth")
-    ax.set_xlabel("time [s]")
     ax.legend(loc="best")
 
 
