@@ -33,7 +33,8 @@ def with_intervals(row: Row, raw: RawRuns) -> Row:
     middle = float(interquartile_mean(ratios)) if len(ratios) else None
     if row.runs == 1:
         return dataclasses.replace(row, ratio_iqm=middle)
-    found = {"failures": tuple(row.runs * share for share in share_interval(row.failures, row.runs))}
+    low, high = share_interval(row.failures, row.runs)
+    found: dict[str, tuple[float, float] | None] = {"failures": (row.runs * low, row.runs * high)}
     if len(ratios) > 1:
         found["ratio_iqm"] = of_runs(interquartile_mean, ratios)
         found["ratio_median"] = of_runs(_median, ratios)
@@ -101,7 +102,7 @@ def played(raw: RawRuns, case: str, controller: str) -> dict[str, np.ndarray]:
     return {scene: scores for scene, scores in found.items() if len(scores)}
 
 
-def profiles(raw: RawRuns, case: str, at: Sequence[float]) -> dict[str, np.ndarray]:
+def profiles(raw: RawRuns, case: str, at: Sequence[float] | np.ndarray) -> dict[str, np.ndarray]:
     """F(tau) (len(at),) by controller, over the scenes that it plays."""
     found = {name: list(played(raw, case, name).values()) for name in raw.controllers}
     return {name: profile(tasks, np.asarray(at)) for name, tasks in found.items() if tasks}
