@@ -7,6 +7,7 @@ from pliant.controllers import learning as rl
 from pliant.controllers import riccati
 from pliant.controllers.analysis.loops import loop
 from pliant.controllers.analysis.margins import Margins, margins
+from pliant.controllers.analysis.margins_along import MarginsAlong, margins_along
 from pliant.controllers.analysis.spillover import Spillover, spillover
 from pliant.controllers.analytic_gradients.training import learn as _by_gradients
 from pliant.controllers.base.controller import Controller, Feedback
@@ -29,8 +30,9 @@ from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.nmpc.nmpc import NMPC
 from pliant.controllers.optimal_control.optimal import Motion, optimal
 from pliant.controllers.optimal_control.plan import plan
+from pliant.controllers.robust_analysis.miss_over_box import MissOverBox, miss_over_box
 from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
-from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability
+from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability, stands
 from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
 from pliant.controllers.robust_design.many_model_lqr import MultiModelLQR
 from pliant.plants.core import imports
@@ -51,6 +53,8 @@ __all__ = [
     "Filtered",
     "Kalman",
     "Margins",
+    "MarginsAlong",
+    "MissOverBox",
     "Motion",
     "MultiModelLQR",
     "Objective",
@@ -71,6 +75,8 @@ __all__ = [
     "lag",
     "loop",
     "margins",
+    "margins_along",
+    "miss_over_box",
     "notch",
     "optimal",
     "over_box",
@@ -85,6 +91,7 @@ __all__ = [
     "shape",
     "shaper_for",
     "spillover",
+    "stands",
     "worst_parameters",
 ]
 

@@ -7,11 +7,12 @@ from pliant.envs import scene_files, scenes
 from pliant.envs.environments import PlantEnv, environment_id, register
 from pliant.envs.environments.scene_check import check_scene
 from pliant.envs.scenes.scene import Scene
+from pliant.envs.tasks import Task
 from pliant.plants.core import imports
 
 register()
 
-__all__ = ["PlantEnv", "Scene", "check_scene", "environment_id", "scene_files", "scenes"]
+__all__ = ["PlantEnv", "Scene", "Task", "check_scene", "environment_id", "scene_files", "scenes"]
 
 imports.serve(
     __name__,

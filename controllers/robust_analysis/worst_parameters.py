@@ -8,7 +8,7 @@ worst case may be larger.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -45,6 +45,60 @@ class WorstParameters(OwnsArrays):
         return f"{self.output} misses its nominal by {self.miss:.4g} or more, at {self.time:.4g} s with {at}"
 
 
+@dataclass(frozen=True, eq=False)
+class MotionsInBox:
+    """The motions of one plant over a box of its parameters, from one start under one input and its feedback."""
+
+    varied: Plant
+    nominal: Trajectory
+    box: dict[str, tuple[float, float]]
+    outputs: tuple[str, ...]
+    gains: Array = field(repr=False)  # (nt, nu, nx)
+    substeps: int
+
+    def missed(self, sides: Array) -> Array:
+        """Outputs less the nominal's (m, nt, len(outputs)) of sides (m, k) in [-1, 1]."""
+        nominal, p = self.nominal, self.values(sides)
+        step = self.varied.stepper(float(nominal.t[1] - nominal.t[0]), batch=len(p), substeps=self.substeps)
+        rows = [names(self.varied.outputs).index(n) for n in self.outputs]
+        x, found = np.tile(nominal.x[0], (len(p), 1)), np.zeros((len(p), len(nominal.t), len(rows)))
+        for i in range(len(nominal.t)):
+            u = nominal.u[i] - (x - nominal.x[i]) @ self.gains[i].T
+            found[:, i] = np.asarray(self.varied.measure(x, u, p=p))[:, rows] - nominal.y[i, rows]
+            if i < len(nominal.t) - 1:
+                x = np.array(step(x, u, p))
+            if not np.isfinite(x).all():
+                raise PliantError(f"a motion within the box leaves the range of numbers with {self.substeps} substeps")
+        return found
+
+    def values(self, sides: Array) -> Array:
+        """Parameters (m, k) in their units."""
+        ends = np.array(list(self.box.values()))
+        return np.asarray(ends.mean(axis=1) + np.ptp(ends, axis=1) / 2 * sides)
+
+    def named(self, side: Array) -> dict[str, float]:
+        """Parameters by name, of one side (k,)."""
+        return dict(zip(self.box, self.values(side).tolist()))
+
+
+def motions_in_box(
+    owner: str, plant: Plant, nominal: Trajectory, box: object, outputs: object, gains: Any, substeps: int
+) -> MotionsInBox:
+    """After the gates; ValueError names owner and field."""
+    plant = require_instance(f"{owner}.plant", plant, Plant)
+    nominal = require_instance(f"{owner}.nominal", nominal, Trajectory)
+    paths, middle, half = require_box(f"{owner}.box", box)
+    seen = require_names(f"{owner}.outputs", outputs, names(plant.outputs), "output")
+    substeps = require_count(owner, "substeps", substeps, 1, 10_000)
+    steps = np.diff(nominal.t)
+    if np.ptp(steps) > 1e-6 * steps[0]:
+        raise ValueError(f"{owner}.nominal: nodes {steps.min():.4g} to {steps.max():.4g} s apart must be equal")
+    shape = (len(nominal.t), plant.nu, plant.nx)
+    K = np.zeros(shape) if gains is None else require_finite(f"{owner}.gains", gains, shape)
+    ends = dict(zip(paths, zip((middle - half).tolist(), (middle + half).tolist())))
+    return MotionsInBox(plant.vary(*paths), nominal, ends, seen, K, substeps)
+
+
 def worst_parameters(
     plant: Plant,
     nominal: Trajectory,
@@ -65,41 +119,17 @@ def worst_parameters(
     >>> worst = worst_parameters(arm, motion, {"payload.mass": (0.4, 0.6)}, ["tip_y"])["tip_y"]
     >>> print(worst.words)
     """
-    varied = require_instance("worst_parameters.plant", plant, Plant)
-    nominal = require_instance("worst_parameters.nominal", nominal, Trajectory)
-    paths, middle, half = require_box("worst_parameters.box", box)
-    varied, k = varied.vary(*paths), len(paths)
-    seen = require_names("worst_parameters.outputs", outputs, names(plant.outputs), "output")
-    substeps = require_count("worst_parameters", "substeps", substeps, 1, 10_000)
-    steps = np.diff(nominal.t)
-    if np.ptp(steps) > 1e-6 * steps[0]:
-        raise ValueError(
-            f"worst_parameters.nominal: nodes {steps.min():.4g} to {steps.max():.4g} s apart must be equal"
-        )
-    shape = (len(nominal.t), plant.nu, plant.nx)
-    K = np.zeros(shape) if gains is None else require_finite("worst_parameters.gains", gains, shape)
-    rows = [names(plant.outputs).index(n) for n in seen]
-    rng = np.random.default_rng(require_count("worst_parameters", "seed", seed, 0, 2**31))
+    motions = motions_in_box("worst_parameters", plant, nominal, box, outputs, gains, substeps)
+    rng, k = np.random.default_rng(require_count("worst_parameters", "seed", seed, 0, 2**31)), len(motions.box)
 
     def missed(sides: Array) -> Array:
-        """(m, nt, len(outputs)) of sides (m, k) in [-1, 1]."""
-        p = middle + half * sides
-        step = varied.stepper(float(steps[0]), batch=len(p), substeps=substeps)
-        x, found = np.tile(nominal.x[0], (len(p), 1)), np.zeros((len(p), len(nominal.t), len(rows)))
-        for i in range(len(nominal.t)):
-            u = nominal.u[i] - (x - nominal.x[i]) @ K[i].T
-            found[:, i] = np.asarray(varied.measure(x, u, p=p))[:, rows] - nominal.y[i, rows]
-            if i < len(steps):
-                x = np.array(step(x, u, p))
-        return np.abs(found)
+        return np.abs(motions.missed(sides))
 
     corners = np.array(list(product((-1.0, 1.0), repeat=k))) if k <= CORNERS else rng.choice((-1.0, 1.0), (STARTS, k))
     starts = np.vstack([corners, rng.uniform(-1, 1, (STARTS, k))])
     first = missed(starts)
-    if not np.isfinite(first).all():
-        raise PliantError("worst_parameters: the motion leaves the range of numbers within the box")
     result = {}
-    for j, name in enumerate(seen):
+    for j, name in enumerate(motions.outputs):
         largest = first[..., j].max(axis=1)
         best, value, length = starts[largest.argmax()], float(largest.max()), FIRST
         when = int(first[largest.argmax(), :, j].argmax())
@@ -111,6 +141,6 @@ def worst_parameters(
                 best, value, when = tried[at], float(found[at].max()), int(found[at].argmax())
             elif (length := length / 2) < LEAST:
                 break
-        at_worst = dict(zip(paths, (middle + half * best).tolist()))
-        result[name] = WorstParameters(name, value, float(nominal.t[when]), at_worst)
+        at_worst = motions.named(best)
+        result[name] = WorstParameters(name, value, float(motions.nominal.t[when]), at_worst)
     return result

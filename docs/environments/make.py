@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib.image
 
 from pliant.envs import PlantEnv, environment_id, scenes
-from pliant.envs.scenes.registry import SCENES
+from pliant.envs.scenes.registry import SCENES, VARIANTS
 from pliant.studies.scene_pages import markdown
 from pliant.studies.scene_pages.returns import returns, under_lqr
 
@@ -20,6 +20,25 @@ TOP = """# Environments
 `gymnasium.make("pliant/TwoLinkReach-v0")`, or a batch: `scenes.get("two-link-reach").vector_env(1024)`. Each page says
 what is observed, moved, priced, bounded and drawn, and what simple laws return; `pliant scenes NAME` prints the same
 of any scene, your own included. Made by `python docs/environments/make.py`.
+
+Every environment takes the keywords of `pliant.envs.Task`, by `gymnasium.make(id, ...)`, `vector_env` and `sb3_env`:
+
+| keyword | what it makes of the scene |
+| --- | --- |
+| reward="normalised" | in [0, 1]: 1 at the goal, 0 where an episode ends early ([learning](../learning.md)) |
+| difficulty="nominal", "randomised" | nothing drawn; what the scene's page calls drawn |
+| difficulty="hard" | also all that is uncertain by +-30 %, 1 % of noise, actions late by 0 or 1 period |
+| sensors=True | observed are the readings of the plant's own sensors, with a data sheet's noise |
+| noise=0.01 | standard deviation of each reading, over its signal's range in the nominal motion |
+| action_delay=1, observation_delay=(0, 2) | whole control periods; a pair is drawn anew for each episode |
+| history=3 | so many former readings and actions are observed too |
+| goal_spread=0.2 | the goal is drawn about the scene's own, and where it is observed |
+| terms=True | info["reward_terms"]: what each weighted signal and input adds to minus the stage cost |
+| constraint="cost" | leaving a bound ends no episode: info["cost_constraint"] is 1 in a period that ends beyond |
+
+`info["cost"]` is what the scene charges, whatever the reward is; what Safety-Gymnasium calls cost is
+`info["cost_constraint"]`. The `reward_threshold` of an id is LQR's return less one percent (MPC's on -gentle), of
+the reward "cost" from the scene's own start. Learners with their defaults: [learning](../learning.md).
 
 | scene | environment | states | actions | episode |
 | --- | --- | ---: | ---: | --- |
@@ -37,7 +56,7 @@ def draw(scene, path: Path) -> None:
 
 kept = json.loads(SCOREBOARD.read_text(encoding="utf-8"))
 lines = []
-for name in SCENES:
+for name in (*SCENES, *VARIANTS):
     scene = scenes.get(name)
     draw(scene, HERE / f"{name}.png")
     (HERE / f"{name}.md").write_text(markdown(scene, returns(scene, kept), picture=f"{name}.png"), encoding="utf-8")

@@ -3,8 +3,10 @@
 from typing import Any
 
 from pliant.envs.scenes.scene import ENVIRONMENTS, Scene
+from pliant.envs.simulation.differentiable import Differentiable
 
-from .env import PlantEnv, environment_id, register
+from .env import PlantEnv
+from .registration import environment_id, register
 from .vector_env import PlantVectorEnv
 
 __all__ = ["PlantEnv", "PlantVectorEnv", "environment_id", "register"]
@@ -17,4 +19,4 @@ def _sb3(scene: Scene, num_envs: int, **options: Any) -> Any:
     return PlantVecEnv(scene, num_envs, **options)
 
 
-ENVIRONMENTS.update(vector=PlantVectorEnv, sb3=_sb3)
+ENVIRONMENTS.update(vector=PlantVectorEnv, sb3=_sb3, differentiable=Differentiable)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from pliant.envs import scenes
 from pliant.envs.rendering import Renderer, renderer
-from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep, reach_function
+from pliant.envs.simulation.cost_terms import cost_terms, term_names
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
+from pliant.envs.tasks import Channel, Task, TaskKeywords, normalised
 from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.casadi_functions import NumericFunction
@@ -24,6 +24,8 @@ from pliant.plants.validity.ranges import left_at
 
 from . import arguments
 from .specification import Specified
+
+NO_LANES = np.zeros(0, dtype=int)
 
 
 class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
@@ -44,12 +46,15 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     (scene.early_end_rate + the stage cost of that last period). A diverged state is not shown: the last
     finite observation comes again.
 
-    info: "cost" = -reward, "early_end_cost" the part of it charged for the time left, "diverged", and
+    info: "cost" what the scene charges, -reward unless `reward="normalised"`; "early_end_cost" the part of it charged
+    for the time left; "cost_constraint" 1 where a bound is left, else 0 (what Safety-Gymnasium calls cost); "diverged";
     "parameters", the values of the randomised parameters by name. "validity" is there only where the state lies outside
     a range of plant.validity: for each, farthest first, its quantity, size, range and the kinematics that hold.
 
     randomise  False: the scene's own start and parameters, every episode the same. True: both drawn at each
                reset from `np_random` alone, uniformly within scene.start_spread and scene.randomise's factors
+    task       what else a scene can be made into: `reward="normalised"`, sensors with their noise, delays, memory,
+               drawn goals, `difficulty`; see `Task`
     options of reset: "state" (nx,) to start from, "parameters" by name, each instead of what was drawn
 
     `gymnasium.make(..., max_episode_steps=n)` ends episodes after n periods, where that is sooner than the scene does.
@@ -65,14 +70,18 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         randomise: bool = False,
         dtype: type | str = np.float64,
         render_mode: str | None = None,
+        **task: Unpack[TaskKeywords],
     ) -> None:
-        self.scene = scene = arguments.require_scene("PlantEnv", scene)
+        self.task = made = Task(**task)
+        self.scene = scene = made.played(arguments.require_scene("PlantEnv", scene))
         parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
         kind = as_dtype(dtype, "PlantEnv")
-        self.randomise, self.render_mode = require_flag("PlantEnv.randomise", randomise), render_mode
+        self.randomise, self.render_mode = made.drawn(require_flag("PlantEnv.randomise", randomise)), render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
-        self.observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), kind.type)
+        self._channel = None if made.plain else Channel(scene, made, 1)
+        width = len(scene.observe) if self._channel is None else self._channel.width
+        self.observation_space = spaces.Box(-np.inf, np.inf, (width,), kind.type)
         self._dtype = kind.type
         self._names = scene.varied_plant.varied
         self._nominal = scene.varied_plant.nominal_parameters
@@ -130,14 +139,26 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         self._drawn = dict(zip(self._names, p.astype(self._dtype).tolist()))  # those it is played with
         self._done, self._over, self._begun, self._total = 0, False, True, 0.0
         self._obs = first_observations(scene, x[None], p[None])[0].astype(self._dtype)
+        self._seen = self._obs if self._channel is None else self._first_seen(self._channel, seed)
         if self._renderer is not None:
             self._renderer.clear()
         if self.render_mode == "human":
             self.render()
-        return self._obs.astype(self._dtype), self._info(0.0, 0.0, False, self._reach(x, self._idle, w, p)[0])
+        return self._seen.astype(self._dtype), self._info(0.0, 0.0, False, self._reach(x, self._idle, w, p)[0])
+
+    def _first_seen(self, channel: Channel, seed: int | None) -> np.ndarray:
+        """What is read first of an episode; a seed, or the first episode, begins the channel's random numbers."""
+        lane = np.zeros(1, dtype=int)
+        if seed is not None or channel.unseeded(lane):
+            channel.seed([0], [seed if seed is not None else self.np_random.integers(2**62)])
+        shown, references = channel.begin(lane, self._obs[None].astype(float))
+        if references is not None:
+            self._step.aim(np.arange(self._step.lanes), np.repeat(references, self._step.lanes, axis=0))
+        return shown[0].astype(self._dtype)
 
     def _info(self, cost: float, early: float, diverged: bool, reach: np.ndarray) -> dict[str, Any]:
-        info = {"cost": cost, "early_end_cost": early, "diverged": diverged, "parameters": self._drawn.copy()}
+        info: dict[str, Any] = {"cost": cost, "early_end_cost": early, "diverged": diverged}
+        info |= {"cost_constraint": 0.0, "parameters": self._drawn.copy()}
         if reach[0] > 1.0 and not diverged:
             plant, step = self.scene.varied_plant, self._step
             u = np.clip(self._u, -1.0, 1.0) * self.scene.limits
@@ -150,13 +171,17 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         if self._over:
             raise gymnasium.error.ResetNeeded("PlantEnv.step: no episode is running; call reset first")
         action = arguments.require_actions("PlantEnv.step", "action", action, self._idle.shape).astype(float)
-        step = self._step
+        step, channel, task = self._step, self._channel, self.task
+        if channel is not None:
+            action = channel.act(action[None])[0]
         step.action[:] = action[:, None]
         step.begin(self._done)
+        terms = self._terms(action) if task.terms else None
         unsound, outside = step.run()
-        diverged, cost, early = bool(unsound[0]), float(step.cost[0]), 0.0
+        diverged, cost, early, beyond = bool(unsound[0]), float(step.cost[0]), 0.0, bool(outside[0])
         self._done += 1
-        terminated = diverged or bool(outside[0])
+        terminated = diverged or (beyond and task.constraint == "end")
+        reward = None if task.reward == "cost" else float(normalised(self.scene, step.cost[0], terminated))
         if terminated:
             early = early_end_cost(self.scene, self._done, cost)
             cost += early
@@ -168,7 +193,21 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             self.render()
         truncated = self._over and not terminated
         info = self._info(cost, early, diverged, step.reach)
-        return self._obs.copy(), 0.0 - cost, terminated, truncated, info  # no -0 where nothing is charged
+        info["cost_constraint"] = float(beyond or diverged)
+        if terms is not None:
+            info["reward_terms"] = terms
+        if channel is not None:
+            self._seen = channel.see(self._obs[None], NO_LANES)[0].astype(self._dtype)
+        seen = self._obs if channel is None else self._seen
+        # no -0 where nothing is charged
+        return seen.copy(), 0.0 - cost if reward is None else reward, terminated, truncated, info
+
+    def _terms(self, action: np.ndarray) -> dict[str, float]:
+        """What each term adds to minus the stage cost of the period that begins."""
+        u = (np.clip(action, -1.0, 1.0) * self.scene.limits)[None]
+        x, ref, w, p = (a[:, :1].T.astype(float) for a in (self._step.x, self._step.ref, self._step.w, self._step.p))
+        (found,) = cost_terms(self.scene)(x, u, ref, w, p)
+        return dict(zip(term_names(self.scene), (0.0 - found[0]).tolist()))
 
     def render(self) -> np.ndarray | None:
         """The plant, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
@@ -185,33 +224,3 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
-
-
-def environment_id(scene_name: str) -> str:
-    """The registered id of a named scene: "two-link-reach" -> "pliant/TwoLinkReach-v0"."""
-    return f"pliant/{''.join(word.capitalize() for word in scene_name.split('-'))}-v0"
-
-
-def register() -> None:
-    """Register every named scene with Gymnasium, and each that is registered later; the environment keeps the time
-    limit, so no wrapper does.
-    """
-    for name in scenes.names():
-        _register(name)
-    if _register not in registry.HEARERS:
-        registry.HEARERS.append(_register)
-
-
-def _register(name: str) -> None:
-    """ValueError where the id is another scene's: "a-1b" and "a1b" would both be "A1b"."""
-    made = environment_id(name)
-    known = gymnasium.registry.get(made)
-    if known is not None and known.kwargs.get("scene") != name:
-        raise ValueError(f"scene {name!r}: its environment {made!r} is that of {known.kwargs.get('scene')!r}")
-    if known is None:
-        gymnasium.register(
-            id=made,
-            entry_point="pliant.envs.environments.env:PlantEnv",
-            vector_entry_point="pliant.envs.environments.vector_env:PlantVectorEnv",
-            kwargs={"scene": name},
-        )

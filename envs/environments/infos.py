@@ -76,3 +76,10 @@ def of_lanes(found: dict[str, Any], lanes: Array) -> list[dict[str, Any]]:
             if said:
                 own[key] = item
     return each
+
+
+def of_terms(n: int, lanes: Array, names: Sequence[str], terms: Array) -> dict[str, Any]:
+    """What each term adds to minus the stage cost in the lanes (k,), from terms (k, nt) of their cost."""
+    mask = np.zeros(n, dtype=bool)
+    mask[lanes] = True
+    return {"reward_terms": masked(n, lanes, **dict(zip(names, 0.0 - terms.T))), "_reward_terms": mask}

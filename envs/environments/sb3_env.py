@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
@@ -13,10 +13,12 @@ from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
 from pliant.envs.scenes.scene import Scene
+from pliant.envs.tasks import TaskKeywords
 from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.signals import OwnsArrays
 
 from . import arguments
+from .infos import of_lanes
 from .vector_env import PlantVectorEnv
 
 Indices = int | Iterable[int] | None
@@ -25,11 +27,12 @@ Indices = int | Iterable[int] | None
 class PlantVecEnv(OwnsArrays, VecEnv):
     """`num_envs` lanes of a scene for Stable-Baselines3: episodes restart in the step that ends them.
 
-    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `max_episode_steps`); observations default to
-    float32, what its networks take. Where an episode ended, infos[i] holds "terminal_observation",
+    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `max_episode_steps`, those of `Task`); observations
+    default to float32, what its networks take. Where an episode ended, infos[i] holds "terminal_observation",
     "TimeLimit.truncated", "diverged", "cost" and "early_end_cost" of the last period and the "parameters" it was played
     with, and where a range of the plant's `validity` is left its largest value over its limit as "validity"; every
-    other infos[i] is an empty dictionary of its lane's own.
+    other infos[i] is an empty dictionary of its lane's own. "reward_terms" and "cost_constraint" are told of every
+    period where the task asks for them.
 
     `seed(s)` seeds lane i with s + i, which then plays the episodes of PlantEnv.reset(seed=s + i); `set_options` takes
     what PlantEnv.reset does, for all lanes or a list with one dictionary a lane. Both serve the next `reset`. What
@@ -45,6 +48,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         dtype: type | str = np.float32,
         threads: int | None = None,
         max_episode_steps: int | None = None,
+        **task: Unpack[TaskKeywords],
     ) -> None:
         self.vector = PlantVectorEnv(
             scene,
@@ -54,6 +58,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
             threads=threads,
             autoreset_mode=AutoresetMode.SAME_STEP,
             max_episode_steps=max_episode_steps,
+            **task,
         )
         self._actions: np.ndarray | None = None
         self._blank: list[dict[str, Any]] = [{} for _ in range(self.vector.num_envs)]  # new ones cost as much as a step
@@ -110,7 +115,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         if self._actions is None:
             raise gymnasium.error.ResetNeeded("PlantVecEnv.step_wait: no actions wait; call reset, then step_async")
         actions, self._actions = self._actions, None
-        obs, cost, terminated, truncated, valid, ended, _ = self.vector.advance(actions)
+        obs, reward, terminated, truncated, valid, ended, _ = self.vector.advance(actions)
         if any(self._blank):  # written to by who got them: theirs
             self._blank = [{} if told else told for told in self._blank]
         infos = self._blank.copy()
@@ -126,10 +131,14 @@ class PlantVecEnv(OwnsArrays, VecEnv):
                     "early_end_cost": early,
                     "parameters": dict(zip(names, p)),
                 }
-        if valid:
+        if "validity" in valid:
             for i in valid["_validity"].nonzero()[0].tolist():
                 infos[i] = {**infos[i], "validity": float(valid["validity"][i])}
-        return obs, (0.0 - cost).astype(np.float32), terminated | truncated, infos
+        for key in ("cost_constraint", "reward_terms"):
+            if key in valid:
+                told = of_lanes({key: valid[key], f"_{key}": valid[f"_{key}"]}, np.arange(self.num_envs))
+                infos = [{**own, **more} for own, more in zip(infos, told)]
+        return obs, reward.astype(np.float32), terminated | truncated, infos
 
     def close(self) -> None:
         """Nothing is held open; may be called again."""

@@ -44,7 +44,11 @@ def _plain(key: str, value: Any) -> Any:
     if key == "dtype":
         return np.dtype(value).name
     if isinstance(value, Scene):
-        return value.name if value.name in registry.names() and value is registry.get(value.name) else value
+        return (
+            value.name
+            if value.name in (*registry.names(), *registry.VARIANTS) and value is registry.get(value.name)
+            else value
+        )
     if isinstance(value, enum.Enum):
         return value.value
     return value.item() if isinstance(value, np.generic) else value

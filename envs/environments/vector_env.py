@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
@@ -12,11 +12,13 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
+from pliant.envs.rendering import Renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.episode_start import early_end_cost, first_observations
 from pliant.envs.simulation.episode_supply import EpisodeSupply
-from pliant.plants.core.argument_gates import require_choice, require_count
+from pliant.envs.tasks import Channel, Task, TaskKeywords, normalised
+from pliant.plants.core.argument_gates import require_choice, require_count, require_flag
 from pliant.plants.native.batch_kernels import FEW, as_dtype
 from pliant.plants.native.thread_pool import available
 
@@ -45,13 +47,17 @@ class PlantVectorEnv(Batch):
     dtype           float64, or float32 for observations and physics in single precision
     threads         None: all processors for large batches
     max_episode_steps  periods after which an episode is truncated; None: the scene's, which is also the most
+    task            what else a scene can be made into: `reward="normalised"`, sensors with their noise, delays, memory,
+                    drawn goals, `difficulty`; see `Task`. With terms=True infos hold "reward_terms", with
+                    constraint="cost" "cost_constraint", of every lane that plays
+    render_mode     "rgb_array": `render` gives a picture of every lane
     infos           of episodes that end in this step, each (num_envs,) with a mask "_" + its name: "cost",
                     "early_end_cost", "diverged"; with "SameStep" also in "final_info", as are their "parameters".
                     "parameters": by name, (num_envs,), where an episode begins or ends. "validity" (num_envs,): where
                     a lane lies outside a range of the plant's `validity`, the largest value over its limit, above 1
     """
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+    metadata = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
 
     def __init__(
         self,
@@ -64,23 +70,32 @@ class PlantVectorEnv(Batch):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
         max_episode_steps: int | None = None,
+        **task: Unpack[TaskKeywords],
     ) -> None:
         owner = "PlantVectorEnv"
-        self.scene = scene = arguments.require_scene(owner, scene)
+        self.task = made = Task(**task)
+        self.scene = scene = made.played(arguments.require_scene(owner, scene))
         self.num_envs = require_count(owner, "num_envs", num_envs, 1, 10_000_000)
-        require_choice(owner, "render_mode", render_mode, (None,))
+        require_choice(owner, "render_mode", render_mode, (None, "rgb_array"))
         require_choice(owner, "autoreset_mode", autoreset_mode, (*MODES, *(m.value for m in MODES)))
         self._steps = arguments.require_length(owner, scene, max_episode_steps)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
-        self.randomise, self.render_mode = randomise, render_mode
+        self.metadata = {
+            **self.metadata,
+            "autoreset_mode": self.autoreset_mode,
+            "render_fps": max(1, round(1 / scene.dt)),
+        }
+        self.randomise = made.drawn(require_flag(f"{owner}.randomise", randomise))
+        self.render_mode = render_mode
         self._dtype = as_dtype(dtype, owner)
         if threads is None:
             threads = available() if self.num_envs >= FEW else 1
         threads = require_count(owner, "threads", threads, 1, 10_000)
         self._step = ControlStep(scene, self.num_envs, self._dtype, threads)
         self.single_action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
-        self.single_observation_space = spaces.Box(-np.inf, np.inf, (len(scene.observe),), self._dtype.type)
+        self._channel = None if made.plain else Channel(scene, made, self.num_envs)
+        width = len(scene.observe) if self._channel is None else self._channel.width
+        self.single_observation_space = spaces.Box(-np.inf, np.inf, (width,), self._dtype.type)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._shape = self.num_envs, scene.plant.nu
@@ -92,6 +107,9 @@ class PlantVectorEnv(Batch):
         self.begun = False
         self._varied = False  # whether some lane has had other parameters than the plant's own
         self._obs = np.zeros((self.num_envs, len(scene.observe)), dtype=self._dtype)
+        self._seen = self._obs if self._channel is None else np.zeros((self.num_envs, width), dtype=self._dtype)
+        self._pictures: list[Renderer] = []
+        self._total = np.zeros(self.num_envs)  # what each lane's episode has cost, for its picture
         self.marks = {}
 
     def reset(
@@ -121,38 +139,9 @@ class PlantVectorEnv(Batch):
             return self.restart(lanes, range(seeds, seeds + n), given)
         return self.restart(lanes, seeds or [None] * n, given)
 
-    def restart(
-        self, lanes: Array, seeds: Sequence[int | None], given: list[dict[str, Any]] | None
-    ) -> tuple[Array, dict[str, Any]]:
-        """`reset` with its arguments checked: lanes (k,), seeds and options of every lane."""
-        seeded = [int(lane) for lane in lanes if seeds[lane] is not None]
-        if seeded:
-            self._supply.seed(np.array(seeded), [cast(int, seeds[lane]) for lane in seeded])
-        self._start(lanes, given)
-        self.begun = True
-        return self._obs.copy(), infos.of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
-
-    def _start(self, lanes: Array, given: list[dict[str, Any]] | None = None) -> None:
-        """New episodes in the lanes (k,)."""
-        step, k = self._step, len(lanes)
-        if self._randomise:
-            x, obs, w, p = self._supply.take(lanes, lambda: self.np_random)
-        else:
-            x, obs, w, p = (a[None] for a in (self.scene.initial[0], self._first, np.zeros(len(step.w)), self._nominal))
-        if given is not None:
-            x, obs, p = self._given(
-                [given[lane] for lane in lanes], *(np.tile(a, (k // len(a), 1)) for a in (x, obs, p))
-            )
-        step.x[:, lanes] = x.T
-        if self._randomise or given is not None or self._varied:
-            step.w[:, lanes], step.p[:, lanes], self._varied = w.T, p.T, True
-        self._obs[lanes] = obs
-        self._done[lanes] = 0
-        self._over[lanes] = False
-
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Hold `actions` (num_envs, nu) for one control period in every lane."""
-        obs, cost, terminated, truncated, valid, ended, begun = self.advance(actions)
+        obs, reward, terminated, truncated, valid, ended, begun = self.advance(actions)
         n, names, found = self.num_envs, self._names, valid
         if ended is not None:
             found = infos.of_end(n, ended) | valid
@@ -162,31 +151,35 @@ class PlantVectorEnv(Batch):
                 begun = np.concatenate([begun, ended.lanes])
         if len(begun):
             found |= infos.of_parameters(n, begun, names, self.parameters_of(begun))
-        return obs, 0.0 - cost, terminated, truncated, found  # no -0 where nothing is charged
+        return obs, reward, terminated, truncated, found
 
     def advance(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any], infos.Ended | None, Array]:
-        """`step`, with costs, and in place of infos what they are made of: where ranges of validity are left, the
-        episodes that end, the lanes where one begins.
+        """`step`, with what infos are made of: what is told of single lanes (where ranges of validity are left, terms,
+        constraints), the episodes that end, the lanes where one begins.
         """
         self._require_begun("step")
         actions = arguments.require_actions("PlantVectorEnv.step", "actions", actions, self._shape)
-        step, scene = self._step, self.scene
+        step, scene, task, channel = self._step, self.scene, self.task, self._channel
         waiting = self._over.nonzero()[0]
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(
                 f"PlantVectorEnv.step: lane {waiting[0]} is over; reset it with options={{'reset_mask': ...}}"
             )
+        if channel is not None:
+            actions = channel.act(actions)
         step.action[:] = actions.T
         step.begin(self._done)
+        terms = self._terms(waiting) if task.terms else None
         diverged, outside = step.run()
         self._done += 1
         cost = step.cost.astype(float)
-        terminated = diverged | outside
+        terminated = diverged | outside if task.constraint == "end" else diverged.copy()
         last, self._obs = self._obs, step.obs.T.copy()
         if len(waiting):  # these lanes start again instead
             terminated[waiting] = diverged[waiting] = False
             self._done[waiting] = 0
             cost[waiting] = 0.0
+        bounded = None if task.reward == "cost" else normalised(scene, cost, terminated)
         early = None
         if np.count_nonzero(terminated):
             self._obs[diverged] = last[diverged]
@@ -194,6 +187,8 @@ class PlantVectorEnv(Batch):
             early = np.zeros(self.num_envs)
             early[left] = early_end_cost(scene, self._done[left], cost[left])
             cost += early
+        if self.render_mode is not None:
+            self._total += cost
         truncated = (self._done >= self._steps) & ~terminated
         over = terminated | truncated
         valid: dict[str, Any] = {}
@@ -203,12 +198,24 @@ class PlantVectorEnv(Batch):
             invalid[waiting] = False
             if invalid.any():
                 valid = {"validity": np.where(invalid, step.reach, 0.0), "_validity": invalid}
+        if terms is not None:
+            valid |= terms
+        if task.constraint == "cost":
+            playing = np.setdiff1d(np.arange(self.num_envs), waiting)
+            valid |= infos.masked(self.num_envs, playing, cost_constraint=(outside | diverged)[playing].astype(float))
+        if channel is not None:
+            self._seen = channel.see(self._obs.astype(float), waiting).astype(self._dtype)
+        else:
+            self._seen = self._obs
+        reward = 0.0 - cost if bounded is None else bounded  # no -0 where nothing is charged
+        if bounded is not None and len(waiting):
+            reward[waiting] = 0.0
         ended = None
         if np.count_nonzero(over):
             lanes = over.nonzero()[0]
             charged = np.zeros(len(lanes)) if early is None else early[lanes]
             ended = infos.Ended(
-                lanes, cost[lanes], charged, diverged[lanes], self._obs[lanes], self.parameters_of(lanes)
+                lanes, cost[lanes], charged, diverged[lanes], self._seen[lanes], self.parameters_of(lanes)
             )
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             waiting = NO_LANES if ended is None else ended.lanes
@@ -216,4 +223,4 @@ class PlantVectorEnv(Batch):
             self._over = over
         if len(waiting):
             self._start(waiting)
-        return self._obs.copy(), cost, terminated, truncated, valid, ended, waiting
+        return self._seen.copy(), reward, terminated, truncated, valid, ended, waiting

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 
@@ -152,4 +153,21 @@ def two_link_reach() -> Scene:
         ),
         randomise=(("payload.mass", 0.7, 1.3),),
         start_spread=0.1,
+    )
+
+
+def _changed(scene: Scene, suffix: str, about: str, **changes: Any) -> Scene:
+    return dataclasses.replace(scene, name=f"{scene.name}-{suffix}", about=about, **changes)
+
+
+def single_link_gentle() -> Scene:
+    """The slew, but the tip may bend by 10 mm in place of 300: LQR's first torque bends it by 16 mm."""
+    bounds = (("tip_deflection", 0.01), ("hub_angle_rate", 12.0))
+    return _changed(single_link_slew(), "gentle", "the slew with a tip that may bend by 10 mm", bounds=bounds)
+
+
+def two_link_weak() -> Scene:
+    """The reach with an elbow motor of 10 N m in place of 15: holding the goal takes 8.3."""
+    return _changed(
+        two_link_reach(), "weak", "the reach with an elbow motor of 10 N m in place of 15", limits=(40.0, 10.0)
     )

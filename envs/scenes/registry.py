@@ -45,6 +45,10 @@ SCENES: Mapping[str, Callable[..., Scene]] = {
     "spacecraft-spin": spacecraft.spacecraft_spin,
     "spacecraft-orbit": spacecraft_orbit.spacecraft_orbit,
 }
+VARIANTS: Mapping[str, Callable[..., Scene]] = {  # shipped too, but beside those that `names` lists
+    "single-link-slew-gentle": arms.single_link_gentle,
+    "two-link-reach-weak": arms.two_link_weak,
+}
 GROUP, ENDING = "pliant.scenes", ".toml"
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 READERS: dict[str, Callable[[Any], Scene]] = {}  # "toml": filled by pliant.envs.scene_files, which imports this room
@@ -54,13 +58,17 @@ _made: dict[str, Scene] = {}  # one scene a name, so that what is built from it 
 
 
 def names() -> tuple[str, ...]:
-    """The names of all scenes: shipped, registered, and of installed packages."""
+    """The names of all scenes: shipped, registered, and of installed packages; VARIANTS of shipped ones have more."""
     return tuple(dict.fromkeys((*SCENES, *_registered, *_of_packages())))
 
 
 def _of_packages() -> tuple[str, ...]:
     """Scenes of installed packages; none takes the place of a shipped one or has a name that no folder could have."""
-    return tuple(name for name in offered(GROUP) if NAME.fullmatch(name) and name not in SCENES)
+    return tuple(name for name in offered(GROUP) if NAME.fullmatch(name) and name not in _shipped())
+
+
+def _shipped() -> Mapping[str, Callable[..., Scene]]:
+    return {**SCENES, **VARIANTS}
 
 
 def require_name(owner: str, name: Any) -> str:
@@ -79,7 +87,7 @@ def register(scene: Scene, *, replace: bool = False) -> None:
     """
     require_instance("register.scene", scene, Scene)
     name = require_name("register: scene.name", scene.name)
-    if name in SCENES:
+    if name in _shipped():
         raise ValueError(f"register: scene.name = {name!r} must have a name of its own, not a shipped scene's")
     if not require_flag("register.replace", replace) and _registered.get(name, scene) != scene:
         raise ValueError(f"register: scene.name = {name!r} is another scene's, must be new unless replace=True")
@@ -103,8 +111,8 @@ def is_file(name: Any) -> bool:
 
 def _maker(name: str) -> Callable[..., Scene]:
     """What makes the scene of a name."""
-    if name in SCENES:
-        return SCENES[name]
+    if name in _shipped():
+        return _shipped()[name]
     if name in _registered:
         return lambda: _registered[name]
     found = loaded(offered(GROUP)[name], f"scene {name!r}")
@@ -120,7 +128,7 @@ def keywords(name: str) -> dict[str, Any]:
     """{keyword of its own that a scene takes: its default}; none of a file."""
     if is_file(name):
         return {}
-    require_choice("scenes", "name", name, names())
+    require_choice("scenes", "name", name, (*names(), *VARIANTS))
     return {key: p.default for key, p in inspect.signature(_maker(name)).parameters.items()}
 
 
@@ -152,4 +160,4 @@ def get(name: str, **overrides: Any) -> Scene:
 
 def is_by_name(scene: Scene) -> bool:
     """Whether commands in another process find this very scene by its name."""
-    return (scene.name in SCENES or scene.name in _of_packages()) and _own(scene.name) == scene
+    return (scene.name in _shipped() or scene.name in _of_packages()) and _own(scene.name) == scene

@@ -40,8 +40,7 @@ Pairs = tuple[tuple[str, float], ...]
 Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
-ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector" and "sb3": (scene, num_envs, ...) -> environment, filled
-# by pliant.envs.environments, which imports this room
+ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector", "sb3", "differentiable": made of a scene by rooms below
 
 __all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 
@@ -281,17 +280,17 @@ class Scene(Manoeuvre):
         """The goal as a motion: over one turn where it turns steadily, else at the control times."""
         return steady_motion(self)
 
-    def vector_env(
-        self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float64, threads: int | None = None
-    ) -> Any:
+    def vector_env(self, num_envs: int, *, randomise: bool = False, **options: Any) -> Any:
         """`num_envs` lanes of this scene as a Gymnasium vector environment, PlantVectorEnv; keywords as there."""
-        return ENVIRONMENTS["vector"](self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
+        return ENVIRONMENTS["vector"](self, num_envs, randomise=randomise, **options)
 
-    def sb3_env(
-        self, num_envs: int, *, randomise: bool = False, dtype: type | str = np.float32, threads: int | None = None
-    ) -> Any:
+    def sb3_env(self, num_envs: int, *, randomise: bool = False, **options: Any) -> Any:
         """`num_envs` lanes of this scene for Stable-Baselines3, a PlantVecEnv. ImportError without it."""
-        return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, dtype=dtype, threads=threads)
+        return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, **options)
+
+    def differentiable(self, torch: Any, lanes: int = 1) -> Any:
+        """Rollouts as functions of the module `torch` with exact gradients: pliant.envs.simulation.differentiable."""
+        return ENVIRONMENTS["differentiable"](self, torch, lanes)
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: sealed(getattr(self, f.name)) for f in dataclasses.fields(self)}

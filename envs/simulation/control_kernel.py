@@ -112,6 +112,10 @@ class ControlStep:
         for array, value in zip((*self.work.inputs, *self.work.outputs), arrays):
             array[:] = value
 
+    def aim(self, lanes: Array, references: Array) -> None:
+        """From now on the goals of the lanes (k,) are those of the references (k, nr); of goals that do not move."""
+        self.ref[:, lanes] = references.T
+
     def begin(self, done: int | Array) -> None:
         """Say how many periods (lanes,) of the episode are over: where the goal moves, it is where it then is.
 

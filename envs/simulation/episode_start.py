@@ -96,11 +96,18 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
         x = np.tile(scene.initial[0], (len(starts), 1))
         x[:, scene.positions(name for name, _ in scene.start)] = starts
         return plant.consistent(x)
+    return rest_points(scene, starts, p)[0]
+
+
+def rest_points(scene: Scene, starts: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(x (n, nx), u (n, nu)) at rest with the coordinates of scene.start held at the rows of `starts`."""
+    plant = scene.varied_plant
     if plant.statics() is None or plant.prescribed or len(scene.start) != plant.nu:
         given = ({name: v for (name, _), v in zip(scene.start, row)} for row in starts)
         with unstable_rests_untold():
-            found = [plant.equilibrium(with_joints(plant, row), p=q)[0] for row, q in zip(given, p)]
-        return np.array(found).reshape(-1, plant.nx)
+            found = [plant.equilibrium(with_joints(plant, row), p=q) for row, q in zip(given, p)]
+        x, u = (np.array(part) for part in zip(*found)) if found else (np.zeros(0), np.zeros(0))
+        return x.reshape(-1, plant.nx), u.reshape(-1, plant.nu)
 
     columns, free = _split(scene)
     x0, u0 = scene.initial
@@ -122,7 +129,7 @@ def initial_states(scene: Scene, starts: np.ndarray, p: np.ndarray) -> np.ndarra
         )
     x = np.zeros((len(starts), plant.nx))
     x[:, columns], x[:, free] = starts, z[:, : len(free)]
-    return x
+    return x, z[:, len(free) :]
 
 
 @once_per_scene

@@ -221,7 +221,8 @@ class BalancedPlant(MechanicalPlant):
         for i, k in driven.items():
             moving[i] = u[k]
         lacking = self.symbolic.balance(t, x, u, w, moving)[free]
-        return ForceBalance(self, lacking, a, driven, self.coordinate_rates(x))
+        M = self.symbolic.equations(t, x, u, w)[0][free, free] if self._written_out else None
+        return ForceBalance(self, lacking, a, driven, self.coordinate_rates(x), M)
 
     def measure_at(self, t: Array, x: Array, u: Array, a: Array) -> Array:
         """y (B, ny) at rows of t, states, inputs and accelerations; see `output_at`."""

@@ -105,8 +105,18 @@ class ForceBalance:
     where p is.
     """
 
-    def __init__(self, plant: PlantLike, lacking: ca.SX, a: ca.SX, driven: dict[int, int], rates: ca.SX) -> None:
-        """lacking: r - M a of the free speeds at their accelerations a; driven: {speed: input}; rates: dq/dt of x."""
+    def __init__(
+        self,
+        plant: PlantLike,
+        lacking: ca.SX,
+        a: ca.SX,
+        driven: dict[int, int],
+        rates: ca.SX,
+        mass: ca.SX | None = None,
+    ) -> None:
+        """lacking: r - M a of the free speeds at their accelerations a; driven: {speed: input}; rates: dq/dt of x;
+        mass: their M where it is written out.
+        """
         _, x, u, _, _ = plant.symbols
         self.plant, self.driven, self.first = plant, driven, rates.shape[0]  # speeds follow the coordinates
         self.n = plant.nx - self.first
@@ -117,7 +127,12 @@ class ForceBalance:
         along, pull = ca.SX.sym("dx", plant.nx), ca.SX.sym("da", a.shape[0])
         lacking = ca.cse(lacking)
         self._lacking = _numeric("lacking", at, lacking)
-        self._weighed = _numeric("weighed", [*at, pull], ca.jtimes(-lacking, a, pull))
+        self._mass = (
+            None
+            if mass is None
+            else NumericFunction(ca.Function("mass", list(plant.symbols), [ca.densify(mass)]), matrices=True)
+        )
+        self._weighed = _numeric("weighed", [*at, pull], ca.jtimes(-lacking, a, pull)) if mass is None else None
         self._changed = _numeric("changed", [*at, along], ca.jtimes(lacking, x, along))
         self._expressions = at, lacking, u
 
@@ -137,6 +152,9 @@ class ForceBalance:
     def mass(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> Array:
         """M of the free speeds (B, m, m)."""
         m = len(self.free)
+        if self._mass is not None:
+            return self._mass(*self._values(t, x, u, w, p), batch=len(x))[0]
+        assert self._weighed is not None
         M = _columns(self._weighed, (*self._values(t, x, u, w, p), np.zeros((len(x), m))), m)
         return (M + np.swapaxes(M, 1, 2)) / 2
 

@@ -25,6 +25,7 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
+from pliant.plants.core.casadi_functions import last_call
 from pliant.plants.core.quaternions import cross
 from pliant.plants.exact_rotations.quadrature import Points, applied, points, sparse
 from pliant.plants.exact_rotations.strain_link import StrainLink, constant_inertia, curvatures, enough, turns
@@ -38,8 +39,22 @@ from .elastic_body import Place
 STRETCHED = 2  # points more than shapes of twist and stretch
 
 
+class _Placed(NamedTuple):
+    """At the points: components (m,) of t = dx/ds and their derivatives J (m, n), those of dx/ds without stretch and
+    its derivatives by a, by b and by both, and how long it is.
+    """
+
+    t: list[ca.SX]
+    J: list[ca.SX]
+    unit: list[ca.SX]
+    by_a: list[ca.SX]
+    by_b: list[ca.SX]
+    across: list[ca.SX]  # d2/da2 is -unit but for z, d2/db2 is -unit
+    size: ca.SX
+
+
 class _Tangents(NamedTuple):
-    """At the points: components (m,) of dx/ds, of its rate and of what is left of its second where eta'' = 0."""
+    """Those, and components (m,) of the rate of dx/ds and of what is left of its second where eta'' = 0."""
 
     t: list[ca.SX]
     J: list[ca.SX]  # (m, n) each
@@ -73,25 +88,28 @@ class StrainBeam(BeamBody):
         L, (a, _, b, _) = self.straight.beam.length, self._bends
         return applied(a, y) / L, applied(b, z) / L, applied(self._stretches, e) / L
 
-    def _tangents(self, eta: ca.SX, rate: ca.SX) -> _Tangents:
-        L, counts = self.straight.beam.length, self.straight.counts
-        (a, b, e), (v, w, d) = self._angles(eta), self._angles(rate)
+    @last_call
+    def _placed(self, eta: ca.SX) -> _Placed:
+        L, counts, (a, b, e) = self.straight.beam.length, self.straight.counts, self._angles(eta)
         ca_, sa, cb, sb = ca.cos(a), ca.sin(a), ca.cos(b), ca.sin(b)
         size, still = 1 + e, ca.SX.zeros(len(self.points.xi))
         unit, by_a, by_b = [ca_ * cb, sa * cb, -sb], [-sa * cb, ca_ * cb, still], [-ca_ * sb, -sa * sb, -cb]
-        across = [sa * sb, -ca_ * sb, still]  # d2/da db; d2/da2 is -unit but for z, d2/db2 is -unit
-        found = _Tangents([], [], [], [])
+        J = []
         for c in range(3):
-            found.t.append(size * unit[c])
-            columns = [size * by_a[c] * ca.DM(self._bends[0][:, k]) / L for k in range(counts[0])]
-            columns += [size * by_b[c] * ca.DM(self._bends[2][:, k]) / L for k in range(counts[1])]
-            columns += [ca.SX(len(self.points.xi), 1)] * counts[2]
-            columns += [unit[c] * ca.DM(self._stretches[:, k]) / L for k in range(counts[3])]
-            found.J.append(ca.sparsify(ca.horzcat(*columns)))
-            moved = by_a[c] * v + by_b[c] * w
-            found.rate.append(size * moved + unit[c] * d)
-            turned = -unit[c] * (w**2 + (v**2 if c < 2 else 0)) + 2 * across[c] * v * w
-            found.bias.append(size * turned + 2 * d * moved)
+            columns = [_each(size * by_a[c], self._bends[0]), _each(size * by_b[c], self._bends[2])]
+            columns += [ca.SX(len(self.points.xi), counts[2]), _each(unit[c], self._stretches)]
+            J.append(ca.sparsify(ca.horzcat(*columns) / L))
+        return _Placed([size * r for r in unit], J, unit, by_a, by_b, [sa * sb, -ca_ * sb, still], size)
+
+    @last_call
+    def _tangents(self, eta: ca.SX, rate: ca.SX) -> _Tangents:
+        at, (v, w, d) = self._placed(eta), self._angles(rate)
+        found = _Tangents(at.t, at.J, [], [])
+        for c in range(3):
+            moved = at.by_a[c] * v + at.by_b[c] * w
+            found.rate.append(at.size * moved + at.unit[c] * d)
+            turned = -at.unit[c] * (w**2 + (v**2 if c < 2 else 0)) + 2 * at.across[c] * v * w
+            found.bias.append(at.size * turned + 2 * d * moved)
         return found
 
     @cached_property
@@ -126,13 +144,13 @@ class StrainBeam(BeamBody):
         return ca.SX(self.straight.beam.mass * self.straight.beam.length**2)
 
     def inertia(self, eta: ca.SX) -> Inertia:
-        t = self._tangents(eta, ca.SX.zeros(self.n)).t
+        t = self._placed(eta).t
         z, m = self._carried(t), self.straight.beam.mass
         P = self._size * (z.T @ z) + self._still()[0]
         return Inertia(ca.SX(m), m * self._summed(self.points.first_moment, t), upper(ca.densify(P)))
 
     def coupling(self, eta: ca.SX) -> list[Wrench]:
-        at = self._tangents(eta, ca.SX.zeros(self.n))
+        at = self._placed(eta)
         z, J, turning = self._carried(at.t), [sparse(self.points.root) @ j for j in at.J], self._still()[1]
         moved = self.straight.beam.mass * self._summed(self.points.first_moment, at.J)
         found = []
@@ -144,7 +162,7 @@ class StrainBeam(BeamBody):
         return found
 
     def mass(self, eta: ca.SX) -> ca.SX:
-        J = [sparse(self.points.root) @ j for j in self._tangents(eta, ca.SX.zeros(self.n)).J]
+        J = [sparse(self.points.root) @ j for j in self._placed(eta).J]
         M = self._size * sum((j.T @ j for j in J), ca.SX(self.n, self.n))
         first, second = self._rest
         _, _, nt, ne = self.straight.counts
@@ -226,3 +244,8 @@ class StrainBeam(BeamBody):
     def readings(self, eta: ca.SX, rate: ca.SX) -> list[ca.SX]:
         end = self.section(1.0, eta, rate)
         return [end.shift[1], end.shift[2], end.shift_rate[1], end.shift_rate[2], *self.straight.curvature(eta)]
+
+
+def _each(v: ca.SX, shapes: np.ndarray) -> ca.SX:
+    """v (m,) times each column of shapes (m, n)."""
+    return ca.repmat(v, 1, shapes.shape[1]) * ca.DM(shapes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Self
 
 import numpy as np
@@ -114,8 +115,11 @@ class TreeFidelity(TreeDeclaration):
         bent = any(b.beam is not None and sum(b.modes) for b in self.bodies)
         if not bent and not any(b.modal is not None and b.modal.n for b in self.bodies):
             return (self,)
-        rungs = [rung for rung in LADDER if bent or rung[0] != "strain"]
-        return (dataclasses.replace(self, kinematics="rigid"), *(self._with(*rung) for rung in rungs))
+        rungs = tuple(rung for rung in LADDER if bent or rung[0] != "strain")
+        bending: Callable[..., tuple[Self, ...]] = _bending
+        if self.nominal is not self:  # symbols have no equality
+            bending = _bending.__wrapped__
+        return (dataclasses.replace(self, kinematics="rigid"), *bending(self._with(*LADDER[0]), rungs))
 
     def physics(self, more: int = 0) -> Self:
         """Exact rotations, every beam bending in both planes and twisting, with `more` than four shapes a family it
@@ -163,6 +167,12 @@ class TreeFidelity(TreeDeclaration):
         stiff = () if all(b.modes[3] for b in beams) else (STRETCH,)
         modal = MODAL if len(beams) < len(self.slender) else ()
         return (*UNMODELLED, *stiff, *modal) if self.slender else RIGID
+
+
+@lru_cache(maxsize=32)  # each of them has the same ones above it, and is asked for them
+def _bending(first: TreeFidelity, rungs: tuple[tuple[str, int], ...]) -> tuple[Any, ...]:
+    """A ladder's rungs that bend."""
+    return tuple(first._with(*rung) for rung in rungs)
 
 
 def _rich(body: TreeBody, n: int, more: int) -> TreeBody:

@@ -81,7 +81,7 @@ class FlexibleTree(TreeDynamics):
                 continue
             own, at, rates = bent[body.name]
             y += own.readings(q[at], v[rates])
-        walk = self._walk(q, v)
+        walk = self._walk_at(x)
         stands, moves = poses(walk), twists(walk)
         at_places = [self.tree.places[place] for place in self.places]
         for k in at_places:
@@ -94,8 +94,7 @@ class FlexibleTree(TreeDynamics):
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
         """Small slopes and strains; without stiffening also the shortening and the axial force that it leaves out."""
-        n, found = len(self.coordinates), list[Range]()
-        walk = self._walk(x[:n], x[n:])
+        found, walk = list[Range](), self._walk_at(x)
         axial = pulls(walk, vector(self.gravity), self._wrenches(walk, u, w))
         turning = twists(walk)
         bent = zip(self.flexible, self.tree.beams, self.nominal.tree.beams, self._beams(), strict=True)

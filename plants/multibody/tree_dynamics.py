@@ -34,6 +34,12 @@ class TreeDynamics(TreeElasticity):
         (n, k), m = ends(self.slots), len(self.motors)
         return Walk(self.tree, _without(q, n, n + m), _without(v, k, k + m))
 
+    @last_call
+    def _walk_at(self, x: ca.SX) -> Walk:
+        """The one that all that is asked of a state shares."""
+        n = len(self.coordinates)
+        return self._walk(x[:n], x[n:])
+
     def _all(self, inner: ca.SX, motors: list[ca.SX] | None = None) -> ca.SX:
         """(n,) of what the recursion gives, which knows no motors; theirs are zero where they are not told."""
         n = ends(self.slots)[1]
@@ -72,12 +78,18 @@ class TreeDynamics(TreeElasticity):
         return ca.dot(v, self._mass_matrix(self._walk(q, v)) @ v) / 2
 
     def potential_energy(self, q: ca.SX) -> ca.SX:
-        g, still = vector(self.gravity), ca.SX.zeros(len(self.speeds))
-        zero = ca.SX.zeros(q.shape[0])
+        return self._stored(self._walk(q, ca.SX.zeros(len(self.speeds))), q)
+
+    def _stored(self, walk: Walk, q: ca.SX) -> ca.SX:
+        """The potential energy of a walk at coordinates q; zero where these are."""
+        g, zero = vector(self.gravity), ca.SX.zeros(q.shape[0])
         for _, first, _ in self.turns:
             zero[first] = 1
-        V = weight_energy(self._walk(q, still), g) - weight_energy(self._walk(zero, still), g)
-        return V + self._spring_energy(q)
+        V = weight_energy(walk, g)
+        if q.is_valid_input():  # with numbers put in, it is not walked again
+            return V - ca.substitute(V, q, zero) + self._spring_energy(q)
+        still = self._walk(zero, ca.SX.zeros(len(self.speeds)))
+        return V - weight_energy(still, g) + self._spring_energy(q)
 
     @property
     def _written_out(self) -> bool:
@@ -98,17 +110,16 @@ class TreeDynamics(TreeElasticity):
     def _forces(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         """r (n,) of M a = r."""
         n = len(self.coordinates)
-        q, v = x[:n], x[n:]
-        walk = self._walk(q, v)
+        q, v, walk = x[:n], x[n:], self._walk_at(x)
         inertial = self._all(forces(walk, vector(self.gravity), self._wrenches(walk, u, w)))
         return self._driving(v.shape[0], u) - self._resistance(q, v) - inertial
 
     @last_call
     def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         n = len(self.coordinates)
-        q, v = x[:n], x[n:]
-        M, r = ca.cse([self._mass_matrix(self._walk(q, v)), self._forces(t, x, u, w)])
-        return M, r, ca.dot(v, M @ v) / 2, self.potential_energy(q)
+        v, walk = x[n:], self._walk_at(x)
+        M, r = ca.cse([self._mass_matrix(walk), self._forces(t, x, u, w)])
+        return M, r, ca.dot(v, M @ v) / 2, self._stored(walk, x[:n])
 
     def elimination(self, n: int) -> list[int]:
         """Leaves first: bodies on different branches have no inertia in common (Featherstone, Section 6.4)."""
@@ -125,11 +136,11 @@ class TreeDynamics(TreeElasticity):
     def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
         if len(self.speeds) < ARTICULATED:
             return super().solved(t, x, u, w)
-        n, k = len(self.coordinates), ends(self.slots)[1]
+        k = ends(self.slots)[1]
         r = self._forces(t, x, u, w)
         armature = {at: ca.SX(joint.armature) for joint, _, at in self.slots}
         given = {i: u[j] for i, j in self.driven.items()}
-        own = Articulated(self._walk(x[:n], x[n:]), self.inner(r), armature, given)
+        own = Articulated(self._walk_at(x), self.inner(r), armature, given)
         rotors = [ca.SX(self.moving[i].elastic.rotor_inertia) for i in self.motors]  # type: ignore[union-attr]
         motors = [r[k + i] / one for i, one in enumerate(rotors)]
         return self._all(own.accelerations(), motors), [*own.pivots, *rotors]

@@ -12,7 +12,7 @@ from pliant.plants.multibody_parts.spatial import AROUND
 from pliant.plants.multibody_parts.steps import Ball, Fixed, Move, Spin
 
 from .layout import BASE
-from .walk import Walk
+from .walk import Walk, once
 
 SLIDING = ("prismatic", "planar", "free")  # joints that shift
 
@@ -31,6 +31,7 @@ class Twist(NamedTuple):
     v: ca.SX
 
 
+@once
 def poses(walk: Walk) -> list[Pose]:
     """Of every node."""
     found: list[Pose] = []
@@ -72,6 +73,7 @@ def quaternions(walk: Walk) -> list[ca.SX]:
     return found
 
 
+@once
 def twists(walk: Walk) -> list[Twist]:
     """Of every node."""
     found: list[Twist] = []

@@ -6,10 +6,11 @@ something hangs. So the sections' shifts and turns are coordinates of the recurs
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, wraps
 from itertools import count
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -21,7 +22,21 @@ from pliant.plants.multibody_parts.tree_beam import Section, tidy
 
 from .layout import BASE, Layout, Node
 
+T = TypeVar("T")
 UNIT = np.eye(3)
+
+
+def once(found: Callable[[Walk], list[T]]) -> Callable[[Walk], list[T]]:
+    """What is found of a walk, kept with it."""
+
+    @wraps(found)
+    def kept(walk: Walk) -> list[T]:
+        if found.__name__ not in walk.kept:
+            walk.kept[found.__name__] = found(walk)
+        known: list[T] = walk.kept[found.__name__]
+        return known
+
+    return kept
 
 
 class Edge(NamedTuple):
@@ -52,6 +67,7 @@ class Walk:
     tree: Layout
     q: ca.SX
     v: ca.SX
+    kept: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @cached_property
     def joint_slots(self) -> dict[int, Slot]:
@@ -75,8 +91,17 @@ class Walk:
 
     def bent(self, k: int) -> tuple[ca.SX, ca.SX]:
         """(eta, its rate) of a node's beam."""
-        at, more = self.beam_keys.get(k, range(0)), self.q.shape[0] - self.v.shape[0]
-        return entries(self.q, slice(at.start + more, at.stop + more)), entries(self.v, slice(at.start, at.stop))
+        return self._bent[k]
+
+    @cached_property
+    def _bent(self) -> list[tuple[ca.SX, ca.SX]]:
+        """By node, the very same each time, as a beam knows its last ones again."""
+        found, more = [], self.q.shape[0] - self.v.shape[0]
+        for k in range(len(self.tree.nodes)):
+            at = self.beam_keys.get(k, range(0))
+            eta = entries(self.q, slice(at.start + more, at.stop + more))
+            found.append((eta, entries(self.v, slice(at.start, at.stop))))
+        return found
 
     @cached_property
     def edges(self) -> list[Edge]:

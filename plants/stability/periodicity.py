@@ -94,7 +94,8 @@ def one_period(
             row, column = np.unravel_index(int((miss / spread * (over > 0)).argmax()), miss.shape)
             share = miss[row, column] / spread[column]
             entry = f"({names[path.rows[column]]}, {names[path.columns[column]]})"
-            where = f"; largest in {entry} after {int(turns[row])} periods"
+            count = int(turns[row])
+            where = f"; largest in {entry} after {count} period{'s' if count > 1 else ''}"
             return path, f"A(t + T) differs from A(t) by {share:.2g} of its range for T = {period:.6g} s{where}"
         np.maximum.at(worst, k, np.where(miss > path.values.most[k], miss, 0.0))
     path.values.add(slice(None), worst)

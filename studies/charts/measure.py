@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import time as clock
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -25,6 +24,7 @@ from pliant.plants.core.argument_gates import (
 )
 from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.studies.common import machine
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, Progress, TooLong, share, silent
 from pliant.studies.fidelity.speed_accuracy import (
     LINEAR,
@@ -46,7 +46,7 @@ from .plan import LEVELS, STEPPED_NATIVELY, parts, simulated
 from .runner import Runner
 
 COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
-PREPARING = 15.0  # [s] that preparing all variants may take, or the budget where that is more; the first has no limit
+PREPARING = 15.0  # [s] that preparing all variants may take, or the budget if that is more; the first has no limit
 PREPARED, MEASURED = 0.25, 0.95  # of the progress told
 Peers = Callable[..., Sequence[PeerRow]]
 
@@ -64,7 +64,7 @@ def chart(
     peers: bool | Peers = False,
     progress: Progress | None = None,
 ) -> Chart:
-    """Measure the rows of a scene within `budget` [s], each variant's first row before all others; see `plan`.
+    """Measure the rows of a scene in `budget` [s] of processor time, first one of each variant; see `plan`.
 
     Before it begins physics is found, each variant's own motion converged, and its motions compiled where that pays,
     cheapest variants first for as long as PREPARING or the budget. A budget that does not prepare each variant and buy
@@ -160,10 +160,10 @@ def _prepare(
     """What every row of a variant rests on, before the budget begins: the variants for which there was time, and the
     budget that is about what all of them take.
     """
-    began, allowed = clock.perf_counter(), max(budget, PREPARING)
+    began, allowed = processor_time(), max(budget, PREPARING)
 
     def spent() -> float:
-        return clock.perf_counter() - began
+        return processor_time() - began
 
     for i, plant in enumerate(plants):
         progress(i / len(plants), f"{plant.label}, compiled")
@@ -201,7 +201,7 @@ class _Campaign:
 
     def __init__(self, runner: Runner, store: KeptRows, budget: float, progress: Progress) -> None:
         self.runner, self.store, self.budget, self.progress = runner, store, budget, progress
-        self.began = clock.perf_counter()
+        self.began = processor_time()
         self.spent: list[Row] = []
         self.needed: float | None = None
 
@@ -222,8 +222,8 @@ class _Campaign:
                     self.spent.append(dataclasses.replace(row, failure=SPENT))
                     break
                 had |= {r.variant for r in self.runner.done}
-            if self.needed is None and clock.perf_counter() - self.began > self.budget and i + 1 < len(plants):
-                self.needed = rounded_up(len(plants) / (i + 1) * (clock.perf_counter() - self.began))
+            if self.needed is None and processor_time() - self.began > self.budget and i + 1 < len(plants):
+                self.needed = rounded_up(len(plants) / (i + 1) * (processor_time() - self.began))
         if not self.spent:
             self.needed = None
 
@@ -251,7 +251,7 @@ class _Campaign:
 
     def _row(self, plant: Plant, row: Row, until: float) -> bool:
         """Whether the setting is settled: measured, failed, or of no use; False where its time is spent."""
-        self.progress((clock.perf_counter() - self.began) / self.budget, f"{plant.label}, {row.setting}")
+        self.progress((processor_time() - self.began) / self.budget, f"{plant.label}, {row.setting}")
         found = self.runner.measure(plant, row, self.began + until)
         if found is None:
             return True

@@ -14,6 +14,7 @@ import numpy as np
 from pliant.plants import Plant, PliantError
 from pliant.plants.integration.batch_stepper import compile_motions
 from pliant.plants.native import kernel_loader
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.speed_accuracy import ROOTS, RUNS_AWAY, SPENT, Row, comparable_seconds
 from pliant.studies.fidelity.stepper_runs import motion, outputs_of, repeats, seconds_a_period, stepper
@@ -66,7 +67,7 @@ class Runner:
             found = dataclasses.replace(row, failure=why)
         else:
             if row.path == "simulate" and row.method in IMPLICIT and _cost(row) not in self.built:
-                compile_motions(plant, deadline - clock.perf_counter(), row.method)
+                compile_motions(plant, deadline - processor_time(), row.method)
             try:
                 made = {"simulate": self._simulated, "stepper": self._stepped, "linear": self._linear}[row.path]
                 timed = made(plant, row)
@@ -116,7 +117,7 @@ class Runner:
             return f"too slow: about {expected:.2g} s a run, limit {SLOW:g} s"
         if row.path == "stepper" and _kernel(row) not in self.built and kernel_loader.wanted():
             expected += COMPILES.get(row.method, LONGER) * plant._dynamics.function.n_instructions()
-        return SPENT if clock.perf_counter() + expected > deadline else ""
+        return SPENT if processor_time() + expected > deadline else ""
 
     def _expected(self, row: Row) -> float:
         """Seconds of a run, a lane, as the last one of its kind tells; 0 where none does."""

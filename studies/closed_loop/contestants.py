@@ -11,8 +11,9 @@ import numpy as np
 
 from pliant import controllers
 from pliant.controllers import Controller, Policy
+from pliant.controllers.linear_quadratic.periodic_lqr import turning
 from pliant.envs import scenes
-from pliant.envs.scenes.registry import is_file
+from pliant.envs.scenes.registry import VARIANTS, is_file
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import EquilibriumError, PliantError
 from pliant.plants.core.argument_gates import require_names
@@ -22,6 +23,12 @@ from .rollout import nominal, rollout
 EFFORTS = (1.0, 3.0, 10.0, 30.0, 100.0)  # times what the scene charges for its inputs
 MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
 Maker = Callable[[Scene], Controller]
+LACKS_OF_A_CYCLE = {
+    "TVLQR": "cost to go at its nominal's end, nor law after it, that go round with a cycle",
+    "MPC": "model, targets and cost to go at its horizon's end that go round with a cycle",
+    "NMPC": "cost to go at its horizon's end that goes round with a cycle",
+    "LQG": "gains, of its law and of its filter, that go round with a cycle",
+}
 
 
 @dataclass(frozen=True)
@@ -32,7 +39,21 @@ class Designed:
     options: tuple[tuple[str, Any], ...] = ()
 
     def __call__(self, scene: Scene) -> Controller:
-        return getattr(controllers, self.name).for_scene(scene, **dict(self.options))
+        try:
+            made: Controller = getattr(controllers, self.name).for_scene(scene, **dict(self.options))
+        except EquilibriumError as failure:
+            if self.name not in LACKS_OF_A_CYCLE:
+                raise
+            try:
+                angle, rate = turning(scene)
+            except PliantError:
+                raise failure from None
+            raise EquilibriumError(
+                f"the goal is a cycle, {scene.plant.states[angle].name} goes round at {rate:.4g} rad/s: {self.name} "
+                f"has no {LACKS_OF_A_CYCLE[self.name]}; PeriodicLQR, which plays as LQR, holds it",
+                failure.residual,
+            ) from None
+        return made
 
 
 def regulator(scene: Scene) -> Controller:
@@ -117,33 +138,10 @@ def in_one_line(failure: Exception) -> str:
     return f"{type(failure).__name__}: {str(failure).splitlines()[0]}"
 
 
-def _changed(name: str, suffix: str, about: str, **changes: Any) -> Scene:
-    return dataclasses.replace(scenes.get(name, **changes), name=f"{name}-{suffix}", about=about)
-
-
-def single_link_gentle() -> Scene:
-    """The slew, but the tip may bend by 10 mm in place of 300: LQR's first torque bends it by 16 mm."""
-    bounds = (("tip_deflection", 0.01), ("hub_angle_rate", 12.0))
-    return _changed("single-link-slew", "gentle", "the slew with a tip that may bend by 10 mm", bounds=bounds)
-
-
-def two_link_weak() -> Scene:
-    """The reach with an elbow motor of 10 N m in place of 15: holding the goal takes 8.3."""
-    return _changed(
-        "two-link-reach", "weak", "the reach with an elbow motor of 10 N m in place of 15", limits=(40.0, 10.0)
-    )
-
-
-VARIANTS: Mapping[str, Callable[[], Scene]] = {
-    "single-link-slew-gentle": single_link_gentle,
-    "two-link-reach-weak": two_link_weak,
-}
-
-
 def playable(names: tuple[str, ...] | None = None) -> tuple[Scene, ...]:
     """The scenes with inputs, and those with tighter limits, by name or by a scene's file; all where None."""
     known = (*scenes.names(), *VARIANTS)
     wanted = known if names is None else require_names("playable.names", names)
     require_names("playable.names", [name for name in wanted if not is_file(name)], known, "scene")
-    found = [VARIANTS[name]() if name in VARIANTS else scenes.get(name) for name in wanted]
+    found = [scenes.get(name) for name in wanted]
     return tuple(scene for scene in found if scene.plant.nu)

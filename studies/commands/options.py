@@ -18,4 +18,4 @@ Settings = Annotated[
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Write JSON to stdout in place of the table.")]
 Picture = Annotated[Path | None, typer.Option("--plot", help="Draw into this file: png, svg or pdf.")]
-Budget = Annotated[float, typer.Option(help="Seconds that the measurement may take.")]
+Budget = Annotated[float, typer.Option(help="Seconds of processor time that the measurement may take.")]

@@ -22,7 +22,9 @@ def report(
     scene: SceneName,
     settings: Settings = None,
     out: Annotated[Path | None, typer.Option(help="Folder to write; reports/SCENE if not given.")] = None,
-    budget: Annotated[float | None, typer.Option(help="Seconds of the chart; as time allows if not given.")] = None,
+    budget: Annotated[
+        float | None, typer.Option(help="Processor time of the chart [s]; if not given as time allows.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Everything about one scene in one folder: report.html, the pictures, the tables."""

@@ -11,6 +11,7 @@ from pliant.envs.scene_files.settings import with_settings
 from pliant.plants.core.argument_gates import LEAST, require_seconds
 from pliant.studies.figures.stability import evidence
 from pliant.studies.figures.style import save
+from pliant.studies.stability.over_ranges import over_ranges
 from pliant.studies.stability.verdicts import left_out, verdict_at_goal, verdict_of
 
 from .console import bar, drawable, print_json, say, show
@@ -40,12 +41,19 @@ def stability(
     options = {"period": period, "periodic": None if repeated else False, "window": window}
     with bar(f"stability {chosen.name}") as tell:
         found, model = verdict_of(chosen, progress=tell, **options)
-    out, goal = left_out(chosen.plant, model), verdict_at_goal(chosen)
+    out, goal, ranges = left_out(chosen.plant, model), verdict_at_goal(chosen), over_ranges(chosen)
     if picture is not None:
         save(evidence(found, title=chosen.name), picture)
     if as_json:
         told = {"scene": chosen.name, "plant": chosen.plant.label, "left_out": list(out)}
-        print_json({**told, **found.to_json(), "at_the_goal": None if goal is None else goal.to_json()})
+        print_json(
+            {
+                **told,
+                **found.to_json(),
+                "over_ranges": ranges or None,
+                "at_the_goal": None if goal is None else goal.to_json(),
+            }
+        )
         return
     caption = f"{chosen.plant.label}; frozen roots in {found.coordinates}"
     if out:
@@ -54,6 +62,8 @@ def stability(
         caption += "; critical times " + ", ".join(f"{t:.3g}" for t in found.critical_times[:10]) + " s"
     head = f"{chosen.name}: {found.verdict}" + (f" by {found.method}" if found.method else "")
     say(found.sentence)
+    if ranges:
+        say(ranges)
     if found.horizon is None:
         say(f"No numbers of the motion: {found.no_horizon}.")
     else:

@@ -12,7 +12,8 @@ from pliant.plants.core.argument_gates import require_count
 
 PACKAGES = ("pliant", "numpy", "scipy", "casadi", "control", "matplotlib")
 PATH = (
-    "simulate: compiled code of rk4, rk8, rosenbrock, dop853, rodas5p where at hand or where it pays, else the virtual"
+    "simulate: compiled code of rk4, rk8, rosenbrock, dop853, rodas5p where at hand or where it pays, else the "
+    "virtual machine"
 )
 
 

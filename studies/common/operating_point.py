@@ -7,6 +7,7 @@ import numpy as np
 from pliant.plants import LinearModel, Plant
 from pliant.plants.core.signals import per_second
 
+ROUNDED = 1e-12  # of the largest input: less is rounding
 REST = 1e-8  # of the rates that the point's own states and inputs can cause
 
 
@@ -28,7 +29,8 @@ def coordinates(plant: Plant) -> tuple[str, ...]:
 
 def words(model: LinearModel, plant: Plant) -> str:
     """Like "at rest with tau1 = 3.2 N m", or that it moves on steadily, or is no equilibrium and what remains there."""
-    inputs = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v in zip(model.inputs, model.u0))
+    u = np.where(np.abs(model.u0) > ROUNDED * np.abs(model.u0).max(initial=0.0), model.u0, 0.0)
+    inputs = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v in zip(model.inputs, u))
     left = residual(model)
     spins = any(s.name in plant.velocities and abs(x) > REST for s, x in zip(model.states, model.x0))
     steady = "in steady motion" if spins else "at rest"

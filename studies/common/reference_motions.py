@@ -8,7 +8,6 @@ any method keeps its order because the jumps fall between steps. A step is at mo
 from __future__ import annotations
 
 import math
-import time as clock
 import warnings
 from collections.abc import Callable
 from functools import cached_property
@@ -21,6 +20,8 @@ from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.argument_gates import require_finite, shown
 from pliant.plants.motions.adaptive_steps import at_most
 from pliant.plants.validity.ranges import in_words
+
+from .processor_time import processor_time
 
 STIFF = "rodas5p"  # the adaptive method of plants that are stiff; of others it is dop853
 MOST_STEPS = 300_000  # of a motion: one that takes more runs away
@@ -44,10 +45,10 @@ class TooLong(PliantError):
 
 
 def in_time(plant: Plant, until: float) -> Callable[[float], None]:
-    """A simulation's progress that raises TooLong once the clock (`time.perf_counter`) says `until` [s]."""
+    """A simulation's progress that raises TooLong once `processor_time` says `until` [s]."""
 
     def reached(t: float) -> None:
-        if clock.perf_counter() > until:
+        if processor_time() > until:
             raise TooLong(f"the motion of {plant.label} had come to {t:.3g} s when its time was over")
 
     return reached
@@ -122,7 +123,7 @@ class Motions:
 
     def converged(self, plant: Plant, *, until: float = math.inf) -> np.ndarray:
         """The compared outputs (nt, n) at tight tolerance; raises what the simulation raised, and TooLong where it
-        has not ended when the clock (`time.perf_counter`) says `until` [s].
+        has not ended when `processor_time` says `until` [s].
         """
         if plant not in self._kept:
             progress = in_time(plant, until) if until < math.inf else None

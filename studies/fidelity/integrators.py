@@ -7,7 +7,6 @@ method for stiff plants is tried where dop853's loosest tolerance holds: what bo
 
 from __future__ import annotations
 
-import time as clock
 from dataclasses import replace
 from statistics import median
 from typing import Any
@@ -16,6 +15,7 @@ import numpy as np
 
 from pliant.plants import Plant, PliantError
 from pliant.plants.integration.batch_stepper import compile_motions
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, in_time
 from pliant.studies.physics.physics_motion import PhysicsMotion
 
@@ -31,7 +31,7 @@ RUNS = 3  # a setting that holds is timed so often
 WORTH = 2.0  # [s]: where compiling takes less, timings are of compiled code
 LONG = 0.05  # [s]: a run that takes longer is timed once
 LARGE = 8_000  # operations of the rates past which none is sought on the virtual machine
-IN_ALL = 10.0  # [s] that runs on the virtual machine may take
+IN_ALL = 10.0  # [s] of processor time that runs on the virtual machine may take
 PATIENCE = 10.0  # times the fastest: longer runs are not made
 
 
@@ -41,7 +41,7 @@ def integrators(
     """(the fastest row within the tolerance, the fixed-step row with the largest step within it); None where none is,
     and of a large plant that is not compiled.
     """
-    compiled, until = compile_motions(plant, WORTH), clock.perf_counter() + IN_ALL
+    compiled, until = compile_motions(plant, WORTH), processor_time() + IN_ALL
     if not compiled and plant._dynamics.function.n_instructions() > LARGE:
         return None, None  # seconds for each run, and more for its stability limit
     progress = None if compiled else in_time(plant, until)
@@ -53,7 +53,7 @@ def integrators(
         if plant.stiff and method not in IMPLICIT:
             continue
         worth_it = plant.stiff or (bounded_by_stability and compile_motions(plant, COMPILING, STIFF))
-        if (method == STIFF and not worth_it) or (progress is not None and clock.perf_counter() > until):
+        if (method == STIFF and not worth_it) or (progress is not None and processor_time() > until):
             continue
         for options in _settings(method, motions.scene.dt):
             row = Row(plant.label, plant.nx, method, options.get("step"), options.get("rtol"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pliant.plants.finite_horizon.asked import listed
 from pliant.studies.common.formatting import measured
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 def words(choice: Choice) -> str:
     """Which variant, how far it is from physics and how well that is known, what it leaves out and what is missing."""
     rung = next((r for r in choice.rungs if r.chosen), None)
-    outputs = " and ".join(choice.compare)
+    outputs = listed(choice.compare)
 
     def said(value: float) -> str:
         return measured(value, choice.unit)

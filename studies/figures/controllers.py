@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 STYLES = ("-", "--")
 FEW, MOST = 3, 8  # panels in one column, and in all
+LABEL = 14  # characters of a line beside an axis
 WIDE = 105  # characters of a legend in one line
 STILL = 1e-9  # of a signal's limit or 1, below which it is not drawn
 
@@ -57,7 +59,7 @@ def controllers(scene: Scene, contests: Sequence[Contest]) -> Figure:
             for sign in (-1, 1):
                 ax.axhline(sign * limits[name], color=INK, lw=0.8, ls=(0, (5, 2)), alpha=0.5)
         unit = every[index(every, name, "signal")].unit
-        ax.set_ylabel(f"{name.replace('_', ' ')}\n[{unit}]")
+        ax.set_ylabel(f"{fill(name.replace('_', ' '), LABEL)}\n[{unit}]")
         ax.margins(x=0.02)
     for ax in axes[len(signals) :]:
         ax.remove()

@@ -31,6 +31,9 @@ def ladder(choice: Choice) -> Figure:
         if rung.error is None:
             ax.text(lowest, i, " not tried", color=QUIET, va="center")
             continue
+        if not np.isfinite(rung.error):
+            ax.text(lowest, i, " no result", color=POOR, va="center")
+            continue
         colour = COLOURS[2] if rung.chosen else COLOURS[0]
         ax.barh(i, min(max(rung.error, lowest), highest), color=colour, height=0.55, alpha=0.85)
     ax.plot([], [], "s", color=COLOURS[0], label="from physics")
@@ -43,7 +46,8 @@ def ladder(choice: Choice) -> Figure:
     ax.set_yticks(at, [r.variant for r in rungs])
     ax.set_ylim(len(rungs) - 0.4, -0.6)
     ax.grid(axis="y", visible=False)
-    beyond = f", from {highest:g} {choice.unit} at the edge" if any((r.error or 0.0) > highest for r in rungs) else ""
+    cut = any(highest < (r.error or 0.0) < np.inf for r in rungs)
+    beyond = f", from {highest:g} {choice.unit} at the edge" if cut else ""
     ax.set_xlabel(f"largest difference of {', '.join(choice.compare)} [{choice.unit}]{beyond}")
     ax.set_title("The ladder, cheapest first")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -121,7 +121,7 @@ def _real_parts(ax: Axes, frozen: FrozenTime) -> None:
     near = max(1e-2 * float(np.abs(frozen.eigenvalues).max()), 1e-9)
     size = float(np.abs(frozen.eigenvalues.real).max())
     if size > 3 * near:
-        ax.set_yscale("symlog", linthresh=near)
+        ax.set_yscale("symlog", linthresh=10 ** np.ceil(np.log10(near)))  # so that no power of ten stands beside 0
     elif size < ROUNDED * np.abs(frozen.eigenvalues).max():
         ax.set_ylim(-near, near)
     ax.set_ylabel("frozen real part\n[1/s]")

@@ -6,7 +6,6 @@ Newton's method; where that does not settle, it is simulated. Of the chosen plan
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,13 +14,14 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, in_time
 
 from .physics_motion import PhysicsMotion, outputs_of
 from .quasi_linear import NotSettled
 
 ROUGHLY = 1e-5  # rtol of a motion without an effect, where it is simulated
-PATIENCE = 5.0  # [s] that such a motion may take
+PATIENCE = 5.0  # [s] of processor time that such a motion may take
 SHAPES = "shapes that it does not have"
 SHARE = 0.02  # of what an effect is worth: to what that is known
 
@@ -73,7 +73,7 @@ class _Rough:
 
 def _played(motions: Motions, plant: Plant) -> np.ndarray:
     """The outputs (nt, n) of a simulation; TooLong after PATIENCE."""
-    return motions.outputs(plant, ROUGHLY, progress=in_time(plant, clock.perf_counter() + PATIENCE))
+    return motions.outputs(plant, ROUGHLY, progress=in_time(plant, processor_time() + PATIENCE))
 
 
 def _effect(motions: Motions, physics: PhysicsMotion, rough: _Rough, name: str, kept: bool) -> Effect:

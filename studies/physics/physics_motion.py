@@ -15,7 +15,6 @@ tolerance ten times as wide changes.
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -26,6 +25,7 @@ from pliant.plants import MassMatrixError, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import index
 from pliant.plants.validity.ranges import in_words, left
 from pliant.plants.validity.rotating_sections import NONE_HOLDS
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions
 
 from .fine_model import between_control_times
@@ -46,7 +46,10 @@ SHARE = 0.05  # of an estimated effect: to what it is known
 SLIGHT = 0.02  # of the tolerance: an effect that is estimated to be less is not found truly
 NEARBY = 2  # parts of a control period at which it is, where physics was simulated
 ROUGHLY = 1e-6  # of the motion by which its ranges are judged
-PATIENCE, COME = 10.0, 0.1  # [s] after which a simulated motion must have come so far, as a share of its whole
+PATIENCE, COME = (
+    10.0,
+    0.1,
+)  # [s] of processor time after which a simulation must have come so far, of 1
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
 
@@ -256,14 +259,14 @@ def _judged(motions: Motions, tolerance: float, known: PhysicsMotion, motion: Tr
 
 def _patience(motions: Motions, reason: str) -> Callable[[float], None]:
     """Ends a motion that has come no way after PATIENCE: it would take minutes."""
-    began, first, last = clock.perf_counter(), motions.scene.times[0], motions.scene.times[-1]
+    began, first, last = processor_time(), motions.scene.times[0], motions.scene.times[-1]
 
     def reached(t: float) -> None:
-        spent, way = clock.perf_counter() - began, (t - first) / (last - first)
+        spent, way = processor_time() - began, (t - first) / (last - first)
         if spent > PATIENCE and way < COME:
             raise PliantError(
                 f"Newton's method does not settle ({reason}), and to simulate {motions.scene.plant.physics().label} "
-                f"takes too long: {spent:.0f} s for the first {t - first:.3g} s"
+                f"takes too long: {spent:.0f} s of processor time for the first {t - first:.3g} s"
             )
 
     return reached

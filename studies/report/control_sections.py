@@ -18,11 +18,11 @@ PEAK = 4  # column of the table of controllers
 
 
 def verdict(found: Findings) -> str:
-    """The verdict along the motion in one sentence."""
+    """The verdict along the motion in one sentence, and what LQR stands of the scene's ranges in another."""
     told = found.judgement.found
     if told is None:
         return f"There is no stability verdict along the motion: {found.judgement.reason}."
-    return told.sentence
+    return f"{told.sentence} {found.judgement.over_ranges}".strip()
 
 
 def contest(found: Findings) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
-
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
@@ -13,6 +11,7 @@ from pliant.studies.charts.measure import chart
 from pliant.studies.closed_loop.closed_loop import closed_loop, dearer
 from pliant.studies.closed_loop.comparison import Contest, compare
 from pliant.studies.common import operating_point
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.fidelity.choice import choose
 from pliant.studies.physics.physics_motion import physics_motion
@@ -21,7 +20,7 @@ from pliant.studies.stability.judgement import judge
 from .findings import Findings
 
 CHART_BUDGET = 8.0  # [s] beside the reference, less on a machine so slow or busy that the whole would take long
-WHOLE = 40.0  # [s] that a report should take at most
+WHOLE = 40.0  # [s] of processor time that a report should take at most
 CHOOSING = 30.0  # [s] that physics of closed loops may take, as long as that of the open loop took each
 AFTER = 0.4  # what comes after the chart, as a share of what comes before it
 RTOL = 1e-9
@@ -32,7 +31,7 @@ FELT = 1e-6  # change of a compared output per unit of a coordinate above which 
 
 def study(scene: Scene, *, progress: Progress | None = None, budget: float | None = None) -> Findings:
     """Simulate, linearise, judge, close the loop, compare, chart and choose; what fails is told, the rest is found."""
-    told, motions, began = progress or silent, Motions(scene), clock.perf_counter()
+    told, motions, began = progress or silent, Motions(scene), processor_time()
     found = Findings(scene)
     find = found.find
     told(0.0, "open loop")
@@ -58,11 +57,11 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     against = share(progress, 0.27, 0.35)
     find("contests", lambda: compare(scene, found.law, found.loops, progress=against) if scene.plant.nu else ())
     told(0.35, "reference")  # before the chart, whose budget is for what it measures
-    before = clock.perf_counter()
+    before = processor_time()
     truth = found.attempt("physics", lambda: physics_motion(motions, scene.tolerance))
-    of_physics = clock.perf_counter() - before
+    of_physics = processor_time() - before
     if budget is None:
-        spent = clock.perf_counter() - began
+        spent = processor_time() - began
         budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
     seconds = budget
     measuring = share(progress, 0.4, 0.85)

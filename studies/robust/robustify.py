@@ -16,6 +16,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -124,7 +125,7 @@ def robustify(
         ways.append(("detuned", lambda effort: design(scene, effort=effort), [e for e in steps if e != 1.0]))
     if not lasting and redesign:
         reads = "states" if set(first.reads) <= set(names(scene.plant.states)) else "sensors"
-        options = {"reads": reads, "ranges": box, "delays": late}
+        options: dict[str, Any] = {"reads": reads, "ranges": box, "delays": late}
         ways.append(("redesigned", lambda effort: MultiModelLQR.for_scene(scene, effort=effort, **options), steps))
     for how, make, ladder in ways:
         for effort in ladder:

@@ -44,7 +44,7 @@ def tables(scene: Scene) -> tuple[Table, ...]:
 
 def _facts(scene: Scene) -> Table:
     plant = scene.plant
-    registered = scene.name in registry.names() and registry.get(scene.name) == scene
+    registered = scene.name in (*registry.names(), *registry.VARIANTS) and registry.get(scene.name) == scene
     identified = environment_id(scene.name) if registered else "none; PlantEnv(scene) makes it"
     rows: list[Row] = [
         ("environment id", identified),

@@ -66,11 +66,13 @@ class RawRuns(OwnsArrays):
         """What `save` wrote. ValueError for any other file."""
         about, columns, _ = sealed_arrays.load("RawRuns.load", path, KIND, FORMAT)
         told = dict(about or {})
-        lists = [tuple(told.pop(name, ())) for name in ("scenes", "cases", "controllers", "reasons")]
+        scenes, cases, controllers, reasons = (
+            tuple(told.pop(name, ())) for name in ("scenes", "cases", "controllers", "reasons")
+        )
         wanted = {*PLACES, *MEASURED, "bound", *TIMED}
         if set(columns) != wanted:
             raise ValueError(f"RawRuns.load: {str(path)!r} has columns {sorted(columns)}, must have {sorted(wanted)}")
-        return cls(told, *lists, columns)
+        return cls(told, scenes, cases, controllers, reasons, columns)
 
 
 def gathered(

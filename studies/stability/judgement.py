@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +9,10 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.plants.core.argument_gates import require_function, require_instance, require_number
 from pliant.plants.stability import Verdict
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Progress, silent
 
+from .over_ranges import over_ranges
 from .verdicts import left_out, model_along, verdict_along, verdict_at_goal
 
 SECONDS = 8.0  # for the motion and its linear model
@@ -30,12 +31,14 @@ class Judgement:
     left_out: tuple[str, ...] = ()  # states without a part in it
     at_the_goal: Verdict | None = None  # about the goal as an equilibrium; None where it is none or moves
     reason: str = ""  # why there is no verdict
+    over_ranges: str = ""  # what LQR stands of the scene's ranges; "" where nothing is told
 
     def to_json(self) -> dict[str, Any]:
         return {
             **(self.found.to_json() if self.found is not None else {"verdict": None}),
             "left_out": list(self.left_out),
             "at_the_goal": None if self.at_the_goal is None else self.at_the_goal.to_json(),
+            "over_ranges": self.over_ranges or None,
             "reason": self.reason or None,
         }
 
@@ -43,7 +46,7 @@ class Judgement:
 def judge(
     scene: Scene, *, seconds: float = SECONDS, largest: float = LARGEST, progress: Progress | None = None
 ) -> Judgement:
-    """The verdict along the nominal motion; none where the motion takes longer than `seconds` [s] or fails.
+    """The verdict along the nominal motion; none where that fails or takes over `seconds` [s] of processor time.
 
     largest: nodes times states cubed, to which the work of the verdict itself is proportional; beyond it there is none.
     """
@@ -52,10 +55,10 @@ def judge(
     largest = require_number("judge.largest", largest, "positive")
     if progress is not None:
         require_function("judge.progress", progress)
-    told, began = progress or silent, clock.perf_counter()
+    told, began = progress or silent, processor_time()
 
     def tell(fraction: float, doing: str) -> None:
-        if clock.perf_counter() - began > seconds:
+        if processor_time() - began > seconds:
             raise _Late
         told(fraction, doing)
 
@@ -66,7 +69,9 @@ def judge(
     try:
         model = model_along(scene, tell)
     except _Late:
-        return Judgement(None, (), goal, f"cut off: the motion and its linear model took more than {seconds:g} s")
+        return Judgement(
+            None, (), goal, f"cut off: the motion and its linear model took more than {seconds:g} s of processor time"
+        )
     except PliantError as failure:
         return Judgement(None, (), goal, f"{type(failure).__name__}: {failure}")
     out = left_out(scene.plant, model)
@@ -77,4 +82,4 @@ def judge(
     told(0.8, "verdict")
     found = verdict_along(scene, model)
     told(1.0, found.verdict)
-    return Judgement(found, out, goal)
+    return Judgement(found, out, goal, over_ranges=over_ranges(scene))

@@ -31,13 +31,15 @@ from pliant.controllers import (
 from pliant.controllers.analysis.linear_laws import LinearLaw, linearised
 from pliant.controllers.analysis.loops import closed_loop, closed_loops
 from pliant.controllers.analysis.margins import disk_gain, disk_phase_deg
+from pliant.controllers.analysis.margins_along import margins_along
 from pliant.controllers.analysis.spillover import case_of, crossover_hz, growth
 from pliant.controllers.base.joint_reference import Follow, RestToRest
 from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.joint_control.input_shaping import shaper, switches
 from pliant.controllers.optimal_control.nominal_motions import rigid_nominal
+from pliant.controllers.robust_analysis.miss_over_box import miss_over_box
 from pliant.controllers.robust_analysis.robust_gain import UncertainLTV, robust_gain, shows
-from pliant.controllers.robust_analysis.robust_stability import over_box, robust_stability
+from pliant.controllers.robust_analysis.robust_stability import over_box, robust_stability, stands
 from pliant.controllers.robust_analysis.worst_parameters import worst_parameters
 from pliant.plants import Trajectory
 
@@ -146,6 +148,7 @@ def robust_calls() -> list[Call]:
     box, rest = {"link.E": (6e10, 7e10)}, {"hub_angle": 0.0}
     x, times = np.zeros((4, ARM.nx)), DT * np.arange(4)
     motion = Trajectory.from_arrays(times, x, np.zeros((4, ARM.nu)), plant=ARM)
+    followed = ARM.linearize_along(motion)
     return [
         Call(
             "robust_stability",
@@ -160,6 +163,32 @@ def robust_calls() -> list[Call]:
             {"plant": Object(ARM), "nominal": Object(motion), "outputs": Names((ARM.outputs[0].name,))}
             | {"substeps": Count(2), "seed": Count(1, low=0)},
             {"box": box},
+            long=True,
+        ),
+        Call(
+            "miss_over_box",
+            miss_over_box,
+            {"plant": Object(ARM), "nominal": Object(motion), "outputs": Names((ARM.outputs[0].name,))}
+            | {"substeps": Count(2), "seed": Count(1, low=0)},
+            {"box": box},
+            long=True,
+        ),
+        Call(
+            "stands",
+            stands,
+            {"plant": Object(ARM), "controller": Object(LQR.for_scene(SCENE)), "parts": Count(20)},
+            {"box": box, "at": rest},
+            long=True,
+        ),
+        Call(
+            "margins_along",
+            margins_along,
+            {"ltv": Object(followed), "K": Array(np.zeros((4, ARM.nu, ARM.nx)), wrong=False)}
+            | {"limit": Number(2.0, low=1.0, open=True), "frozen": Count(2)}
+            | {
+                n: Names((s[0].name,), none=True)
+                for n, s in (("outputs", ARM.outputs), ("disturbances", ARM.disturbances))
+            },
             long=True,
         ),
         Call("robust_gain", robust_gain, {"system": Object(along)} | sizes, long=True),

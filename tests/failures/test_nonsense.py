@@ -44,6 +44,8 @@ def test_what_a_package_exports_is_called(package, every):
         "RobustGain",
         "RobustStability",
         "WorstParameters",
+        "MissOverBox",
+        "MarginsAlong",
         "Margins",
         "Evaluation",
         "Training",

@@ -80,7 +80,7 @@ def test_a_period_that_the_model_does_not_have(damped_first):
     A[:, 0, 1], A[:, 1, 0], A[:, 2, 2] = 1, -4, -30 + 25 * np.cos(t)
     drift = 0.03 - 0.12 * t / t[-1]
     A[:, 1, 1] = -(drift if damped_first else drift[::-1])
-    with pytest.raises(ValueError, match=r"differs from A\(t\) by .* of its range .* \(x1, x1\) after \d+ periods"):
+    with pytest.raises(ValueError, match=r"differs from A\(t\) by .* of its range .* \(x1, x1\) after \d+ periods?"):
         assess(model_of(t, A), period=2 * np.pi)
 
 

@@ -23,6 +23,18 @@ def test_a_spring_whose_damping_may_be_lost():
     assert found.mu[0] == pytest.approx(1.5, rel=1e-6) and found.mu[1] > 1.5
 
 
+def test_parts_of_a_box_show_what_one_norm_does_not():
+    """x[k+1] = r R(0.3 + d1) x turns at any angle and falls where r = 0.9 + 0.2 d2 < 1: up to d2 = 1/2."""
+
+    def sampled(d):
+        c, s = np.cos(0.3 + d[0]), np.sin(0.3 + d[0])
+        return (0.9 + 0.2 * d[1]) * np.array([[c, -4 * s], [s / 4, c]])
+
+    found = over_box(sampled, {"turn": (1.0, 3.0), "size": (1.0, 3.0)}, dt=0.1)
+    assert found.unstable_at == pytest.approx(0.5, rel=1e-6)
+    assert 0.48 < found.stable_to < 0.5 and found.parts > 1 and found.form is None
+
+
 def test_what_is_no_box():
     for box in ({}, {"a": (1.0, 1.0)}, {"a": (2.0, 1.0)}, {"a": 3.0}):
         with pytest.raises(ValueError, match="over_box"):

@@ -3,9 +3,11 @@
 import copy
 import pickle
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers.vector import RecordVideo
 
 from pliant.envs import PlantEnv, scenes
 from pliant.envs.environments.vector_env import PlantVectorEnv
@@ -111,10 +113,21 @@ def test_options_of_lanes_are_those_of_the_single_environment() -> None:
             assert np.array_equal(obs[lane], wanted) and np.array_equal(vector.states[lane], single.state)
 
 
-def test_rendering_says_that_lanes_are_not_drawn() -> None:
-    with pytest.warns(UserWarning, match="lanes are not drawn"):
+def test_lanes_are_drawn_as_the_single_environment_draws_itself() -> None:
+    with pytest.warns(UserWarning, match="rgb_array"):
         assert PlantVectorEnv(SCENE, 2).render() is None
-    vector = PlantVectorEnv(SCENE, 2)
+    vector, single = PlantVectorEnv(SCENE, 2, render_mode="rgb_array"), PlantEnv(SCENE, render_mode="rgb_array")
+    vector.reset(seed=0)
+    single.reset(seed=0)
+    for action in (0.3, -0.2):
+        vector.step(np.full((2, SCENE.plant.nu), action))
+        single.step(np.full(SCENE.plant.nu, action))
+        pictures = vector.render()
+        assert len(pictures) == 2 and np.array_equal(pictures[1], single.render())
+    with pytest.raises(ValueError, match="must be at most 64"):
+        many = PlantVectorEnv(SCENE, 65, render_mode="rgb_array")
+        many.reset()
+        many.render()
     vector.close()
     vector.close()
 
@@ -126,3 +139,20 @@ def test_observations_of_one_signal_are_no_view_of_the_kernels(lanes) -> None:
     vector.reset()
     vector.step(np.zeros((lanes, 1)))
     assert not np.shares_memory(vector._obs, vector._step.obs)
+
+
+def test_videos_are_recorded(tmp_path) -> None:
+    pytest.importorskip("moviepy")
+    env = gymnasium.make("pliant/SingleLinkSlew-v0", render_mode="rgb_array", max_episode_steps=3)
+    one = gymnasium.wrappers.RecordVideo(env, str(tmp_path / "one"))
+    one.reset(seed=0)
+    for _ in range(3):
+        one.step(np.zeros(1))
+    one.close()
+    venv = gymnasium.make_vec("pliant/SingleLinkSlew-v0", num_envs=2, render_mode="rgb_array", max_episode_steps=3)
+    many = RecordVideo(venv, str(tmp_path / "many"), video_aspect_ratio=(1, 1), video_length=2)
+    many.reset(seed=0)
+    for _ in range(3):
+        many.step(np.zeros((2, 1)))
+    many.close()
+    assert all(list((tmp_path / name).glob("*.mp4")) for name in ("one", "many"))

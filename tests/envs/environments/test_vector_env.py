@@ -9,7 +9,8 @@ from gymnasium.vector import AutoresetMode
 
 import pliant.envs  # noqa: F401  (registers the ids)
 from pliant.envs import scenes
-from pliant.envs.environments.env import PlantEnv, environment_id
+from pliant.envs.environments.env import PlantEnv
+from pliant.envs.environments.registration import environment_id
 from pliant.envs.environments.vector_env import PlantVectorEnv
 
 NAMES = scenes.names()

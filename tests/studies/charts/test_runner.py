@@ -1,13 +1,13 @@
 """One setting after another: what is refused, and why."""
 
 import dataclasses
-import time
 
 import pytest
 
 from pliant.envs import scenes
 from pliant.studies.charts.plan import simulated
 from pliant.studies.charts.runner import Runner
+from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.speed_accuracy import SPENT, Row
 
@@ -22,7 +22,7 @@ def runner():
 
 
 def soon(seconds=60.0):
-    return time.perf_counter() + seconds
+    return processor_time() + seconds
 
 
 def coarse(plant, method="rk4", **changes):

@@ -49,3 +49,9 @@ def test_a_goal_that_is_a_cycle_has_its_regulator():
     assert isinstance(designed(cycle, CONTESTANTS["LQR, delay known"]).law, PeriodicLQR)
     off = dataclasses.replace(cycle, dt=0.0123)
     assert "no equilibrium" in designed(off, CONTESTANTS["LQR"])
+
+
+@pytest.mark.parametrize("name", ["TVLQR", "MPC", "NMPC", "LQG"])
+def test_a_law_that_cannot_follow_a_cycle_says_what_it_lacks(name):
+    why = designed(scenes.get("slider-crank-run"), CONTESTANTS[name])
+    assert "crank_angle goes round at 15.08 rad/s" in why and f"{name} has no" in why and "PeriodicLQR" in why

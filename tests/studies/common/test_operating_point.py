@@ -18,3 +18,10 @@ def test_words_for_the_goal(name, says):
     """A spin is no rest, and sunlight bends the panels of a goal that moves on as it should."""
     scene = scenes.get(name)
     assert operating_point.words(scene.goal_model, scene.plant).startswith(says)
+
+
+def test_rounding_is_no_torque():
+    """Joints that turn about the vertical hold nothing."""
+    scene = scenes.get("six-axis-pick")
+    said = operating_point.words(scene.goal_model, scene.plant)
+    assert "pan_torque = 0 N m" in said and "lift_torque = -54.5" in said

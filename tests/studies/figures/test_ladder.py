@@ -46,3 +46,11 @@ def test_no_picture_of_effects_where_none_can_be_seen():
     told = {"tolerance": 1e-3, "compare": ("tip_x",), "unit": "m", "plant": SimpleNamespace(label="rigid")}
     dust = Effect("dust", 1e-9, False, np.full((3, 1), 1e-9))
     assert effects(SimpleNamespace(effects=[dust], **told), np.linspace(0.0, 1.0, 3)) is None
+
+
+def test_a_rung_without_a_motion_has_no_bar():
+    rungs = (Rung("lost", 2, np.inf, np.inf), Rung("b", 4, 1e-4, 2e-4, chosen=True))
+    choice = SimpleNamespace(rungs=rungs, tolerance=1e-3, convergence=1e-9, compare=("tip_x",), unit="m")
+    (ax,) = ladder(choice).axes
+    assert len(ax.patches) == 1 and [text.get_text() for text in ax.texts] == [" no result"]
+    assert "at the edge" not in ax.get_xlabel()

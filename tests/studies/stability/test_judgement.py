@@ -28,7 +28,7 @@ def test_it_is_what_the_command_prints():
 def test_it_is_cut_off_and_says_so():
     """No time ends the motion; a model that is too large is not judged. The verdict at the goal stays."""
     for options, says in (
-        ({"seconds": 0.0}, "cut off: the motion and its linear model took more than 0 s"),
+        ({"seconds": 0.0}, "cut off: the motion and its linear model took more than 0 s of processor time"),
         ({"largest": 1e4}, "cut off: 401 nodes of 6 states would take too long"),
     ):
         found = judge(DROP, **options)
