@@ -19,6 +19,7 @@ import zipfile
 from collections import Counter
 from pathlib import Path
 
+import evidence
 import numpy as np
 import pytest
 
@@ -269,6 +270,19 @@ def installed(wheel_file, tmp_path_factory):
 
 
 SETTINGS = {name: os.environ.get(name) for name in ("CC", "PLIANT_NATIVE", "PLIANT_CFLAGS", "PLIANT_CACHE")}
+
+
+def pytest_addoption(parser):
+    parser.addoption("--evidence", help="write what `agrees` compared to this json, beside what stands there")
+
+
+def pytest_sessionfinish(session):
+    path = session.config.getoption("--evidence")
+    if path and evidence.KEPT:
+        kept = json.loads(Path(path).read_text(encoding="utf-8")) if Path(path).is_file() else {}
+        Path(path).write_text(
+            json.dumps(dict(sorted((kept | evidence.KEPT).items())), indent=1) + "\n", encoding="utf-8"
+        )
 
 
 def pytest_collection_finish():

@@ -98,7 +98,13 @@ def loop(
     may be named by its labels.
 
     ValueError where the model varies in time or lacks what the controller reads, PliantError for controllers without a
-    linear form.
+    linear form. K is (nu, len(reads)); dt: period [s] of a gain, None: the model's.
+
+    Example
+    -------
+    >>> from pliant.plants import LinearModel
+    >>> motor = LinearModel.from_matrices([[0.0, 1.0], [0.0, -1.0]], [[0.0], [1.0]])
+    >>> loop(motor, [[4.0, 2.0]]).dt
     """
     if not isinstance(model, LinearModel):
         raise ValueError(f"loop.model = {shown(model)} must be a LinearModel: a loop has margins at rest")

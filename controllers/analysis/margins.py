@@ -72,7 +72,7 @@ class Margins(OwnsArrays):
 
     @property
     def bandwidth_hz(self) -> float:
-        """The highest crossover."""
+        """The highest crossover [Hz]."""
         return max(c.crossover_hz for c in self.channels)
 
     def __str__(self) -> str:
@@ -100,7 +100,16 @@ def disk_phase_deg(disk: float) -> float:
 
 
 def margins(loop: Loop) -> Margins:
-    """All readings of a loop (see `loops.loop`). PliantError, with the pole, where it is not stable."""
+    """All readings of a loop (see `loops.loop`). PliantError, with the pole, where it is not stable.
+
+    Example
+    -------
+    >>> from pliant.controllers import loop
+    >>> from pliant.plants import LinearModel
+    >>> motor = LinearModel.from_matrices([[0.0, 1.0], [0.0, -1.0]], [[0.0], [1.0]])
+    >>> round(margins(loop(motor, [[4.0, 2.0]])).bandwidth_hz, 3)
+    0.382
+    """
     closed = require_instance("margins.loop", loop, Loop).closed()
     poles = np.linalg.eigvals(closed).astype(complex)
     grows = poles.real >= 0 if loop.dt is None else np.abs(poles) >= 1 - EDGE

@@ -136,6 +136,14 @@ def spillover(
     redesign(factor): a controller for `factor` >= 1 times the effort; without it the controller's output is scaled
     down. reserve: factor on the loop's gain that what is recommended must bear too. PliantError for controllers without
     a linear form; limits are not in it.
+
+    Example
+    -------
+    >>> from pliant.controllers import LQR
+    >>> from pliant.envs import scenes
+    >>> scene = scenes.get("single-link-slew")
+    >>> spillover(LQR.for_scene(scene), [scene.plant], dict(scene.goal)).holds
+    True
     """
     if not isinstance(plants, Sequence) or isinstance(plants, (str, bytes)) or not plants:
         raise ValueError(f"spillover: plants = {shown(plants)} must hold the design plant at least")

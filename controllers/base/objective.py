@@ -134,7 +134,10 @@ class Objective(OwnsArrays):
         return (r**2).sum(axis=-1)
 
     def cost(self, x: Any, u: Any, t0: float = 0.0) -> float:
-        """J of states x (N+1, nx) or (N, nx) and the inputs u (N, nu) held from each to the next, from t0 [s] on."""
+        """J of states x (N+1, nx) or (N, nx) and the inputs u (N, nu) held from each to the next, from t0 [s] on.
+
+        ValueError where the rows do not fit.
+        """
         u = require_finite("Objective.cost: u", u, (-1, self.plant.nu))
         x = require_finite("Objective.cost: x", x, (-1, self.plant.nx))
         if len(x) not in (len(u), len(u) + 1):

@@ -125,6 +125,7 @@ class Kalman(OwnsArrays):
 
         W, noise: as in `design`.
         The nominal's input is taken as held from node to node. After its end the last step's model and gain stay.
+        ValueError where the nodes are not evenly spaced.
         """
         require_instance("Kalman.along: ltv", ltv, LTVModel)
         delay, sensors = require_count("Kalman", "delay", delay, 0, MOST_DELAY), _some(sensors)
@@ -165,6 +166,7 @@ class Kalman(OwnsArrays):
 
         sensors None: those that its plant carries and whose outputs are in the model. W None: `process_noise(scene)`,
         held over each period; else densities of white noise.
+        W: densities by name, each in its own unit squared times seconds; delay: periods.
         """
         require_scene("Kalman.for_scene", scene)
         plant = scene.plant
@@ -188,7 +190,7 @@ class Kalman(OwnsArrays):
 
     @property
     def poles(self) -> np.ndarray:
-        """Eigenvalues of the estimation error in the z plane, with the last step's gain."""
+        """Eigenvalues of the estimation error in the z plane, with the last step's gain. (nx,), dimensionless."""
         step, gain = self.steps[-1], self.gains[-1]
         return np.linalg.eigvals(step.A - gain.L @ step.C @ step.A).astype(complex)
 

@@ -27,7 +27,7 @@ LONGEST = 31  # characters of a variable's name in a .mat file
 def arrays_of(what: Any) -> dict[str, Any]:
     """{name: array} of a LinearModel (A .. F, x0, u0, y0, names), or of a controller: its linear form A, B, C, D in
     u = -(C s + D y), s' = A s + B y where it has one, and its own numbers and arrays, of a policy W1, b1 .., of an MPC
-    its programs; `dt` = 0 where it is continuous.
+    its programs; `dt` = 0 where it is continuous. ValueError for anything else.
 
     Example
     -------
@@ -66,6 +66,8 @@ def arrays_of(what: Any) -> dict[str, Any]:
 
 def export_arrays(what: Any, path: str | Path) -> Path:
     """Write `arrays_of(what)` to a .mat file (version 5) or a .npz file of arrays, names as text; the path.
+
+    ValueError for another ending.
 
     Example
     -------

@@ -52,7 +52,10 @@ class Filter(OwnsArrays):
     def from_coefficients(
         cls, numerator: Any, denominator: Any, *, dt: float | None = None, frequency: float | None = None
     ) -> Self:
-        """Polynomials in s (in z where dt is given), highest power first; the numerator's degree is no higher."""
+        """Polynomials in s (in z where dt is given), highest power first; the numerator's degree is no higher.
+
+        dt: sampling time [s]; frequency: where it is warped least [rad/s]. ValueError where it is not proper.
+        """
         top = require_finite("Filter.numerator", numerator, (-1,))
         bottom = require_finite("Filter.denominator", denominator, (-1,))
         if not len(bottom) or bottom[0] == 0 or not 0 < len(top) <= len(bottom):
@@ -69,11 +72,14 @@ class Filter(OwnsArrays):
 
     @property
     def poles(self) -> Array:
-        """Eigenvalues of A."""
+        """Eigenvalues of A (n,) [rad/s], of a sampled one in the z plane."""
         return np.linalg.eigvals(self.A).astype(complex)
 
     def at(self, omega: Any) -> Array:
-        """Its transfer (k,) at frequencies omega (k,) [rad/s]."""
+        """Its transfer (k,) at frequencies omega (k,) [rad/s].
+
+        ValueError where omega is not a list of finite frequencies.
+        """
         omega = np.atleast_1d(real_array("Filter.at: omega", omega))
         if omega.ndim != 1 or not np.isfinite(omega).all():
             raise ValueError(f"Filter.at: omega of shape {omega.shape} must be (k,) finite frequencies [rad/s]")
@@ -100,7 +106,7 @@ class Filter(OwnsArrays):
         return Filter(A, root * inverse @ self.B, root * self.C @ inverse, self.D + self.C @ inverse @ self.B, dt, at)
 
     def then(self, other: Filter) -> Filter:
-        """This filter, then the other."""
+        """This filter, then the other. ValueError where their dt differ."""
         require_instance("Filter.then", other, Filter)
         if self.dt != other.dt:
             raise ValueError(f"Filter.then: dt = {other.dt} must be the first one's, {self.dt}")

@@ -27,7 +27,13 @@ def notch(frequency: float, *, depth: float = 0.1, width: float = 1.0) -> Filter
 
 
 def roll_off(frequency: float, *, order: int = 2) -> Filter:
-    """Butterworth's filter: 1 at zero, 3 dB down at `frequency` [rad/s], by `order` times 20 dB a decade past it."""
+    """Butterworth's filter: 1 at zero, 3 dB down at `frequency` [rad/s], by `order` times 20 dB a decade past it.
+
+    Example
+    -------
+    >>> abs(roll_off(10.0).at([10.0])).round(4)
+    array([0.7071])
+    """
     w = require_number("roll_off.frequency", frequency, "positive", "rad/s")
     n = require_count("roll_off", "order", order, 1, 8)
     angles = np.pi * (2 * np.arange(n) + 1 + n) / (2 * n)
@@ -38,6 +44,11 @@ def roll_off(frequency: float, *, order: int = 2) -> Filter:
 def lag(slow: float, fast: float) -> Filter:
     """(s + fast) slow / ((s + slow) fast): 1 at zero, slow/fast at high frequencies; `slow` < `fast` [rad/s], a lead
     with (s + slow) above where `slow` > `fast`.
+
+    Example
+    -------
+    >>> abs(lag(1.0, 10.0).at([0.001, 1000.0])).round(3)
+    array([1. , 0.1])
     """
     slow = require_number("lag.slow", slow, "positive", "rad/s")
     fast = require_number("lag.fast", fast, "positive", "rad/s")

@@ -64,6 +64,7 @@ class ComputedTorque(OwnsArrays):
 
     @property
     def reads(self) -> tuple[str, ...]:
+        """Names of what `act` reads: joints, then their rates."""
         return self.joints.positions + self.joints.rates
 
     @classmethod
@@ -81,6 +82,7 @@ class ComputedTorque(OwnsArrays):
 
         PliantError where its states are others, a spacecraft's quaternion or a beam without joints, or where the inputs
         do not move them one by one at the reference's start.
+        bandwidth [rad/s]; damping [-]; limits (nu, 2) [N m]; dt [s].
         """
         require_reference("ComputedTorque", reference)
         at = joints(plant)

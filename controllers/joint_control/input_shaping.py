@@ -92,7 +92,10 @@ class Shaper(OwnsArrays):
         return Shaper(times[fresh], np.bincount(np.cumsum(fresh) - 1, weights=amplitudes))
 
     def residual(self, frequency: Any, damping: float = 0.0) -> Any:
-        """V [-] at natural frequencies [rad/s], a number or an array (m,): the sensitivity curve."""
+        """V [-] at natural frequencies [rad/s], a number or an array (m,): the sensitivity curve.
+
+        ValueError where a frequency is negative or not finite.
+        """
         w, damping = real_array("Shaper.residual: frequency", frequency), share("shaper.damping", damping)
         if not np.isfinite(w).all() or (w < 0).any():
             raise ValueError(f"Shaper.residual: frequency = {shown(frequency)} must be finite and >= 0 [rad/s]")
@@ -119,7 +122,14 @@ def shaper(frequency: float, damping: float = 0.0, kind: str = "zvd", *, toleran
 def shape(
     command: Command, modes: LinearModel | Iterable[Mode | float], kind: str = "zvd", *, tolerance: float = 0.05
 ) -> Command:
-    """The command (a function of t [s]) that leaves none of the modes vibrating; see `shaper_for`."""
+    """The command (a function of t [s]) that leaves none of the modes vibrating; see `shaper_for`.
+
+    Example
+    -------
+    >>> quiet = shape(lambda t: np.array([1.0]), [10.0])
+    >>> quiet(0.0)
+    array([1.])
+    """
     require_function("shape.command", command)
     return shaper_for(modes, kind, tolerance=tolerance)(command)
 
@@ -135,7 +145,12 @@ def shaper_for(
 
     Of a model, sampled or not, those count that oscillate with a damping ratio below 0.2; the `most` slowest where
     given. A sampled model shows what oscillates faster than half its sampling rate at a lower frequency: take the
-    continuous model where it has such modes.
+    continuous model where it has such modes. ValueError where none oscillates.
+
+    Example
+    -------
+    >>> round(shaper_for([10.0], "zv").duration, 4)
+    0.3142
     """
     if most is not None:
         most = require_count("shaper_for", "most", most, 1, 1000)

@@ -99,6 +99,7 @@ class PD(OwnsArrays):
 
     @property
     def reads(self) -> tuple[str, ...]:
+        """Names of what `act` reads: joints, then their rates."""
         return self.joints.positions + self.joints.rates
 
     @property

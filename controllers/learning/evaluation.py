@@ -16,7 +16,7 @@ from .settings import CURVE_FORMAT
 
 @dataclass(frozen=True)
 class Evaluation:
-    """The deterministic policy on the scene as it is: nothing drawn at random."""
+    """The deterministic policy on the scene as it is: nothing drawn at random. `cost` is in the scene's own unit."""
 
     steps: int  # of training so far
     seconds: float  # of training so far
@@ -25,7 +25,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Training:
-    """What a run made: `policy` is the one that did best of those evaluated."""
+    """What a run made: `policy` is the one that did best of those evaluated. `seconds` is what it took [s]."""
 
     policy: Policy
     cost: float  # of `policy`
@@ -40,6 +40,14 @@ def read_curve(path: str | Path) -> tuple[Evaluation, ...]:
     """The evaluations of a run, from the curve.json in its folder.
 
     ValueError, which names the file, where it is damaged or something else.
+
+    Example
+    -------
+    >>> try:
+    ...     read_curve("curve.json")
+    ... except OSError as error:
+    ...     print(type(error).__name__)
+    FileNotFoundError
     """
     told = sealed_json.load("read_curve", path, CURVE_FORMAT)
     try:
@@ -54,7 +62,14 @@ def read_curve(path: str | Path) -> tuple[Evaluation, ...]:
 def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
     """The scene's cost under the policy, by its environment: RK4 and the charge for an early end.
 
-    env: one lane of the scene that may be used again, made where not given.
+    env: one lane of the scene that may be used again, made where not given. The cost is in the scene's own unit.
+
+    Example
+    -------
+    >>> from pliant.envs import scenes
+    >>> from pliant.controllers import Policy
+    >>> bool(evaluate(Policy.for_scene("single-link-slew"), scenes.get("single-link-slew")) < 5.0)
+    True
     """
     require_instance("evaluate.policy", policy, Policy)
     require_scene("evaluate", scene, ("plant", "observe", "limits", "dt", "stage_cost"))

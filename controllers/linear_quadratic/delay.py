@@ -36,6 +36,13 @@ def delayed(model: LinearModel, periods: int) -> LinearModel:
 
     A name "tau1 2 late" means the value that was asked for two samples ago, the oldest first. ValueError for a
     continuous-time model.
+
+    Example
+    -------
+    >>> from pliant.plants import LinearModel
+    >>> motor = LinearModel.from_matrices([[0.0, 1.0], [0.0, -1.0]], [[0.0], [1.0]])
+    >>> delayed(motor.discretize(0.1), 2).A.shape
+    (4, 4)
     """
     require_instance("delayed.model", model, LinearModel)
     if model.dt is None:

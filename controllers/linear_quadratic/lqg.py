@@ -62,7 +62,10 @@ class LQG(OwnsArrays):
         delay: int = 0,
         noise: str = "white",
     ) -> Self:
-        """LQR.design and Kalman.design on one continuous-time model: Q, R, limits, W, delay, noise as there."""
+        """LQR.design and Kalman.design on one continuous-time model: Q, R, limits, W, delay, noise as there.
+
+        dt: period [s].
+        """
         dt = require_seconds("LQG.dt", dt)
         law = LQR.design(model, Q, R, dt=dt, limits=limits)
         return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay, noise=noise))
@@ -77,7 +80,7 @@ class LQG(OwnsArrays):
         delay: int = 0,
         effort: float = 1.0,
     ) -> Self:
-        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost."""
+        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost. It is dimensionless."""
         return cls(LQR.for_scene(scene, effort=effort), Kalman.for_scene(scene, sensors=sensors, W=W, delay=delay))
 
     @property

@@ -158,6 +158,7 @@ class LQR(OwnsArrays):
         """`design` about a scene's goal, moving or not, with its cost, limits and control period.
 
         effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.
+        Integrals have the unit of what they integrate, times s.
         """
         require_scene("LQR.for_scene", scene)
         effort = require_number("LQR.for_scene.effort", effort, "positive")
@@ -176,7 +177,10 @@ class LQR(OwnsArrays):
         self._last: float | None = None
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
-        """u (nu,) from y (len(reads),) at time t [s]; the integrals move on by dt, or by the time passed."""
+        """u (nu,) from y (len(reads),) at time t [s]; the integrals move on by dt, or by the time passed.
+
+        ValueError where t runs backwards.
+        """
         y = reading("LQR.y", y, len(self.reads))
         if self.drift is not None:
             y = y.copy()

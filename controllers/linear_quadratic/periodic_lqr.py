@@ -69,7 +69,7 @@ class PeriodicLQR(OwnsArrays):
 
         The angle that goes round is the state in rad that alone moves at the goal, at a steady rate. effort: a factor
         on what the inputs cost. EquilibriumError where no cycle is found; UncontrollableError where a deviation from it
-        cannot be made to decay, or the cost does not see it.
+        cannot be made to decay, or the cost does not see it. effort: dimensionless, a factor on what the inputs cost.
         """
         require_scene("PeriodicLQR.for_scene", scene)
         effort = require_number("PeriodicLQR.for_scene.effort", effort, "positive")
@@ -88,7 +88,7 @@ class PeriodicLQR(OwnsArrays):
 
     @property
     def multipliers(self) -> Array:
-        """Of the closed loop over one turn (nx - 1,), largest first: sizes."""
+        """Of the closed loop over one turn (nx - 1,), largest first: sizes. Dimensionless."""
         return np.asarray(np.abs(self.regulator.multipliers) ** (1 / self.turns))
 
     def reset(self) -> None:

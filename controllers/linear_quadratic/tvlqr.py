@@ -141,6 +141,7 @@ class TVLQR(OwnsArrays):
 
         The nominal input is held at its mean between nodes. Options as in `along`. NodeWarning, and `regulator.error`,
         where the nodes are too far apart for the cost to go to be known to a thousandth (riccati/node_distance.py).
+        Q (nx, nx), R (nu, nu), N (nx, nu), end (nx, nx). ValueError where nodes are not equally far apart.
         """
         hold = given_hold(hold)
         steps = np.diff(require_instance("TVLQR.design: ltv", ltv, LTVModel).t)
@@ -171,6 +172,7 @@ class TVLQR(OwnsArrays):
         the scene's duration; "rigid", the rigid plant's motion under the scene's nominal input; None: "plan" from rest
         to rest, else "optimal". reserve: share of the limits that "plan" and "optimal" leave to the feedback. effort: a
         factor on what the inputs cost. After the end the regulator about the goal takes over.
+        reserve, effort: dimensionless.
         """
         require_scene("TVLQR.for_scene", scene)
         reserve = share("TVLQR.for_scene.reserve", reserve)
@@ -235,7 +237,7 @@ class TVLQR(OwnsArrays):
 
     @property
     def phase(self) -> float:
-        """Nodes since `reset`, of the law by phase."""
+        """Nodes since `reset`, of the law by phase. Dimensionless, between nodes too."""
         return self._progress.phase
 
     def reset(self) -> None:

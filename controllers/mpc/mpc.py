@@ -158,7 +158,7 @@ class MPC:
     def for_scene(
         cls, scene: CostedScene, horizon: int = 20, *, nominal: Trajectory | None = None, **options: Any
     ) -> Self:
-        """About a scene's goal, moving or not, or along a nominal of its plant; options as there go before its own."""
+        """About a scene's goal (ValueError: it moves, outputs are read) or along a nominal; options go first."""
         Q, R = dict(require_scene("MPC.for_scene", scene).weights), dict(scene.effort)
         bounds = {name: (-value, value) for name, value in scene.bounds}
         given: dict[str, Any] = {"horizon": horizon, "limits": _both(scene.limits), "bounds": bounds} | options
@@ -186,7 +186,7 @@ class MPC:
         self._at, self._multipliers = NEVER, np.zeros(len(self._shift))
 
     def aim(self, values: Mapping[str, float]) -> None:
-        """Bring tracked signals to other values, by name; they start at those of the model's point."""
+        """Bring tracked signals to other values, each in its own unit; they start at the model's point."""
         named = require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal")
         if self._knowledge is not None:
             self._knowledge.aim(named)

@@ -214,7 +214,7 @@ class NMPC:
 
     def iterate(self, x: Array, *, t: float = 0.0, tolerance: float = 1e-9, limit: int = 100) -> Converged:
         """Gauss-Newton steps from the present plan (after `reset`: from a line to the goal) until inputs change by
-        less than `tolerance` of half their range. PliantError where they do not within `limit` steps.
+        less than `tolerance` of half their range. PliantError where they do not within `limit` steps. x (nx,), t [s].
         """
         x = require_finite("NMPC.x", x, (self.objective.plant.nx,))
         tolerance = require_number("NMPC.tolerance", tolerance, "positive")

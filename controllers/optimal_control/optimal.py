@@ -96,6 +96,13 @@ def optimal(
     guess: a Motion, or a pair x (steps+1, nx), u (steps, nu); None: the straight line to the goal.
     solver: "ipopt" or "fatrop". hessian: "exact", or "gauss-newton" without the curvature of the dynamics.
     tolerance: of the scaled optimality conditions. InfeasibleError with the solver's word and the largest violation.
+
+    Example
+    -------
+    >>> from pliant.envs import scenes
+    >>> scene = scenes.get("single-link-slew")
+    >>> optimal(Objective.of(scene), scene.initial[0], steps=5).u.shape
+    (5, 1)
     """
     plant = require_instance("optimal.objective", objective, Objective).plant
     steps = require_count("optimal", "steps", steps, 1, 100_000)

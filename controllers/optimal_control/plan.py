@@ -57,6 +57,13 @@ def plan(
     nearest to the time. path: time -> values of the signals in `weights`, which the cost then tracks; weights alone
     are those of deviations from the goal. effort: weights of the inputs; None: 1 / limit^2. guess and further options
     as in `optimal`. InfeasibleError names what is violated.
+
+    Example
+    -------
+    >>> from pliant.envs import scenes
+    >>> motion = plan(scenes.get("single-link-slew"))
+    >>> motion.x.shape[1], motion.u.shape[1]
+    (6, 1)
     """
     require_scene("plan", scene)
     plant, dt = scene.plant, scene.dt

@@ -38,7 +38,15 @@ class Regulator(NamedTuple):
 
 
 class Sampled(NamedTuple):
-    """x+ = A x + B u and the cost x'Qx + u'Ru + 2 x'Nu of one step."""
+    """x+ = A x + B u and the cost x'Qx + u'Ru + 2 x'Nu of one step. A, Q (nx, nx), B, N (nx, nu), R (nu, nu).
+
+    Example
+    -------
+    >>> A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
+    >>> sampled(A, B, np.eye(2), np.eye(1), dt=0.1).A
+    array([[1. , 0.1],
+           [0. , 1. ]])
+    """
 
     A: np.ndarray
     B: np.ndarray
@@ -48,19 +56,40 @@ class Sampled(NamedTuple):
 
 
 def lqr(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None) -> Regulator:
-    """Continuous-time regulator. A (nx, nx), B (nx, nu), Q (nx, nx) >= 0, R (nu, nu) > 0, N (nx, nu)."""
+    """Continuous-time regulator. A (nx, nx), B (nx, nu), Q (nx, nx) >= 0, R (nu, nu) > 0, N (nx, nu).
+
+    Example
+    -------
+    >>> A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
+    >>> lqr(A, B, np.eye(2), np.eye(1)).K.round(4)
+    array([[1.    , 1.7321]])
+    """
     return _design(A, B, Q, R, N, names, None)
 
 
 def dlqr(
     A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None, dt: float = 1.0
 ) -> Regulator:
-    """Discrete-time regulator; arrays as for `lqr`. `dt` [s] is used only to name modes in Hz in errors."""
+    """Discrete-time regulator; arrays as for `lqr`. `dt` [s] is used only to name modes in Hz in errors.
+
+    Example
+    -------
+    >>> A, B = np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.005], [0.1]])
+    >>> dlqr(A, B, np.eye(2), np.eye(1)).K.round(4)
+    array([[0.9171, 1.6356]])
+    """
     return _design(A, B, Q, R, N, names, require_seconds("dt", dt))
 
 
 def lqi(A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequence[str] | None = None) -> Regulator:
-    """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny)."""
+    """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny).
+
+    Example
+    -------
+    >>> A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
+    >>> lqi(A, B, [[1.0, 0.0]], np.eye(3), np.eye(1)).K.shape
+    (1, 3)
+    """
     A, B = _system(A, B)
     C = require_finite("C", C, (-1, len(A)))
     D = np.zeros((len(C), B.shape[1])) if D is None else require_finite("D", D, (len(C), B.shape[1]))
@@ -83,6 +112,13 @@ def kalman(
     """Steady filter gain L (nx, ny) and error covariance P (nx, nx).
 
     E (nx, nw), C (ny, nx); spectral densities W (nw, nw) >= 0 of w, V (ny, ny) > 0 of v, in unit^2 s.
+
+    Example
+    -------
+    >>> A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
+    >>> L, P = kalman(A, B, [[1.0, 0.0]], np.eye(1), np.eye(1))
+    >>> L.T.round(4)
+    array([[1.4142, 1.    ]])
     """
     return _filter(A, E, C, W, V, names, None)
 
@@ -95,6 +131,13 @@ def dkalman(
 
     E (nx, nw), C (ny, nx); covariances W (nw, nw) >= 0 and V (ny, ny) > 0 of a sample of w and v. The gain of the
     measurement update is M = P C' (C P C' + V)^-1, so that L = A M. `dt` [s] only names modes in Hz in errors.
+
+    Example
+    -------
+    >>> A, B = np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.005], [0.1]])
+    >>> L, P = dkalman(A, B, [[1.0, 0.0]], np.eye(1), np.eye(1))
+    >>> L.shape, P.shape
+    ((2, 1), (2, 2))
     """
     return _filter(A, E, C, W, V, names, require_seconds("dt", dt))
 
@@ -146,6 +189,12 @@ def sampled(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, dt: float) -> Samp
     The cost of a step is int_0^dt z' M z, z = e^(F s) [x; u], F = [[A, B], [0, 0]], M = [[Q, N], [N', R]].
     It is found on dt/2^j by the exponential of Van Loan (1978), then doubled j times, which stays accurate
     for stiff A.
+
+    Example
+    -------
+    >>> A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
+    >>> sampled(A, B, np.eye(2), np.eye(1), dt=0.1).B.round(4).T
+    array([[0.005, 0.1  ]])
     """
     A, B = _system(A, B)
     dt = require_seconds("dt", dt)

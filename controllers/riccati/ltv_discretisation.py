@@ -28,7 +28,16 @@ LARGEST_DEFECT = 1e-6  # negative part of what must be >= 0, against its size: a
 
 
 class SampledLTV(NamedTuple):
-    """x+ = A x + B u + c and the cost x'Qx + u'Ru + 2 x'Nu + 2 q'x + 2 s'u + r of every step."""
+    """x+ = A x + B u + c and the cost x'Qx + u'Ru + 2 x'Nu + 2 q'x + 2 s'u + r of every step.
+
+    Example
+    -------
+    >>> from pliant.plants import SingleLinkArm
+    >>> arm = SingleLinkArm.textbook()
+    >>> along = arm.linearize_along(arm.simulate(np.zeros(arm.nx), [1.0], np.linspace(0.0, 0.1, 11)))
+    >>> sampled_along(along, np.eye(arm.nx), np.eye(1)).A.shape
+    (10, 6, 6)
+    """
 
     A: Array  # (T, nx, nx)
     B: Array  # (T, nx, nu)
@@ -46,6 +55,14 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
 
     Q (nx, nx), R (nu, nu), N (nx, nu) as in `tvlqr`. Of fourth order in the distance of the nodes; exact where the
     model does not vary.
+
+    Example
+    -------
+    >>> from pliant.plants import SingleLinkArm
+    >>> arm = SingleLinkArm.textbook()
+    >>> along = arm.linearize_along(arm.simulate(np.zeros(arm.nx), [1.0], np.linspace(0.0, 0.1, 11)))
+    >>> sampled_along(along, np.eye(arm.nx), np.eye(1)).B.shape
+    (10, 6, 1)
     """
     require_instance("model", model, LTVModel)
     nx, nu = len(model.states), len(model.inputs)
@@ -70,6 +87,14 @@ def sampled_along(model: LTVModel, Q: Any, R: Any, N: Any = None) -> SampledLTV:
 def noise_along(model: LTVModel, W: Any) -> Array:
     """Covariance (nt-1, nx, nx) of what white disturbances of density W (nw, nw) [unit^2 s] do to the state from node
     to node: the integral of Phi(end, s) E W E' Phi(end, s)' (Van Loan 1978), of fourth order in their distance.
+
+    Example
+    -------
+    >>> from pliant.plants import SingleLinkArm
+    >>> arm = SingleLinkArm.textbook()
+    >>> along = arm.linearize_along(arm.simulate(np.zeros(arm.nx), [1.0], np.linspace(0.0, 0.1, 11)))
+    >>> noise_along(along, np.eye(along.E.shape[2])).shape
+    (10, 6, 6)
     """
     require_instance("model", model, LTVModel)
     A, _, E, _ = model._gauss

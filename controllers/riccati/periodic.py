@@ -45,6 +45,12 @@ def dplqr(
     """Discrete-time periodic regulator: A (N, nx, nx), B (N, nx, nu); Q, R, N, c, q, s with a leading N or the same at
     every step. The cost must be >= 0 in (x, u) and R > 0: ValueError names the step. UncontrollableError where no gain
     makes every deviation decay, or the cost does not see one that does not.
+
+    Example
+    -------
+    >>> A, B = np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.005], [0.1]])
+    >>> dplqr(np.array([A, A]), np.array([B, 2 * B]), np.eye(2), np.eye(1)).K.shape
+    (2, 1, 2)
     """
     A = require_finite("A", A, (-1, -1, -1))
     T, nx = A.shape[:2]

@@ -64,6 +64,12 @@ def dtvlqr(
     A (T, nx, nx), B (T, nx, nu); Q, R, N, c, q, s, r either with a leading T or the same at every step. `end`
     (nx, nx) weighs x_T, zero where None. The whole of a step's cost must be >= 0 at every (x, u), and R + B'P B > 0;
     ValueError names the step.
+
+    Example
+    -------
+    >>> A, B = np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[0.005], [0.1]])
+    >>> dtvlqr(np.array([A] * 20), np.array([B] * 20), np.eye(2), np.eye(1)).K.shape
+    (20, 1, 2)
     """
     A = require_finite("A", A, (-1, -1, -1))
     T, nx = A.shape[:2]
@@ -105,6 +111,14 @@ def tvlqr(model: LTVModel, Q: Any, R: Any, N: Any = None, *, end: Any = None) ->
     Q (nx, nx) >= 0, R (nu, nu) > 0, N (nx, nu) weigh the deviations from the nominal; `end` (nx, nx) those at the last
     node, zero where None. Of fourth order in the distance of the nodes. PliantError where they are too far apart;
     NodeWarning, and `error`, where they leave the cost to go unknown by more than a thousandth.
+
+    Example
+    -------
+    >>> from pliant.plants import SingleLinkArm
+    >>> arm = SingleLinkArm.textbook()
+    >>> along = arm.linearize_along(arm.simulate(np.zeros(arm.nx), [1.0], np.linspace(0.0, 0.1, 11)))
+    >>> tvlqr(along, np.eye(arm.nx), np.eye(1)).K.shape
+    (11, 1, 6)
     """
     require_instance("model", model, LTVModel)
     made = _along_nodes(model, Q, R, N, end)

@@ -61,7 +61,10 @@ class UncertainLTV(OwnsArrays):
         object.__setattr__(self, "t", t)
 
     def closed(self, A: Array, B: Array, C: Array, D: Array) -> UncertainLTV:
-        """With a given block, ds/dt = A s + B v, w = C s + D v, in place of the uncertain one, which sees nothing."""
+        """With a given block, ds/dt = A s + B v, w = C s + D v, in place of the uncertain one, which sees nothing.
+
+        A (ns, ns), B (ns, nv), C (nw, ns), D (nw, nv).
+        """
         m, n, k = len(self.t), len(A), self.E.shape[2]
         gap = 1 / (1 - self.D * D)
         v = np.concatenate([gap * self.C, gap * self.D @ np.broadcast_to(C, (m, 1, n))], axis=2)

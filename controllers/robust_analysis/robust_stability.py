@@ -61,7 +61,7 @@ class RobustStability(OwnsArrays):
 
     @property
     def mu(self) -> tuple[float, float]:
-        """Lower and upper bound."""
+        """Lower and upper bound. Dimensionless."""
         return (
             0.0 if self.unstable_at is None else 1 / self.unstable_at,
             1 / self.stable_to if self.stable_to else np.inf,
@@ -111,6 +111,12 @@ def over_box(
 ) -> RobustStability:
     """The same of any closed loop by its state matrix (n, n), a function of delta (k,), each in [-1, 1] in one box;
     `box` only names and scales them. dt [s]: of a sampled loop. mass: E(delta) (n, n), by which E A is a polynomial.
+
+    Example
+    -------
+    >>> found = over_box(lambda delta: np.array([[-1.0 + delta[0]]]), {"gain": (0.0, 0.5)})
+    >>> found.stable_to >= 1.0
+    False
     """
     names, middle, half = require_box("over_box.box", box)
     state_matrix = require_function("over_box.state_matrix", state_matrix)

@@ -113,6 +113,7 @@ def worst_parameters(
 
     The plant starts as the nominal does; its inputs are the nominal's, held from node to node, less gains (nt, nu, nx)
     times what it is off, where they are given. box: {"payload.mass": (lowest, highest), ..}.
+    ValueError where they are not.
 
     Example
     -------

@@ -1,7 +1,7 @@
 """MkDocs hook: the pages that are written once elsewhere, and the API page from the public `__all__`s.
 
-README.md becomes the start page and CONTRIBUTING.md the page of the house, with their links set right; `api.md` gets an
-entry for each name that the four packages export.
+README.md becomes the start page, CONTRIBUTING.md the page of the house, SECURITY.md its own, with links set right;
+`api.md` gets an entry for each name that the four packages export.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("plants", "controllers", "envs", "studies")
-COPIED = {"index.md": "README.md", "house.md": "CONTRIBUTING.md"}
+COPIED = {"index.md": "README.md", "house.md": "CONTRIBUTING.md", "security.md": "SECURITY.md"}
 
 
 def on_startup(**_: Any) -> None:

@@ -112,7 +112,10 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start an episode; see the class for what `options` may hold. `seed` is an integer >= 0, or None."""
+        """Start an episode; see the class for what `options` may hold. `seed` is an integer >= 0, or None.
+
+        The observation (n,), in the units of the class's table.
+        """
         owner, scene = "PlantEnv.reset", self.scene
         seed = arguments.require_seed(owner, seed)
         given = arguments.require_start(

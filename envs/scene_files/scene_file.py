@@ -26,10 +26,24 @@ def load(path: Any) -> Scene:
 
 
 def text(scene: Scene) -> str:
-    """The scene as TOML. ValueError for what no file can hold: a function of one's own as drive, an expression."""
+    """The scene as TOML. ValueError for what no file can hold: a function of one's own as drive, an expression.
+
+    Example
+    -------
+    >>> from pliant.envs import scenes
+    >>> text(scenes.get("single-link-slew")).splitlines()[0]
+    '# single-link-slew: turn a steel link with a 1 kg payload by one radian, rest to rest'
+    """
     return toml_text.dumps(to_tables(scene), f"{scene.name}: {scene.about}")
 
 
 def save(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """Write the scene's file, whole or as it was before. Errors as `text`; OSError, which names the file."""
+    """Write the scene's file, whole or as it was before. Errors as `text`; OSError, which names the file.
+
+    Example
+    -------
+    >>> import tempfile
+    >>> from pliant.envs import scenes
+    >>> save(scenes.get("single-link-slew"), tempfile.mkdtemp() + "/slew.toml")
+    """
     write_text(path, text(scene))

@@ -58,7 +58,13 @@ _made: dict[str, Scene] = {}  # one scene a name, so that what is built from it 
 
 
 def names() -> tuple[str, ...]:
-    """The names of all scenes: shipped, registered, and of installed packages; VARIANTS of shipped ones have more."""
+    """The names of all scenes: shipped, registered, and of installed packages; VARIANTS of shipped ones have more.
+
+    Example
+    -------
+    >>> names()[:2]
+    ('single-link-slew', 'two-link-reach')
+    """
     return tuple(dict.fromkeys((*SCENES, *_registered, *_of_packages())))
 
 
@@ -84,6 +90,13 @@ def register(scene: Scene, *, replace: bool = False) -> None:
 
     ValueError for a name that is no words of a-z and 0-9 joined by "-", that a shipped scene has, or that another scene
     has unless `replace`.
+
+    Example
+    -------
+    >>> import dataclasses
+    >>> register(dataclasses.replace(get("single-link-slew"), name="my-slew"), replace=True)
+    >>> get("my-slew").name
+    'my-slew'
     """
     require_instance("register.scene", scene, Scene)
     name = require_name("register: scene.name", scene.name)
@@ -100,6 +113,15 @@ def load(path: str | os.PathLike[str]) -> Scene:
     """The scene of a TOML file; docs/own_scene.md says what stands in one.
 
     ValueError in one line that names the file, the key, its value and what it must be. Nothing in it is executed.
+
+    Example
+    -------
+    >>> import tempfile
+    >>> from pliant.envs import scene_files
+    >>> path = tempfile.mkdtemp() + "/slew.toml"
+    >>> scene_files.save(get("single-link-slew"), path)
+    >>> load(path).duration
+    3.0
     """
     return READERS["toml"](path)
 
@@ -144,6 +166,11 @@ def _own(name: str, **given: Any) -> Scene:
 def get(name: str, **overrides: Any) -> Scene:
     """A scene by name, or by the path of its file (.toml); keywords are its own ("spin-up": speed, "spacecraft-spin":
     axis) or override its fields (limits=(80.0, 30.0)).
+
+    Example
+    -------
+    >>> get("two-link-reach").dt
+    0.02
     """
     own = keywords(name)
     fields = {f.name for f in dataclasses.fields(Scene)}

@@ -18,6 +18,7 @@ from pliant.plants import LinearModel, Plant, Signal, Trajectory
 from pliant.plants.core.argument_gates import require_instance, require_names
 from pliant.plants.core.parameters import quantity, validate
 from pliant.plants.core.signals import index, owned, sealed
+from pliant.plants.files.html_tables import SceneTable
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.linear.quadratic_cost import (
     QuadraticCost,
@@ -167,25 +168,25 @@ class Manoeuvre:
         return [index(self.signals, name, f"{owner}: signal") for name in require_names(owner, names, repeated=True)]
 
     def signal_values(self, x: np.ndarray, y: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
-        """The named states or outputs from x (..., nx) and y (..., ny)."""
+        """The named states or outputs (..., k) from x (..., nx) and y (..., ny)."""
         places = self.positions(names, owner="signal_values.names")
         x, y = rows("signal_values", x=(x, self.plant.nx), y=(y, self.plant.ny))
         return np.concatenate([x, y], axis=-1)[..., places]
 
     def goal_values(self, names: tuple[str, ...]) -> np.ndarray:
-        """The named states or outputs at the goal, at t = 0."""
+        """The named states or outputs (k,) at the goal, at t = 0, each in its unit."""
         x, u = self.target
         return np.concatenate([x, self.plant.measure(x, u)])[self.positions(names, owner="goal_values.names")]
 
     def goal_drift(self, names: tuple[str, ...]) -> np.ndarray:
-        """d/dt of `goal_values`: of states as in `goal_rates`; ValueError for outputs that follow these."""
+        """d/dt of `goal_values` (k,): of states as in `goal_rates`; ValueError for outputs that follow these."""
         names = require_names("goal_drift.names", names, repeated=True)
         require_still(f"scene {self.name!r}", self._following, names)
         return np.concatenate([self.drift, np.zeros(self.plant.ny)])[self.positions(names, owner="goal_drift.names")]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene(Manoeuvre):
+class Scene(Manoeuvre, SceneTable):
     """Drive `plant` from `start` to `goal`, at least cost, within limits.
 
     Start and goal name coordinates of rest points; joints not named are at zero, what no input drives in equilibrium.
@@ -222,7 +223,7 @@ class Scene(Manoeuvre):
 
     @cached_property
     def cost_origin(self) -> tuple[np.ndarray, np.ndarray]:
-        """Values at the goal, at t = 0, of the weighted signals and of the priced inputs."""
+        """Values at the goal, at t = 0, of the weighted signals (nz,) and of the priced inputs (k,)."""
         return self.goal_values(self.weighted), self.target[1][self.priced_inputs]
 
     def stage_cost(self, x: np.ndarray, u: np.ndarray, y: np.ndarray, t: Any = 0.0) -> Any:
@@ -235,7 +236,7 @@ class Scene(Manoeuvre):
         return cost.early_end_rate(self)
 
     def cost(self, motion: Trajectory) -> float:
-        """The scene's cost of a motion sampled at the control times."""
+        """The scene's cost of a motion sampled at the control times; no unit but that of the weights."""
         return cost.of_motion(self, motion)
 
     @cached_property
@@ -259,7 +260,7 @@ class Scene(Manoeuvre):
 
     @kept_property
     def nominal_input(self) -> Callable[[float], np.ndarray]:
-        """Inputs u(t) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
+        """u(t) (nu,) of the open-loop motion: `drive`, or what takes the rigid plant along a minimum-jerk motion.
 
         The same inputs drive every fidelity in the speed-accuracy chart. Warns (NominalWarning) beyond `limits`.
         """

@@ -99,7 +99,10 @@ class SingleLinkArm(SingleLinkDeclaration):
         return np.linalg.solve(other.clamped_map, self.clamped_map)
 
     def in_frame(self, frame: str, x: np.ndarray) -> tuple[Self, np.ndarray]:
-        """This arm described in `frame`, and its states (..., nx) from this arm's states x (..., nx)."""
+        """This arm described in `frame`, and its states (..., nx) from this arm's states x (..., nx).
+
+        States are [rad] and [m]. ValueError for another shape of x.
+        """
         T, n = self.frame_map(frame), self.coordinates_slice.stop
         x = real_array("SingleLinkArm.in_frame.x", x)
         if x.shape[-1:] != (self.nx,):

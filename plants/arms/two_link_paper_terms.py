@@ -38,7 +38,7 @@ class Terms(OwnsArrays):
 
     @property
     def residual(self) -> Array:
-        """J q'' + F q' + Gamma - tau, zero to rounding."""
+        """J q'' + F q' + Gamma - tau, zero to rounding. (4,) or (nq,), torques [N m]."""
         return self.J * self.acceleration + self.F * self.rate + self.Gamma - self.applied
 
 
@@ -46,6 +46,12 @@ def paper_terms(arm: TwoLinkArm, x: Any, u: Any = None) -> Terms:
     """J, F and Gamma of every equation at state x (nx,) [rad, m, rad/s, m/s] and torques u (2,) [N m].
 
     Raises ValueError for what the paper's form does not hold: shortening, payload offset, a reduction stage.
+
+    Example
+    -------
+    >>> arm = TwoLinkArm.textbook()
+    >>> paper_terms(arm, np.zeros(arm.nx)).J.shape
+    (6,)
     """
     require_instance("paper_terms.arm", arm, TwoLinkArm)
     for name, want in (("kinematics", "linear"), ("reduction", "full")):

@@ -56,7 +56,7 @@ class AttitudePlant(MechanicalPlant):
         return tuple(s.name for a in self.attitudes for s in self.states[a.quaternion])
 
     def check_state(self, x: Array) -> None:
-        """Raise ValueError where a quaternion of x (..., nx) is not of unit length."""
+        """Raise ValueError where a quaternion of x (..., nx) is not of unit length. Quaternions are dimensionless."""
         for a in self.attitudes:
             norm = np.atleast_1d(np.linalg.norm(x[..., a.quaternion], axis=-1))
             worst = float(norm[np.argmax(np.abs(norm - 1))])
@@ -66,7 +66,10 @@ class AttitudePlant(MechanicalPlant):
                 )
 
     def consistent(self, x: Array) -> Array:
-        """x (..., nx) with unit quaternions: no turn where one is zero."""
+        """x (..., nx) with unit quaternions: no turn where one is zero.
+
+        Quaternions are dimensionless. ValueError for another shape.
+        """
         if not self.attitudes:
             return x
         x = np.array(real_array(f"{type(self).__name__}.x", x))
@@ -117,7 +120,7 @@ class AttitudePlant(MechanicalPlant):
         return linear.along(self, nominal, p)
 
     def jump_map(self, x: Array, P: Array, *, after: Array, p: Any = None, t: float = 0.0) -> tuple[Array, Array]:
-        """As of any plant, in this one's deviations."""
+        """As of any plant, in this one's deviations. x (nx,), P (n, n), after (nx,), t [s]."""
         own = super().jump_map(x, P, after=after, p=p, t=t)
         return linear.jump(self, x, after, own, t) if self.attitudes else own
 

@@ -44,7 +44,10 @@ class TurningPlant(AttitudePlant, LagrangianPlant):
 
     @property
     def held(self) -> Mapping[str, float]:
-        """Coordinates of which no force knows, as a free machine's place: held by `equilibrium` unless named."""
+        """Coordinates of which no force knows, as a free machine's place: held by `equilibrium` unless named.
+
+        Values are in [m] and [-].
+        """
         return {}
 
     @cached_property
@@ -116,7 +119,7 @@ class TurningPlant(AttitudePlant, LagrangianPlant):
         **named: float,
     ) -> tuple[Array, Array]:
         """A rest point as in Plant.equilibrium. The search begins with nothing turned; place and attitude of a free
-        base are held, at zero where they are not named.
+        base are held, at zero where they are not named. The state (nx,) and the inputs (nu,).
         """
         first = {self.states[a.q].name: 1.0 for a in self.attitudes}
         given = first | ({} if guess is None else dict(require_by_name("equilibrium.guess", guess)))

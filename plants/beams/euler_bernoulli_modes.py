@@ -64,6 +64,11 @@ def roots(boundary: str, n: int) -> np.ndarray:
     """The lowest n roots beta (n,) of an unloaded beam; "pinned-free" leaves out the rigid rotation.
 
     Newton on the characteristic equation divided by cosh: cos + sech, cos - sech, sin - tanh cos.
+
+    Example
+    -------
+    >>> roots("clamped-free", 2).round(4)
+    array([1.8751, 4.6941])
     """
     require_choice("modes", "boundary", boundary, BOUNDARIES)
     n = require_count("modes", "n", n, 0, MOST_MODES)
@@ -88,7 +93,12 @@ def loaded_roots(n: int, mass: float, inertia: float, coupling: float = 0.0) -> 
 
     Bisection on the count of roots. Brackets: a tip load lowers every root of the clamped-free beam;
     Dunkerley's bound, with tip compliances 1/3 and 1, lies below the first; clamping the tip adds two
-    constraints.
+    constraints. ValueError where the coupling is larger than a load can have.
+
+    Example
+    -------
+    >>> loaded_roots(2, mass=1.0, inertia=0.0).round(4)
+    array([1.2479, 4.0311])
     """
     n = require_count("modes", "n", n, 0, MOST_MODES)
     mass = require_number("modes.mass", mass, least=0.0, most=LARGEST_RATIO)
@@ -139,6 +149,11 @@ def count_loaded(beta: np.ndarray, mass: float, inertia: float, coupling: float 
 
     It is the number of roots of the clamped-clamped beam below beta plus the number of negative eigenvalues
     of the dynamic stiffness of the tip, K_b - beta^4 [[mass, coupling], [coupling, inertia]].
+
+    Example
+    -------
+    >>> count_loaded(np.array([1.0, 2.0]), 0.0, 0.0)
+    array([0, 1])
     """
     beta = finite_array("count_loaded.beta", beta)
     mass = require_number("count_loaded.mass", mass, "nonnegative")
@@ -217,6 +232,11 @@ def shapes(boundary: str, n: int, *, mass: float = 0.0, inertia: float = 0.0, co
     The coefficients are the null vector of the 4 x 4 matrix of end conditions, by singular value
     decomposition. Loaded modes are orthogonal in the mass of beam and load together, but scaled to int phi^2
     dxi = 1 as the rest.
+
+    Example
+    -------
+    >>> shapes("clamped-free", 2).roots.round(4)
+    array([1.8751, 4.6941])
     """
     require_choice("modes", "boundary", boundary, (*BOUNDARIES, *LOADED))
     n, loaded = require_count("modes", "n", n, 0, MOST_MODES), boundary in LOADED

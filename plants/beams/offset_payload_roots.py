@@ -76,7 +76,10 @@ class OffsetPayload:
 
     @property
     def moments(self) -> tuple[float, float, float]:
-        """(I_xx, I_zz, I_xz) about the mass centre."""
+        """(I_xx, I_zz, I_xz) about the mass centre.
+
+        Dimensionless; ValueError where the inertia is no number, three or 3 x 3.
+        """
         given = real_array("OffsetPayload.inertia", self.inertia)
         if not np.all(np.isfinite(given)):
             raise ValueError(f"OffsetPayload.inertia = {self.inertia!r} must be finite")
@@ -97,7 +100,10 @@ class OffsetPayload:
         return np.array([[m, m * ax, -m * az], [m * ax, about_z, -product], [-m * az, -product, about_x]])
 
     def equation(self, lam: np.ndarray) -> np.ndarray:
-        """Eq (7) times e^-lambda and a positive factor: zero at the roots, finite for any lambda (...,)."""
+        """Eq (7) times e^-lambda and a positive factor: zero at the roots, finite for any lambda (...,).
+
+        It is dimensionless.
+        """
         determinant, turning = self._terms(finite_array("OffsetPayload.equation.lam", lam))
         return determinant * turning
 
@@ -106,7 +112,7 @@ class OffsetPayload:
 
         The dynamic stiffness of the tip is reduced from bending to torsion: the bending of the loaded beam is
         counted as in `euler_bernoulli_modes`, and what is left of torsion, its stiffness less the bending's share, is
-        one number.
+        one number. lambda is dimensionless.
         """
         lam = finite_array("OffsetPayload.count.lam", lam)
         M, kappa = self.tip_mass, lam**2 * self.chi * self.mu
@@ -145,7 +151,10 @@ class OffsetPayload:
         return self._section(np.arange(1, n + 1))
 
     def roots_between(self, low: float, high: float) -> np.ndarray:
-        """All roots lambda in [low, high)."""
+        """All roots lambda in [low, high).
+
+        (n,), dimensionless. ValueError where the range is empty or holds too many.
+        """
         low, high = (require_number(f"roots_between.{k}", v) for k, v in (("low", low), ("high", high)))
         if not 0 <= low < high < math.inf:
             raise ValueError(f"roots_between: [{low!r}, {high!r}) must have 0 <= low < high")
@@ -197,5 +206,11 @@ def clamped_payload_roots(
     chi: float,
     mu: float,
 ) -> np.ndarray:
-    """The lowest n roots lambda (n,), none missed, of a clamped beam with an offset payload; see OffsetPayload."""
+    """The lowest n roots lambda (n,), none missed, of a clamped beam with an offset payload; see OffsetPayload.
+
+    Example
+    -------
+    >>> clamped_payload_roots(2, mass=1.0, chi=1.1, mu=0.05).round(4)
+    array([1.2479, 4.0311])
+    """
     return OffsetPayload(mass=mass, offset=offset, inertia=inertia, chi=chi, mu=mu).roots(n)

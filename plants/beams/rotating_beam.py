@@ -44,6 +44,11 @@ def rotating_frequencies(
 
     tip_mass/(rho A L), tip_inertia/(rho A L^3) the same about every axis, hub_radius/L. `rotary` = I/(A L^2) and
     `shear` = E I/(kappa G A L^2) need theory "timoshenko". ValueError names a bad argument.
+
+    Example
+    -------
+    >>> rotating_frequencies(12.0, 2, plane="lag").round(3)
+    array([ 5.427, 35.637])
     """
     require_choice("rotating_frequencies", "plane", plane, PLANES)
     require_choice("rotating_frequencies", "theory", theory, THEORIES)

@@ -107,7 +107,7 @@ class Beam:
 
     @classmethod
     def tube(cls, length: Any, outer: Any, inner: Any, material: MaterialLike) -> Beam:
-        """A circular tube of outer and inner diameter [m]."""
+        """A circular tube of outer and inner diameter [m]. ValueError where the inner is not below the outer."""
         outer, inner = _positive("Beam.tube", outer=outer, inner=inner)
         _require_material("Beam.tube", material)
         if not (is_symbolic(outer) or is_symbolic(inner)) and inner >= outer:

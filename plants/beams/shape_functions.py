@@ -136,6 +136,11 @@ def basis(
     E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2); with it, `stretches` more shapes stretch
     the beam's axis and do nothing else. ValueError for another kind, n above 200 (30 for polynomials, 40 with shear),
     or a ratio outside [0, 1e12].
+
+    Example
+    -------
+    >>> basis("clamped-free", 2).tip.round(4)
+    array([ 2., -2.])
     """
     require_choice("basis", "kind", kind, BASES)
     n = require_count("basis", "n", n, 0, MOST_POLYNOMIALS if kind in ("polynomial", *TIP_FORCE) else MOST_MODES)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pliant.plants.files import sealed_arrays
+from pliant.plants.files.html_tables import TrajectoryTable
 
 from .argument_gates import shown
 from .parameters import require_choice, require_finite
@@ -26,7 +27,7 @@ FILE, FORMAT = "motion", 2  # what a file says of itself; format 1, of version 0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(OwnsArrays):
+class Trajectory(OwnsArrays, TrajectoryTable):
     """Rows belong to the times t; `traj["tip_x"]` is a column by name. The arrays are write-protected copies.
 
     `hold` says what the input does between two times: "zero-order" keeps the earlier row, "linear" joins the
@@ -83,6 +84,7 @@ class Trajectory(OwnsArrays):
 
         With `plant` the signals are the plant's and y, where None, is what the plant measures. Without it
         the names are given; states and inputs default to x1.., u1...
+        ValueError names the array whose shape does not fit.
         """
         t = read_only_times("Trajectory.t", t)
         x = require_finite("Trajectory.x", x, (len(t), -1))
@@ -149,7 +151,7 @@ class Trajectory(OwnsArrays):
 
         x by cubic Hermite polynomials where dx is known (the new dx is theirs), else by a spline; y by a
         spline; u and w as `hold` says. Under "zero-order" the rate jumps at the old times and y with it: x
-        is then of third order.
+        is then of third order. ValueError for times beyond them.
         """
         from scipy.interpolate import CubicHermiteSpline, CubicSpline
 

@@ -19,6 +19,7 @@ from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_names
 from pliant.plants.core.casadi_functions import built_once
 from pliant.plants.core.signals import Signal, owned, sealed
+from pliant.plants.files.html_tables import PlantTable
 from pliant.plants.native.batch_kernels import compiled
 
 Array = np.ndarray
@@ -26,28 +27,30 @@ COMPILED, NATIVE = ("_dynamics", "_output", "_jacobians"), "_native"  # function
 
 
 @dataclass(frozen=True, kw_only=True)
-class Declaration(ABC):
-    """Signals, equations and parameters. `varied` holds the dotted names of parameters that are inputs p of every
-    function.
-    """
+class Declaration(PlantTable, ABC):
+    """Signals, equations, parameters; `varied`: dotted names of parameters that are inputs p of every function."""
 
     varied: tuple[str, ...] = dataclasses.field(default=(), metadata={"gate": require_names})
 
     @property
     @abstractmethod
-    def states(self) -> tuple[Signal, ...]: ...
+    def states(self) -> tuple[Signal, ...]:
+        """Names and units of x (nx,)."""
 
     @property
     @abstractmethod
-    def inputs(self) -> tuple[Signal, ...]: ...
+    def inputs(self) -> tuple[Signal, ...]:
+        """Names and units of u (nu,)."""
 
     @property
     @abstractmethod
-    def disturbances(self) -> tuple[Signal, ...]: ...
+    def disturbances(self) -> tuple[Signal, ...]:
+        """Names and units of w (nw,)."""
 
     @property
     @abstractmethod
-    def outputs(self) -> tuple[Signal, ...]: ...
+    def outputs(self) -> tuple[Signal, ...]:
+        """Names and units of y (ny,)."""
 
     @property
     @abstractmethod
@@ -71,7 +74,7 @@ class Declaration(ABC):
         """Where the positions stand in x; their rates follow. None where a plant states no more than dx/dt."""
         return slice(0, 0)
 
-    def check_state(self, x: Array) -> None:  # noqa: B027  any finite numbers are a state of most plants
+    def check_state(self, x: Array) -> None:
         """Raise ValueError where x (..., nx) is no state of the plant, at the start of a motion or on a nominal."""
 
     def consistent(self, x: Array) -> Array:
@@ -95,18 +98,22 @@ class Declaration(ABC):
 
     @cached_property
     def nx(self) -> int:
+        """How many states: x is (nx,)."""
         return len(self.states)
 
     @cached_property
     def nu(self) -> int:
+        """How many inputs: u is (nu,)."""
         return len(self.inputs)
 
     @cached_property
     def nw(self) -> int:
+        """How many disturbances: w is (nw,)."""
         return len(self.disturbances)
 
     @cached_property
     def ny(self) -> int:
+        """How many outputs: y is (ny,)."""
         return len(self.outputs)
 
     @property

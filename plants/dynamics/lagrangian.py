@@ -56,6 +56,7 @@ class LagrangianPlant(BalancedPlant):
 
     @cached_property
     def rates(self) -> dict[str, str]:
+        """{name of a coordinate: name of its rate}."""
         known, n = tuple(s.name for s in self.states), len(self.coordinates)
         return dict(zip(known[:n], known[n:], strict=True))
 
@@ -207,10 +208,10 @@ class LagrangianPlant(BalancedPlant):
     def natural_frequencies(
         self, x0: Any = None, *, locked: tuple[str, ...] = (), rigid: bool = False, p: Any = None
     ) -> Array:
-        """Undamped natural frequencies [rad/s], ascending, about a rest x0 with the `locked` coordinates held.
+        """Undamped natural frequencies [rad/s], ascending, about a rest x0; `locked` coordinates are held.
 
         From M and the stiffness d(-r)/dq; negative stiffness gives a negative "frequency" -sqrt(|w^2|).
-        Frequencies below 1e-6 of the largest are rigid-body modes and are left out unless `rigid`.
+        Below 1e-6 of the largest they are rigid-body modes, left out unless `rigid`. ValueError: not finite at x0.
         """
         x = self.rest_state if x0 is None else arguments.one_state(self, x0)
         rigid, locked = require_flag("rigid", rigid), require_names("natural_frequencies.locked", locked)

@@ -40,7 +40,8 @@ class MechanicalPlant(Plant):
 
     @property
     @abstractmethod
-    def coordinates(self) -> tuple[Signal, ...]: ...
+    def coordinates(self) -> tuple[Signal, ...]:
+        """Names and units of q (nq,)."""
 
     @property
     @abstractmethod
@@ -78,6 +79,7 @@ class MechanicalPlant(Plant):
 
     @built_once
     def expressions(self) -> tuple[ca.SX, ca.SX]:
+        """Symbols of dx (nx,) and of y (ny,)."""
         t, x, u, w, _ = self.symbols
         return self._motion[0], self.symbolic.output(t, x, u, w)
 
@@ -123,7 +125,10 @@ class MechanicalPlant(Plant):
             raise self._lost_definiteness(x, float(self._dynamics(*values)[1][0]))
 
     def explain_stop(self, passed: Array, last: Array, w: Any, p: Any) -> None:
-        """Raise MassMatrixError where the mass matrix has lost definiteness, or nearly."""
+        """Raise MassMatrixError where the mass matrix has lost definiteness, or nearly.
+
+        passed (k, nx), last (nx,), w (nw,).
+        """
         self.dynamics(passed, w=w, p=p)
         if np.isfinite(last).all():
             self.check_near_singular(last, passed[0], p)

@@ -52,6 +52,7 @@ class Plant(PlantContract):
 
     @built_once
     def symbols_of_outputs(self) -> ca.SX:
+        """Symbols of y (ny,)."""
         return ca.SX.sym("y", self.ny)
 
     @built_once
@@ -92,7 +93,7 @@ class Plant(PlantContract):
         return self._sound_rate(values[1], self._dynamics(*values, batch=batch))
 
     def told_rates(self, values: tuple[Any, ...], results: list[Array]) -> Array:
-        """What `dynamics` gives at checked arguments, and tells of it, from what `_dynamics` gave there."""
+        """What `dynamics` gives at checked arguments, and tells, from what `_dynamics` gave there: (..., nx)."""
         return arguments.told(self, "dynamics", [self._sound_rate(values[1], results)], values[1])[0]
 
     def measure(self, x: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> Array:
@@ -212,9 +213,8 @@ class Plant(PlantContract):
         return self.jacobians(nominal.x, nominal.u, w=w, p=p, t=nominal.t)
 
     def jump_map(self, x: Array, P: Array, *, after: Array, p: Any = None, t: float = 0.0) -> tuple[Array, Array]:
-        """(J, j) of the jump dx+ = J dx- + j of this plant's deviations, in the states of `linearize_along`.
-
-        An impulse P (nu,) [input units times s] acts at x (nx,), from where the nominal goes on at `after` (nx,).
+        """(J, j) of the jump dx+ = J dx- + j of this plant's deviations, in the states of `linearize_along`,
+        under an impulse P (nu,) [input units times s] at x (nx,), from where the nominal goes on at `after` (nx,).
         """
         return linear_models.over_impulse(self, x, after, P, p, t)
 

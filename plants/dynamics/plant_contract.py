@@ -45,7 +45,7 @@ class PhysicsContract(Declaration):
         return {}
 
     def without(self, effect: str) -> Self:
-        """This model without one of its effects; where it can be, in the same states. Itself where it lacks it."""
+        """This model without an effect, in the same states if it can; itself if it lacks it, ValueError for others."""
         known = self.effects
         if effect not in known:
             raise ValueError(f"{type(self).__name__}.without: effect {effect!r} is not one of its effects")
@@ -74,7 +74,7 @@ class PhysicsContract(Declaration):
     @property
     def left_out(self) -> float:
         """Where `physics` has no more shapes to add: what those do that are not known of, as a share of what the last
-        that is known does. Default: as much.
+        that is known does. Dimensionless; default: as much.
         """
         return 1.0
 

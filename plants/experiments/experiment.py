@@ -100,6 +100,7 @@ class Experiment(OwnsArrays):
 
         signals: outputs and states that are measured, None: all outputs. `noise` {signal: standard deviation} is
         added to them, by `seed`: what a data sheet's sensors would have read.
+        Units are SI. ValueError where disturbances change.
         """
         motion = require_instance("Experiment.of.motion", motion, Trajectory)
         known = names(motion.outputs) + names(motion.states)

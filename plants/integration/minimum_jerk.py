@@ -11,7 +11,15 @@ from pliant.plants.core.argument_gates import real_array, require_choice, requir
 
 
 def minimum_jerk(s: np.ndarray | float) -> tuple[Any, Any, Any]:
-    """The quintic from 0 to 1 over s in [0, 1], end rates and accelerations zero, and its two derivatives."""
+    """The quintic from 0 to 1 over s in [0, 1], end rates and accelerations zero, and its two derivatives.
+
+    ValueError where s has NaN.
+
+    Example
+    -------
+    >>> [round(float(part), 4) for part in minimum_jerk(0.5)]
+    [0.5, 1.875, 0.0]
+    """
     if type(s) is float and s == s:
         s = min(max(s, 0.0), 1.0)
     elif isinstance(s, (np.ndarray, list, tuple)):

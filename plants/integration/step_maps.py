@@ -171,7 +171,15 @@ def damped_within(method: str) -> float:
 
 
 def step_limit(plant: PlantLike, x: Any, method: str = "rk4", *, u: Any = None, p: Any = None) -> float:
-    """The largest stable step [s] of a method at state x (nx,), from the fastest mode of the linearised plant."""
+    """The largest stable step [s] of a method at state x (nx,), from the fastest mode of the linearised plant.
+
+    Example
+    -------
+    >>> from pliant.plants import TwoLinkArm
+    >>> arm = TwoLinkArm.textbook()
+    >>> round(step_limit(arm, np.zeros(arm.nx)), 5)
+    np.float64(0.00358)
+    """
     return _slowest_limit(_modes(plant, x, method, u, p), METHODS[method])[0]
 
 

@@ -169,6 +169,7 @@ class LargeBeamDeclaration(StrainDeclaration):
 
     @cached_property
     def strained_beam(self) -> StrainedBeam:
+        """The field of strains that carries the equations, of nq coordinates."""
         own: LargeBeamDeclaration = self.nominal
         return of_declaration(self, points(own.point_count, own.segments))
 

@@ -116,7 +116,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return fidelities.planar_chain(self)
 
     def embedding(self, simpler: PhysicsContract) -> Array:
-        """Turns of the root and twists as they are, curvatures projected."""
+        """Turns of the root and twists as they are, curvatures projected: (nx, simpler.nx)."""
         if not (isinstance(simpler, LargeBeamDeclaration) and simpler.kinematics == self.kinematics == "strain"):
             return super().embedding(simpler)
         if self.strained or simpler.strained:
@@ -253,7 +253,7 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
         return self.positions(x, np.linspace(0.0, 1.0, line_points(self, points)))[None]
 
     def positions(self, x: Array, xi: Array) -> Array:
-        """Positions (k, 2), or (k, 3) in space, [m] of the beam's axis at xi (k,) in [0, 1] at a state x (nx,)."""
+        """Positions (k, 2), in space (k, 3), [m] of the axis at xi (k,) in [0, 1], else ValueError; state x (nx,)."""
         x, name = one_state(self, x), f"{type(self).__name__}.positions.xi"
         xi = require_finite(name, np.atleast_1d(real_array(name, xi)), (-1,))
         if xi.size and not (xi.min() >= 0 and xi.max() <= 1):

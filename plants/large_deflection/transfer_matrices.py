@@ -125,6 +125,7 @@ class TransferMatrices(OwnsArrays):
 
         method "product" multiplies the transfer matrices as in Eq (39), which loses a digit or more for each; "sweep"
         carries the relation of force and acceleration along in their place (Riccati's form) and loses none.
+        ValueError for a batch of states.
         """
         require_choice("TransferMatrices.acceleration", "method", method, METHODS)
         plant, chain = self.plant, self.chain

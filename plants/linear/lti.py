@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pliant.plants.core.argument_gates import LEAST, require_seconds, shown
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import InputLike, Signal, as_signals, read_only, read_only_times, sample
+from pliant.plants.files.html_tables import ModelTable
 
 from . import modal_analysis
 from .even_units import even_expm
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LinearModel(ModelSignals):
+class LinearModel(ModelSignals, ModelTable):
     """A, B, E, C, D, F about (x0, u0, w0). Arrays are write-protected copies, sized as the signals."""
 
     A: np.ndarray = field(repr=False)  # (nx, nx)
@@ -78,6 +79,7 @@ class LinearModel(ModelSignals):
         """A model about the origin. C = None gives the states as outputs; D, E, F = None are zero.
 
         Names default to x1.., u1.., w1.., y1...
+        A (nx, nx), B (nx, nu), C (ny, nx), D (ny, nu), E (nx, nw), F (ny, nw); dt [s], None: continuous.
         """
         A = require_finite("LinearModel.A", A, (-1, -1))
         B = require_finite("LinearModel.B", B, (-1, -1))
@@ -131,7 +133,7 @@ class LinearModel(ModelSignals):
         `du`, `dw`: None, a constant, (nt, n) held from each time to the next, or a function of time. Exact
         for the first three. A function is taken as the line through its values at two Gauss points of each
         interval: exact for lines, else of fourth order in the interval. A sampled model takes inputs only at
-        its times, dt apart.
+        its times, dt apart. ValueError where the times do not fit dt.
         """
         times = read_only_times("simulate.t", t)
         x0 = require_finite("simulate.dx0", dx0, (len(self.states),))
@@ -195,6 +197,7 @@ class LinearModel(ModelSignals):
         """The model of a python-control StateSpace about the origin, names taken from it, units unknown.
 
         Its timebase must be stated: 0 or None is continuous, a number is the sampling time.
+        ValueError where it is True.
         """
         system = _as_state_space(system)
         if system.dt is True:

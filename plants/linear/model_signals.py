@@ -40,18 +40,22 @@ class ModelSignals(OwnsArrays):
 
     @property
     def state_names(self) -> tuple[str, ...]:
+        """Of dx (nx,), in order."""
         return names(self.states)
 
     @property
     def input_names(self) -> tuple[str, ...]:
+        """Of du (nu,), in order."""
         return names(self.inputs)
 
     @property
     def disturbance_names(self) -> tuple[str, ...]:
+        """Of dw (nw,), in order."""
         return names(self.disturbances)
 
     @property
     def output_names(self) -> tuple[str, ...]:
+        """Of dy (ny,), in order."""
         return names(self.outputs)
 
 

@@ -134,7 +134,10 @@ class ModalData(ModalFields):
         damping: float = 0.0,
         nodes: Mapping[str, int] | None = None,
     ) -> ModalData:
-        """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti."""
+        """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti.
+
+        positions (k, 3) [m]; damping [-], a ratio.
+        """
         M, K = read_nastran(path, mass, stiffness)
         return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping, nodes=nodes)
 

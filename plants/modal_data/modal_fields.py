@@ -208,7 +208,10 @@ class ModalFields(OwnsArrays):
         return self.keep(sorted(int(k) for k in np.argsort(squares, kind="stable")[:count]))
 
     def node(self, name: str) -> ModalNode:
-        """A named node; "": the point that outputs watch, of which no turn is known."""
+        """A named node; "": the point that outputs watch, of which no turn is known.
+
+        ValueError for a name that the data lack.
+        """
         for node in self.nodes:
             if node.name == name:
                 return node

@@ -101,7 +101,10 @@ class TreeFidelity(TreeDeclaration):
     def rest_to_rest(
         self, begin: Array, end: Array, time: float, *, profile: str = "minimum-jerk"
     ) -> Callable[[float], Array]:
-        """Every driven joint on a motion of the profile, the gears taken as stiff: what twists them is left out."""
+        """Every driven joint on a motion of the profile, the gears taken as stiff: what twists them is left out.
+
+        begin, end (nx,); time [s].
+        """
         if not self.motors:
             return super().rest_to_rest(begin, end, time, profile=profile)
         geared = zip(self.freedoms[-len(self.motors) :], (self.moving[i].elastic for i in self.motors), strict=True)

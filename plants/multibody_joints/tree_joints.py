@@ -71,11 +71,12 @@ class TreeJoints(TurningPlant):
 
     @cached_property
     def turns(self) -> tuple[tuple[str, int, int], ...]:
+        """Of each quaternion: its name, where it begins in q, where its rates begin in v."""
         return tuple((s.joint.name, *s.turn) for s in self.slots if s.turn is not None)
 
     @property
     def held(self) -> dict[str, float]:
-        """Place and attitude of a free base."""
+        """Place and attitude of a free base. In [m] and [-]."""
         if not self.floats:
             return {}
         return {s.name: float(k == TURNS["free"]) for k, s in enumerate(coordinates(self.moving[0]))}
@@ -122,7 +123,7 @@ class TreeJoints(TurningPlant):
     def rest_to_rest(
         self, begin: np.ndarray, end: np.ndarray, time: float, *, profile: str = "minimum-jerk"
     ) -> Callable[[float], np.ndarray]:
-        """As of every plant; a free base moves as its momentum, which is none, says."""
+        """As of every plant; a free base moves as its momentum, which is none, says. begin, end (nx,); time [s]."""
         return (Floating if self.floats else InverseDynamics)(self, begin, end, time, profile)
 
     @property

@@ -108,6 +108,12 @@ def sensors_of(plant: Plant) -> tuple[Sensor, ...]:
     """What a machine like this plant carries: the plant's own `sensors()` with the noise of the devices above.
 
     ValueError for a plant that names none.
+
+    Example
+    -------
+    >>> from pliant.plants import SingleLinkArm
+    >>> [sensor.kind for sensor in sensors_of(SingleLinkArm.textbook())]
+    ['encoder', 'strain gauge', 'accelerometer']
     """
     found = require_instance("sensors_of.plant", plant, Plant).sensors()
     if not found:

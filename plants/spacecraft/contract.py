@@ -35,6 +35,7 @@ class SpacecraftContract(SpacecraftDeclaration):
 
     @cached_property
     def prescribed(self) -> tuple[str, ...]:
+        """Names of coordinates that are driven as given."""
         slots = zip(self.appendages, self.layout.hinges, strict=True)
         return tuple(s.name for a, at in slots if a.hinge.drive == "motion" for s in self.states[at])
 
@@ -96,5 +97,8 @@ class SpacecraftContract(SpacecraftDeclaration):
     def rest_to_rest(
         self, begin: np.ndarray, end: np.ndarray, time: float, *, profile: str = "minimum-jerk"
     ) -> Callable[[float], np.ndarray]:
-        """A turn about one axis fixed in the body (an eigenaxis slew), hinges as at `begin`; see `eigenaxis`."""
+        """A turn about one axis fixed in the body (an eigenaxis slew), hinges as at `begin`; see `eigenaxis`.
+
+        begin, end (nx,); time [s].
+        """
         return slew(self, begin, end, time, profile)

@@ -213,7 +213,7 @@ class SpacecraftDeclaration(AttitudePlant):
 
     @abstractmethod
     def residual(self, x: Any, a: Any, u: Any = None, *, w: Any = None, p: Any = None, t: Any = 0.0) -> np.ndarray:
-        """M a + bias - loads (6 + n,) at any accelerations a (6 + n,)."""
+        """M a + bias - loads (6 + n,) in [N] and [N m] at any accelerations a (6 + n,)."""
 
 
 def _richer(appendage: Appendage, more: int) -> Appendage:

@@ -125,7 +125,7 @@ class FlexibleSpacecraft(SpacecraftContract):
         return arguments.told(self, "residual", found, values[1])[0]
 
     def mass_matrix(self, x: Any, *, p: Any = None) -> np.ndarray:
-        """M (6 + n, 6 + n): hub translation and rotation in hub axes, hinges, modes."""
+        """M (6 + n, 6 + n): hub translation and rotation in hub axes, hinges, modes. In [kg], [kg m] and [kg m^2]."""
         values, batch = self._arguments(x, p=p)
         n = 6 + len(self.coordinates)
         zero = np.zeros(n) if batch is None else np.zeros((batch, n))
@@ -140,7 +140,7 @@ class FlexibleSpacecraft(SpacecraftContract):
         **named: float,
     ) -> tuple[np.ndarray, np.ndarray]:
         """A rest point as in Plant.equilibrium; attitude and position are held, at zero turn where they are not
-        named.
+        named. The state (nx,) and the inputs (nu,).
         """
         held = {f"quaternion_{k}": float(k == 0) for k in range(4)}
         held |= {s.name: 0.0 for s in self.states[:3] if self.translation}

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.files.html_tables import VerdictTable
 from pliant.plants.finite_horizon.asked import Asked, listed
 from pliant.plants.finite_horizon.horizon import FiniteHorizon, numbers
 from pliant.plants.linear.lti import LinearModel
@@ -25,7 +26,7 @@ GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict(OwnsArrays):
+class Verdict(OwnsArrays, VerdictTable):
     """The answer, the method that gave it, what every other method said or why it was not used, and numbers beside."""
 
     verdict: str  # stable | unstable | marginal | drift | bounded | undecided

@@ -14,16 +14,38 @@ from pliant.studies.common.machine import version as version_of
 
 from . import doctor, fidelity, models, train
 from .console import Commands, in_words
-from .report import figures, report
+from .report import figures, open_report, report
 from .scenes import check, new, scenes
 from .scoreboard import scoreboard
 from .stability import stability
 
+# One line of each command's help: a call that works as it stands.
+EXAMPLES = {
+    "scenes": "pliant scenes two-link-reach",
+    "new": "pliant new plant crane",
+    "check": "pliant check two-link-reach",
+    "simulate": "pliant simulate two-link-reach --set payload.mass=0.7 --plot motion.png",
+    "linearize": "pliant linearize two-link-reach",
+    "identify": "pliant identify two-link-reach run1.csv --vary payload.mass",
+    "chart": "pliant chart two-link-reach --out charts",
+    "choose": "pliant choose two-link-reach --tolerance 1e-3",
+    "study": "pliant study effectivity",
+    "train": "pliant train single-link-slew",
+    "report": "pliant report single-link-slew --out reports/slew",
+    "open": "pliant open",
+    "figures": "pliant figures single-link",
+    "doctor": "pliant doctor",
+    "cache": "pliant cache",
+    "stability": "pliant stability spacecraft-orbit",
+    "scoreboard": "pliant scoreboard",
+}
+TRY = "Three things to try:  pliant scenes  ·  pliant choose two-link-reach  ·  pliant report single-link-slew"
+
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
+    epilog=TRY,
     help="Plants that bend, for people who design controllers.",
 )
 
@@ -61,6 +83,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "study": fidelity.study,
     "train": train.command,
     "report": report,
+    "open": open_report,
     "figures": figures,
     "doctor": doctor.doctor,
     "cache": doctor.cache,
@@ -68,7 +91,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "scoreboard": scoreboard,
 }
 for name, function in COMMANDS.items():
-    app.command(name)(function)
+    app.command(name, epilog=f"Example:  {EXAMPLES[name]}")(function)
 
 
 def main() -> None:

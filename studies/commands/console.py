@@ -36,10 +36,10 @@ class Commands(TyperGroup):
         except BrokenPipeError:  # the reader, such as `head`, has seen enough
             raise
         except USAGE as error:
-            complain(error.format_message())
+            complain(_with_help(error.format_message(), ctx))
             raise typer.Exit(2) from None
         except (ValueError, OSError) as error:
-            complain(str(error))
+            complain(_with_help(str(error), ctx))
             raise typer.Exit(2) from None
         except PliantError as error:
             complain(f"{type(error).__name__}: {error}")
@@ -49,6 +49,12 @@ class Commands(TyperGroup):
         except Exception as error:  # last: a fault, which people are told in a line that they can report
             complain(f"{type(error).__name__}: {error} in {_where(error)}. {REPORT_IT}")
             raise typer.Exit(1) from None
+
+
+def _with_help(message: str, ctx: Any) -> str:
+    """The message, and where to look for what is right unless it says so itself."""
+    command = " ".join(("pliant", *filter(None, [ctx.invoked_subcommand])))
+    return message if "`pliant" in message else f"{message} (see `{command} --help`)"
 
 
 def _where(error: BaseException) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import json
 import sys
 from pathlib import Path
@@ -40,6 +41,24 @@ def report(
         print(told, end="")
     else:
         print(page)
+
+
+def open_report(
+    scene: Annotated[str | None, typer.Argument(help="Of this scene; the newest if not given.")] = None,
+    show: Annotated[bool, typer.Option("--show", help="Open it in the browser as well.")] = False,
+) -> None:
+    """Print where the last report of this folder is, reports/*/report.html; --show opens it."""
+    wanted = "*" if scene is None else glob.escape(scene)
+    found = sorted(Path("reports").glob(f"{wanted}/report.html"), key=_age)
+    if not found:
+        raise ValueError(f"open: no reports/{scene or '*'}/report.html here: write one by `pliant report`")
+    print(found[-1])
+    if show:
+        typer.launch(str(found[-1].resolve()))
+
+
+def _age(path: Path) -> float:
+    return path.stat().st_mtime
 
 
 def figures(

@@ -22,6 +22,7 @@ from pliant.plants.core.argument_gates import (
     require_instance,
     require_number,
 )
+from pliant.plants.files.html_tables import ChoiceTable
 from pliant.studies.common.reference_motions import Motions, Progress, share, silent
 from pliant.studies.physics import effects as worth
 from pliant.studies.physics.effects import Effect
@@ -35,7 +36,7 @@ MOST_LANES = 1_000_000
 
 
 @dataclass(frozen=True)
-class Choice:
+class Choice(ChoiceTable):
     """The chosen plant and why. `met` is False where no rung could be shown to keep the tolerance; where none has a
     result, none is chosen, and `plant` is the richest that can be played.
     """

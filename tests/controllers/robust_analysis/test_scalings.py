@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from evidence import agrees
 
 from pliant.controllers.robust_analysis.blocks import Block, structure
 from pliant.controllers.robust_analysis.power_iteration import lower
@@ -30,7 +31,15 @@ def morton_doyle():
 def test_mixed_blocks():
     M = np.vstack([ROWS, ROWS])
     found = upper(M, structure(MIXED))
-    assert found.beta == pytest.approx(41.74753408, rel=2e-4)  # SLICOT AB13MD, example program results
+    agrees(
+        found.beta,
+        41.74753408,
+        within=2e-4,
+        of="robust_stability",
+        what="upper bound of mu, mixed blocks",
+        source="SLICOT AB13MD, example program results",
+        kind="other program",
+    )
     assert found.beta >= lower(M, MIXED)[0]
     assert found.beta == pytest.approx(np.sqrt(allowed(M, found.D, found.G)), rel=1e-9)
 

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from evidence import agrees
 
 from pliant.plants import TwoLinkArm, step_limit
 
@@ -42,7 +43,16 @@ def test_accelerations_at_reference_states(reference, case):
     x, tau = state(found["states"][point])
     expected = np.array([float(a) for a in found["accelerations"][case]])
     got = VARIANTS[variant].dynamics(x, tau)[6:]
-    np.testing.assert_allclose(got, expected, rtol=1e-8, atol=1e-8 * np.abs(expected).max())
+    agrees(
+        got / np.abs(expected).max(),
+        expected / np.abs(expected).max(),
+        within=1e-8,
+        absolute=True,
+        of="TwoLinkArm",
+        what=f"accelerations, {case}, over the largest",
+        source="the paper's equations in 40-digit arithmetic (two_link.json)",
+        kind="independent arithmetic",
+    )
 
 
 @pytest.mark.parametrize("variant", ["CC", "CS"])
@@ -51,16 +61,40 @@ def test_energies_at_reference_states(reference, variant):
     for point in ("s1", "s3"):
         x, _ = state(found["states"][point])
         energy = found["energy"][variant][point]
-        assert VARIANTS[variant].kinetic(x) == pytest.approx(energy["T"], rel=1e-12, abs=1e-14)
-        assert VARIANTS[variant].potential(x) == pytest.approx(energy["V"], rel=1e-12, abs=1e-14)
+        got = [VARIANTS[variant].kinetic(x), VARIANTS[variant].potential(x)]
+        agrees(
+            got,
+            [energy["T"], energy["V"]],
+            within=1e-12,
+            of="TwoLinkArm",
+            what=f"energies, {variant} {point}",
+            source="reference numbers (two_link.json)",
+            kind="independent arithmetic",
+        )
 
 
 def test_frequencies(reference):
     found = reference("two_link")["frequencies_rad_s"]
     straight = dataclasses.replace(VARIANTS["CC"], gravity=0.0)
-    np.testing.assert_allclose(straight.natural_frequencies(), found["CC_nog_straight_omega"], rtol=1e-8)
+    agrees(
+        straight.natural_frequencies(),
+        found["CC_nog_straight_omega"],
+        within=1e-8,
+        of="TwoLinkArm",
+        what="frequencies, straight",
+        source="reference numbers (two_link.json)",
+        kind="independent arithmetic",
+    )
     x0, _ = ARM.equilibrium(theta1=-np.pi / 2, theta2=0.0)
-    np.testing.assert_allclose(ARM.natural_frequencies(x0), found["CS_hanging_g_omega"], rtol=1e-8)
+    agrees(
+        ARM.natural_frequencies(x0),
+        found["CS_hanging_g_omega"],
+        within=1e-8,
+        of="TwoLinkArm",
+        what="frequencies, hanging",
+        source="reference numbers (two_link.json)",
+        kind="independent arithmetic",
+    )
     poles = ARM.linearize(x0).eigenvalues
     np.testing.assert_allclose(np.sort(poles.imag)[6:], found["CS_hanging_g_omega"], rtol=1e-8)
     # With the joints free the slope is only a change of coordinates.
@@ -73,7 +107,15 @@ def test_frequencies_by_number_of_modes(reference, n):
     arm = weightless(modes=(n, n))
     for held, name in (((), "joints_free"), (LOCKED, "joints_locked")):
         got = arm.natural_frequencies(locked=held)[: len(found[name])]
-        np.testing.assert_allclose(got, found[name], rtol=5e-10)
+        agrees(
+            got,
+            found[name],
+            within=5e-10,
+            of="TwoLinkArm",
+            what=f"frequencies, {n} modes, {name}",
+            source="reference numbers (two_link.json)",
+            kind="independent arithmetic",
+        )
 
 
 def test_two_polynomials_meet_the_fine_mesh_within_a_hundredth_of_a_per_cent(reference):
@@ -83,8 +125,24 @@ def test_two_polynomials_meet_the_fine_mesh_within_a_hundredth_of_a_per_cent(ref
     np.testing.assert_allclose(two, expected, rtol=1e-8)
     assert two[0] == pytest.approx(fine["joints_locked_omega"][0], rel=1e-4)
     many = weightless(basis="polynomial", modes=(10, 10))
-    np.testing.assert_allclose(many.natural_frequencies(locked=LOCKED)[:6], fine["joints_locked_omega"], rtol=1e-6)
-    np.testing.assert_allclose(many.natural_frequencies()[:6], fine["joints_free_omega"], rtol=1e-6)
+    agrees(
+        many.natural_frequencies(locked=LOCKED)[:6],
+        fine["joints_locked_omega"],
+        within=1e-6,
+        of="TwoLinkArm",
+        what="six frequencies, joints locked",
+        source="fine finite elements (two_link.json)",
+        kind="finer model",
+    )
+    agrees(
+        many.natural_frequencies()[:6],
+        fine["joints_free_omega"],
+        within=1e-6,
+        of="TwoLinkArm",
+        what="six frequencies, joints free",
+        source="fine finite elements (two_link.json)",
+        kind="finer model",
+    )
 
 
 @pytest.mark.every(2)

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from evidence import agrees
 
 from pliant.plants.slider_crank.plant import SliderCrank
 from pliant.plants.slider_crank.steady_cycles import steady_cycle
@@ -38,6 +39,16 @@ def test_rigid_limit_is_exact(reference):
         for key, name in names.items():
             assert motion[name] == pytest.approx(row[key], rel=1e-9, abs=1e-12), key
         y = outputs(rigid, rigid.state(angle))
+        agrees(
+            [y[name] for name in forces.values()],
+            [row[key] for key in forces],
+            within=1e-9,
+            absolute=True,
+            of="SliderCrank",
+            what=f"forces of the rigid mechanism at {row['phi1_deg']} degrees",
+            source="reference numbers (slider_crank.json)",
+            kind="independent arithmetic",
+        )
         for key, name in forces.items():
             assert y[name] == pytest.approx(row[key], rel=1e-9, abs=1e-12), key
     stiff = changed(rod=dataclasses.replace(ROD, E=ROD.E * 1e9, damping=ROD.damping * 1e-4))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from craft_cases import deviations, motor_hinged, random_nominal, slew
+from evidence import agrees
 
 from pliant.plants import MassMatrixError, Trajectory
 from pliant.plants.linear.piecewise_ltv import linearize_pieces
@@ -24,9 +25,25 @@ def nearest(found, wanted):
 
 
 def test_free_frequencies(hinged):
-    np.testing.assert_allclose(CRAFT.natural_frequencies(), REFERENCE["free_frequencies_rad_s"], rtol=1e-9)
+    agrees(
+        CRAFT.natural_frequencies(),
+        REFERENCE["free_frequencies_rad_s"],
+        within=1e-9,
+        of="FlexibleSpacecraft",
+        what="free frequencies",
+        source="reference numbers (spacecraft.json)",
+        kind="independent arithmetic",
+    )
     wanted = REFERENCE["hinge_stiffness_modulated"]["hinge_frequencies_rad_s"]
-    np.testing.assert_allclose(hinged().natural_frequencies(), wanted, rtol=1e-9)
+    agrees(
+        hinged().natural_frequencies(),
+        wanted,
+        within=1e-9,
+        of="FlexibleSpacecraft",
+        what="hinge frequencies",
+        source="reference numbers (spacecraft.json)",
+        kind="independent arithmetic",
+    )
     roots = np.sort(np.abs(hinged().linearize(hinged().state()).eigenvalues))
     np.testing.assert_allclose(roots[roots > 0.1][::2], wanted, rtol=1e-3)  # damped a little
 
@@ -34,7 +51,16 @@ def test_free_frequencies(hinged):
 @pytest.mark.parametrize("axis", "xy")
 def test_frozen_roots_in_spin(axis):
     model = CRAFT.linearize(CRAFT.state({f"rate_{axis}": 0.1}))
-    assert nearest(model.eigenvalues, REFERENCE["spin_0.1_rad_s"][axis]) < 1e-8
+    agrees(
+        nearest(model.eigenvalues, REFERENCE["spin_0.1_rad_s"][axis]),
+        0.0,
+        within=1e-8,
+        absolute=True,
+        of="FlexibleSpacecraft",
+        what=f"roots in a spin about {axis}",
+        source="reference numbers (spacecraft.json)",
+        kind="independent arithmetic",
+    )
     apart = [z for z in model.eigenvalues if abs(z) > 1e-5]
     wanted = np.array([complex(*z) for z in REFERENCE["spin_0.1_rad_s"][axis]])
     wanted = np.concatenate([wanted, wanted.conj()])
@@ -51,7 +77,16 @@ def test_gravity_gradient_frequencies():
     assert np.abs(craft.dynamics(x)).max() < 1e-8  # centrifugal forces and tidal tension stretch nothing to first order
     ratios = np.abs(craft.linearize(x).eigenvalues.imag) / 1e-3
     for wanted in REFERENCE["gravity_gradient"]["frequencies_over_orbital_rate"]:
-        assert np.abs(ratios - wanted).min() < 1e-5
+        agrees(
+            ratios[np.abs(ratios - wanted).argmin()],
+            wanted,
+            within=1e-5,
+            absolute=True,
+            of="FlexibleSpacecraft",
+            what=f"libration at {wanted:.4f} of the orbital rate",
+            source="reference numbers (spacecraft.json)",
+            kind="independent arithmetic",
+        )
     assert craft.linearize(x).eigenvalues.real.max() < 1e-7
 
 

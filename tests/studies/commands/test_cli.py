@@ -1,12 +1,14 @@
 import json
+import os
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from pliant.studies.commands.cli import app
+from pliant.studies.commands.cli import COMMANDS, EXAMPLES, app
 
 
 def run(*arguments):
@@ -69,3 +71,43 @@ def test_start_up_does_not_import_what_draws():
         "sys.exit(any(m in sys.modules for m in ('matplotlib', 'control', 'rich')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_pliant_alone_says_three_things_to_try():
+    told = " ".join(run().output.split())
+    assert all(
+        words in told for words in ("pliant scenes", "pliant choose two-link-reach", "pliant report single-link")
+    )
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_commands_help_has_an_example(name):
+    """Its lines fit 80 columns, and its words are read by the command."""
+    result = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "80"})
+    assert result.exit_code == 0 and max(map(len, result.output.splitlines())) <= 80
+    shown = " ".join(result.output.partition("Example:")[2].split())
+    assert shown == EXAMPLES[name] and shown.startswith(f"pliant {name}")
+
+
+def test_examples_give_only_options_that_there_are():
+    for name, example in EXAMPLES.items():
+        told = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "200"}).output
+        assert all(word in told for word in example.split() if word.startswith("--")), name
+
+
+def test_open_tells_the_newest_report(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run("open")
+    assert result.exit_code == 2 and "write one by `pliant report`" in result.stderr
+    for age, name in ((100, "new"), (200, "old")):
+        page = tmp_path / "reports" / name / "report.html"
+        page.parent.mkdir(parents=True)
+        page.write_text("a report")
+        os.utime(page, (1e9 - age, 1e9 - age))
+    assert run("open").stdout.strip() == str(Path("reports", "new", "report.html"))
+    assert run("open", "old").stdout.strip() == str(Path("reports", "old", "report.html"))
+    assert run("open", "*").exit_code == 2
+
+
+def test_a_bad_call_ends_with_where_to_look():
+    assert run("choose", "two-link-reach", "--tolerance", "-1").stderr.strip().endswith("(see `pliant choose --help`)")

@@ -1,0 +1,72 @@
+"""docs/validation.md from docs/validation.json: `python docs/house/validation.py`.
+
+The json is what the tests' `agrees` measured: `python -m pytest -m "campaign or not campaign" --evidence
+docs/validation.json tests/plants tests/controllers`, in one process.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from pliant.plants.files.atomic_files import write_text
+
+DOCS = Path(__file__).parents[1]
+LEVELS = {
+    "closed form": "an equation from the literature, solved apart from the library",
+    "table": "numbers printed in a paper or a book",
+    "other program": "another program's run of the same case",
+    "finer model": "a model of other or finer physics: finite elements, geometrically exact beams",
+    "independent arithmetic": "numbers of this project's reference files, made apart from the library; not outside "
+    "the project, so not counted as such",
+}
+OUTSIDE = tuple(kind for kind in LEVELS if kind != "independent arithmetic")
+NOT_VALIDATED = """## What is not validated
+
+- No comparison is with a measurement on a machine: all sources are equations, tables and programs.
+- What no line of the table names stands on the library's own tests alone: energy balance, Jacobians by
+  differences, limits between fidelities, agreement among variants. Those find slips, and lack what all variants lack.
+- Of the plants damping (Kelvin-Voigt, Rayleigh, friction at stops) is compared with formulas at most, and material data
+  (strength, creep, plasticity), backlash, fluids and contact are not modelled.
+- The table holds comparisons that go through `agrees`; other tests compare with outside sources too (Exudyn's spatial
+  arm and extensible arm, NASTRAN's superelements by pyYeti, Pinocchio's trees, python-control) and are not in it yet.
+"""
+
+
+def digits(error: float) -> str:
+    return "all" if error == 0 else str(max(0, math.floor(-math.log10(error))))
+
+
+def page(kept: dict[str, list[dict[str, Any]]]) -> str:
+    """The page's text."""
+    found = [(test, one) for test, many in kept.items() for one in many]
+    outside = [one for _, one in found if one["kind"] in OUTSIDE]
+    lines = [
+        "# Validation",
+        "",
+        "Made from what the tests measured: no number here was typed by hand. `docs/house/validation.py` says how.",
+        "",
+        f"{len(found)} comparisons, {len(outside)} of them with sources outside the project. Errors are the largest of "
+        "the numbers compared, relative, or absolute where that is said; digits are those that agree at least, allowed "
+        "is what the test takes.",
+        "",
+        "| evidence | what it is | comparisons |",
+        "|---|---|---:|",
+        *(f"| {k} | {told} | {sum(one['kind'] == k for _, one in found)} |" for k, told in LEVELS.items()),
+    ]
+    for subject in sorted({one["of"] for _, one in found}):
+        lines += ["", f"## {subject}", "", "| what | with | evidence | error | allowed | digits | test |"]
+        lines += ["|---|---|---|---:|---:|---:|---|"]
+        for test, one in found:
+            if one["of"] == subject:
+                unit = " abs." if one["absolute"] else ""
+                short = test.rpartition("/")[2].replace("::", ": ").replace("|", "/")
+                numbers = f"{one['error']:.1e}{unit} | {one['within']:.1e} | {digits(one['error'])}"
+                lines.append(f"| {one['what']} | {one['source']} | {one['kind']} | {numbers} | `{short}` |")
+    return "\n".join(lines) + "\n\n" + NOT_VALIDATED
+
+
+if __name__ == "__main__":
+    write_text(DOCS / "validation.md", page(json.loads((DOCS / "validation.json").read_text(encoding="utf-8"))))
