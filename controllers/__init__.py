@@ -39,6 +39,7 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
     from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability, stands
     from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
+    from pliant.controllers.robust_design.many_model_lqr import MultiModelLQR
 
 __all__ = [
     "LQG",
@@ -57,6 +58,7 @@ __all__ = [
     "MarginsAlong",
     "MissOverBox",
     "Motion",
+    "MultiModelLQR",
     "Objective",
     "PeriodicLQR",
     "Policy",
@@ -126,6 +128,7 @@ imports.offer(
         "robust_analysis.robust_gain": "RobustGain UncertainLTV robust_gain",
         "robust_analysis.robust_stability": "RobustStability over_box robust_stability stands",
         "robust_analysis.worst_parameters": "WorstParameters worst_parameters",
+        "robust_design.many_model_lqr": "MultiModelLQR",
     },
 )
 imports.serve(

@@ -13,9 +13,10 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.studies.fidelity.choice import choose
     from pliant.studies.monte_carlo.monte_carlo import monte_carlo
     from pliant.studies.report.report import report
+    from pliant.studies.robust.robustify import robustify
     from pliant.studies.scoreboard.scoreboard import scoreboard
 
-__all__ = ["chart", "choose", "gallery", "monte_carlo", "report", "scoreboard"]
+__all__ = ["chart", "choose", "gallery", "monte_carlo", "report", "robustify", "scoreboard"]
 
 imports.offer(
     __name__,
@@ -25,6 +26,7 @@ imports.offer(
         "fidelity.choice": "choose",
         "monte_carlo.monte_carlo": "monte_carlo",
         "report.report": "report",
+        "robust.robustify": "robustify",
         "scoreboard.scoreboard": "scoreboard",
     },
 )

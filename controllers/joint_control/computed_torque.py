@@ -2,6 +2,8 @@
 
 u such that the rigid plant at the measured joints has the acceleration  a_ref + Kd (dr/dt - dy/dt) + Kp (r - y),
 Kp = bandwidth^2, Kd = 2 damping bandwidth. On a rigid machine the error decays by that equation exactly.
+
+Guarantee   none for a plant that bends.
 """
 
 from __future__ import annotations

@@ -10,6 +10,8 @@ on the sampled loop. A shaper on the reference keeps the modes of the closed loo
 
 Where more inputs than joints drive these together, as four wheels a spacecraft, or none alone, the bracket is an
 acceleration of each joint and `share` the least inputs that give it.
+
+Guarantee   none once sampled: a continuous collocated PD is passive, its sampled one is not; delay ruins it.
 """
 
 from __future__ import annotations

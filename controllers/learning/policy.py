@@ -7,6 +7,8 @@ Law    u = limits * clip(net(z), -1, 1), or limits * tanh(net(z)) where `squash`
 With a `history` of h, z is followed by the h former ones, newest first, and by the h former commands over the limits.
 
 A policy is NAME.npz (W1, b1, .., mean, std and all words) and NAME.json (the words once more). Neither can run code.
+
+Guarantee   none; play it.
 """
 
 from __future__ import annotations

@@ -6,6 +6,8 @@
 Without limits the poles of the loop are those of the regulator and those of the estimation error (separation;
 Anderson and Moore, "Optimal Control: Linear Quadratic Methods" (1990), Section 8.2). It has no guaranteed margins
 (Doyle 1978): read them with `margins`, and close the loop around dearer plants with `spillover`.
+
+Guarantee   the loop of the linear model is stable. None on margins, other parameters, delay and limits.
 """
 
 from __future__ import annotations

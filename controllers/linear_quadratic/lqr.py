@@ -3,6 +3,10 @@
 Cost   J = int (x - x0)' Q (x - x0) + (u - u0)' R (u - u0) [+ sum of weight_i (int y_i - y0_i)^2] dt
 Law    u = u0 - K_x (x - x0) - K_i xi, within the limits; xi integrates the named outputs' errors
        and stands still while a limit is reached and going on would push further past it.
+
+Guarantee   where dt is None, without limits and with all states read, the loop of the linear model is stable, with
+            gain margins of 1/2 to infinity and 60 degrees of phase at each input (Safonov and Athans 1977). Sampled:
+            stable in the model, no margins. Against delay, other parameters and limits: none.
 """
 
 from __future__ import annotations

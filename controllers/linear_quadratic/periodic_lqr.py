@@ -11,6 +11,8 @@ To be further on by dphi saves what is dearer than the mean of that stretch, (r'
 (x*, u*) is the cycle of the sampled plant under a constant input, by Newton's method on a whole number of control
 periods in few turns; k moves it to the cycle of least mean cost. Both are found at the nodes of these turns, which lie
 densely in the angle, and are linear in between.
+
+Guarantee   the multipliers of the linear loop about its cycle are inside the unit circle. None beyond.
 """
 
 from __future__ import annotations

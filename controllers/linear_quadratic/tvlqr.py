@@ -10,6 +10,9 @@ the affine terms ask for.
 
 By time, k = t / dt. By phase, k moves on to the nearest of the next nodes, between `slowest` and `fastest` nodes a
 period: a plant that lags is not pulled after a clock. After the end: the regulator about the goal, where one is given.
+
+Guarantee   none for the plant; `funnel` tells the region in which the linear loop along the nominal stays within
+            limits.
 """
 
 from __future__ import annotations

@@ -8,6 +8,8 @@ without active limits the first input is that of LQR or of its time-varying kin,
 exactly; the limits of signals are soft, so that there always is a plan, and what the plan exceeds them by is recorded.
 Should the solver fail, that is recorded, and the last plan goes on; past its end, the unlimited law within the limits.
 `design` and `ltv_design` build everything; an act is one product, and a solve where the unlimited plan breaks one.
+
+Guarantee   where no limit is active, that of the LQR of its model; none with other parameters or delay.
 """
 
 from __future__ import annotations

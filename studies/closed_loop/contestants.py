@@ -18,6 +18,9 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import EquilibriumError, PliantError
 from pliant.plants.core.argument_gates import require_names
 
+from .rollout import nominal, rollout
+
+EFFORTS = (1.0, 3.0, 10.0, 30.0, 100.0)  # times what the scene charges for its inputs
 MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
 Maker = Callable[[Scene], Controller]
 LACKS_OF_A_CYCLE = {
@@ -69,6 +72,22 @@ def predictive(scene: Scene) -> Controller:
     return controllers.Predictive.for_scene(scene, law=regulator(scene))
 
 
+def enduring(scene: Scene, reads: str = "states") -> Controller:
+    """One gain for +-30 % of payload, stiffness and damping, on time and a period late, designed on the scene's own
+    plant; its inputs made dearer until it stays within the bounds on that plant as it is, on time and late."""
+    for effort in EFFORTS:
+        law = controllers.MultiModelLQR.for_scene(scene, reads=reads, effort=effort)
+        runs = (rollout(scene, law, dataclasses.replace(nominal(scene), delay=delay)) for delay in law.delays)
+        if not any(run.failure for run in runs):
+            break
+    return law
+
+
+def enduring_by_sensors(scene: Scene) -> Controller:
+    """The same from what sensors read."""
+    return enduring(scene, "sensors")
+
+
 def trained(scene: Scene) -> Controller:
     """The policy that is shipped for the scene. ValueError for a scene without one."""
     return Policy.for_scene(scene.name)
@@ -89,6 +108,8 @@ CONTESTANTS: Mapping[str, Maker] = {
     "PD": Designed("PD"),
     "PD, shaped": Designed("PD", (("shape", "zvd"),)),
     "computed torque": Designed("ComputedTorque"),
+    "multi-model LQR": enduring,
+    "multi-model, sensors": enduring_by_sensors,
     "trained policy": trained,
     "robust policy": robust,
 }

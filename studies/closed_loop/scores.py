@@ -99,6 +99,8 @@ class Row:
     effort: float | None = None  # mean
     act_median: float | None = None  # [us]
     act_p99: float | None = None  # [us]
+    ratio_iqm: float | None = None  # interquartile mean of the single runs' ratios
+    intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # 95 %, by name of the number
     record: Mapping[str, int] = field(default_factory=dict)  # what the controller counted itself, all runs
     reason: str = ""  # why there is no score, or the first failure
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CEILING = 30.0  # ratios above are drawn at the edge, with their number
-CASES = ("exact", "finer", "varied", "delayed")
+CASES = ("exact", "finer", "varied", "delayed", "all at once")
 CLOSE = 3.0  # ratio above which a motion is not drawn: it would hide the others
 
 
@@ -66,7 +66,7 @@ def scene_figure(board: Board, scene: str) -> Figure:
         for row in rows:
             if row.case != case or row.controller not in places:
                 continue
-            _mark(ax, places[row.controller] + 0.18 * (k - 1.5), row, COLOURS[k], MARKERS[k])
+            _mark(ax, places[row.controller] + 0.16 * (k - 2), row, COLOURS[k], MARKERS[k])
         ax.plot([], [], color=COLOURS[k], marker=MARKERS[k], linestyle="none", label=case)
     ax.axvline(1.0, color=INK, linewidth=1.0)
     ax.set_xscale("log")
@@ -86,6 +86,29 @@ def scene_figure(board: Board, scene: str) -> Figure:
     ax.set_title(f"{scene}: cost over the least possible")
     left.legend(loc="outside lower center", ncols=len(CASES))
     _motions(right, board, scene, ranked)
+    return figure
+
+
+@styled
+def profile_figure(curves: Mapping[str, Mapping[str, np.ndarray]], at: np.ndarray) -> Figure:
+    """The share of runs with bound / cost above a level, by case and controller; `at` (n,) are the levels."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 4.2), layout="constrained")
+    order = list(dict.fromkeys(name for of in curves.values() for name in of))
+    axes: Any = np.atleast_1d(figure.subplots(1, len(curves), sharey=True))
+    for ax, (case, of) in zip(axes, curves.items()):
+        for name, shares in of.items():
+            k = order.index(name)
+            style = ("-", "--", ":", "-.")[k // len(COLOURS) % 4]
+            ax.plot(at, shares, color=COLOURS[k % len(COLOURS)], linestyle=style, label=name, alpha=0.9)
+        ax.set_title(case)
+        ax.set_xlabel("bound / cost above")
+        ax.set_xlim(0, 1)
+    axes[0].set_ylabel("share of runs")
+    handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels())}
+    if handles:
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, fontsize=7.5)
     return figure
 
 

@@ -11,6 +11,8 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.signals import OwnsArrays
 from pliant.studies.closed_loop.scores import Row
 
+from .raw_runs import RawRuns
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -54,6 +56,7 @@ class Results:
     remarks: Mapping[tuple[str, str], str]  # why a bound is missing
     scenes: Mapping[str, Scene] = field(repr=False, default_factory=dict)
     lines: Mapping[tuple[str, str], Line] = field(repr=False, default_factory=dict)  # by (scene, controller or "bound")
+    raw: RawRuns | None = field(repr=False, default=None)  # every run
 
     def row(self, scene: str, case: str, controller: str) -> Row:
         """One row. ValueError where there is none."""

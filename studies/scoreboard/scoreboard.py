@@ -1,11 +1,14 @@
-"""Every controller on every scene, beside the best that can be done.
+"""The suite "pliant-scoreboard-2": every controller on every scene, beside the best that can be done.
 
-exact    the design model itself, as the scene is: no model error
-finer    the plant one fidelity higher (see `evaluation_scene`), as the scene is
-varied   the finer plant; payload, stiffness and damping by +-30 %, start, gusts and parameters as the scene draws them;
-         noise on every reading
-delayed  the same runs, and each input acts one control period late
-Each run has its own bound (see `optimal_bound`), so that costs can be told as ratios to the best.
+exact        the design model itself, as the scene is: no model error
+finer        the plant one fidelity higher (see `evaluation_scene`), as the scene is
+varied       the finer plant; payload, stiffness and damping by +-30 %, start, gusts and parameters as the scene draws
+             them; noise on every reading. No delay
+delayed      the finer plant; start and gusts as the scene draws them, each input one control period late. Parameters
+             are its own, readings without noise
+all at once  the runs of "varied", and each input acts one control period late
+Each run has its own bound (see `optimal_bound`), so that costs can be told as ratios to the best. The first suite had
+four cases: its "delayed" is "all at once" here, run by run.
 """
 
 from __future__ import annotations
@@ -32,8 +35,12 @@ from pliant.plants.core.argument_gates import (
 from pliant.studies.closed_loop.contestants import CONTESTANTS, VARIANTS, Maker, playable
 from pliant.studies.closed_loop.scores import Row, Score, summarise
 from pliant.studies.common import machine
+from pliant.studies.common.parallel import BACKENDS, as_they_come
 from pliant.studies.common.reference_motions import Progress, silent
 
+from . import kept_tasks
+from .intervals import with_intervals
+from .raw_runs import gathered
 from .results import Entry, Line, Results
 from .tables import table, write
 from .tasks import CASES, CHUNK, MANY, played_scene, work
@@ -62,20 +69,28 @@ def scoreboard(
     seed: int = 0,
     jobs: int | None = None,
     bounds: int = BOUNDS,
+    backend: str = "loky",
+    kept: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Scoreboard:
-    """Score `controllers` on `scenes`, in all cases, with `seeds` runs of the varied and the delayed one.
+    """Score `controllers` on `scenes`, in all cases, with `seeds` runs of the last three.
 
     scenes       names, those of `contestants.VARIANTS` included, or scenes; all that have inputs where None
     controllers  names of `contestants.CONTESTANTS`, or functions that make one from a scene, by name; all where None
     jobs         processes; as many as cores where None
     bounds       runs of a case whose bound is found: ratios are of those runs, costs of all
+    backend      joblib's, "dask" and "ray" among them: a cluster plays the same runs
+    kept         a file of JSON lines to which each finished piece of work is added and which is read first: a board
+                 that was killed goes on where it was
 
-    The runs depend on `seed` and their number alone, not on `seeds` or `jobs`; the times of act are measured in the
-    same runs, while the other processes work. A controller that cannot be designed has rows that say why.
+    The runs depend on `seed` and their number alone, not on `seeds`, `jobs` or `backend`; the times of act are measured
+    in the same runs, while the other processes work. A controller that cannot be designed has rows that say why.
+
+    Example
+    -------
+    >>> board = scoreboard(["single-link-slew"], ["LQR", "MPC"], seeds=8, bounds=4, kept="board.jsonl")
+    >>> board.row("single-link-slew", "all at once", "LQR").ratio_iqm
     """
-    from joblib import Parallel, delayed
-
     seeds = require_count("scoreboard", "seeds", seeds, 1, 100_000)
     seed = require_count("scoreboard", "seed", seed, 0, 2**32 - 1)
     bounds = require_count("scoreboard", "bounds", bounds, 0, 100_000)
@@ -86,16 +101,38 @@ def scoreboard(
     told = progress or silent
     told(0.0, "start")
     tasks = list(_tasks(found, makers, seeds, min(bounds, seeds)))
-    kept: dict[tuple[str, str, str], dict[int, Any]] = {}
+    require_choice("scoreboard", "backend", backend, BACKENDS)
+    path = None if kept is None else require_path("scoreboard.kept", kept)
+    before = kept_tasks.read(path)
+    marks = [] if path is None else [kept_tasks.marked(task, seed) for task in tasks]
+    done = [before[mark] for mark in marks if mark in before]
+    left = [k for k in range(len(tasks)) if not marks or marks[k] not in before]
+    results: dict[tuple[str, str, str], dict[int, Any]] = {}
     entries: dict[str, Entry] = {}
-    pool = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1)
-    for done, (key, first, result) in enumerate(pool(delayed(work)(*task, seeds, seed) for task in tasks), 1):
+    told(len(done) / len(tasks), f"{len(done)} pieces done before")
+    given = [(k, *tasks[k], seeds, seed) for k in left]
+    for number, (k, piece) in enumerate(_pieces(done, as_they_come("scoreboard", _piece, given, jobs, backend)), 1):
+        key, first, result = piece
         if key[1] == "entry":
             entries[key[0]] = result
         else:
-            kept.setdefault(key, {})[first] = result
-        told(done / len(tasks), f"{key[0]}, {key[2] or key[1]}")
-    return _gathered(found, makers, kept, entries, seeds, seed)
+            results.setdefault(key, {})[first] = result
+        if k is not None:
+            if path is not None:
+                kept_tasks.add(path, marks[k], piece)
+            told(number / len(tasks), f"{key[0]}, {key[2] or key[1]}")
+    return _gathered(found, makers, results, entries, seeds, seed)
+
+
+def _piece(number: int, *task: Any) -> tuple[int, Any]:
+    """One task with its number, in a process of its own."""
+    return number, work(*task)
+
+
+def _pieces(done: Sequence[Any], coming: Iterator[Any]) -> Iterator[tuple[int | None, Any]]:
+    """(None, piece) of those that were kept, then (number, piece) as they come."""
+    yield from ((None, piece) for piece in done)
+    yield from coming
 
 
 def _scenes(wanted: Sequence[str | Scene] | None) -> tuple[Scene, ...]:
@@ -149,6 +186,7 @@ def _gathered(
     seed: int,
 ) -> Scoreboard:
     rows: list[Row] = []
+    cells: dict[tuple[str, str, str], tuple[list[Score], list[np.ndarray]]] = {}
     bounds: dict[tuple[str, str], tuple[float | None, ...]] = {}
     remarks: dict[tuple[str, str], str] = {}
     lines: dict[tuple[str, str], Line] = {}
@@ -168,20 +206,25 @@ def _gathered(
                     rows.append(Row(scene.name, case, name, 0, reason=reason))
                     continue
                 scores: list[Score] = [s for part, *_ in results for s in part]
-                row = summarise(scene.name, case, name, scores, np.concatenate([r[1] for r in results]), best)
+                times = [act for _, part, *_ in results for act in part]
+                cells[scene.name, case, name] = scores, times
+                row = summarise(scene.name, case, name, scores, np.concatenate(times), best)
                 counts: Counter[str] = Counter()
                 for *_, own in results:
                     counts.update(own)
                 rows.append(dataclasses.replace(row, record=dict(counts)))
                 if results[0][2] is not None:
                     lines[scene.name, name] = results[0][2]
+    about = {"suite": kept_tasks.SUITE, "seeds": seeds, "seed": seed, "version": machine.version("pliant")}
+    raw = gathered(about, cells, bounds)
     return Scoreboard(
         seeds,
         seed,
         tuple(entries[scene.name] for scene in found),
-        tuple(rows),
+        tuple(with_intervals(row, raw) for row in rows),
         bounds,
         remarks,
         {scene.name: played_scene(scene, "finer")[0] for scene in found},
         lines,
+        raw,
     )

@@ -1,4 +1,4 @@
-"""A scoreboard as json, as markdown and as a folder with both and one picture a scene."""
+"""A scoreboard as json, as markdown and as a folder with both, every run, and one picture a scene."""
 
 from __future__ import annotations
 
@@ -7,27 +7,36 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pliant.plants.files.atomic_files import write_text
 from pliant.plants.files.whole_folders import renewed
 from pliant.studies.closed_loop.scores import Row
 from pliant.studies.common import machine
 from pliant.studies.common.atomic_files import write_json
 from pliant.studies.common.formatting import measured
-from pliant.studies.figures.scoreboard import scene_figure
+from pliant.studies.figures.scoreboard import profile_figure, scene_figure
 from pliant.studies.figures.style import save
 
+from .intervals import overall, profiles
+from .kept_tasks import SUITE
 from .results import Entry, Results
+from .tasks import MANY
 
+RUNS, PROFILES = "runs.npz", "profiles.png"
+LEVELS = np.linspace(0.0, 1.0, 201)  # of bound / cost
 WORDS = {
     "exact": "on the design model itself: no model error",
     "finer": "on the plant one fidelity higher",
     "varied": "finer plant; payload, stiffness, damping +-30 %, other starts, noise on every reading",
-    "delayed": "the same runs, every input one control period late",
+    "delayed": "finer plant, other starts, every input one control period late; its own parameters, no noise",
+    "all at once": "the runs of `varied`, every input one control period late",
 }
 HEAD = (
     "controller",
     "cost",
     "/ bound",
+    "middle",
     "median",
     "10 - 90 %",
     "failed",
@@ -41,8 +50,10 @@ HEAD = (
 )
 NOTES = """\
 Cost is the scene's, mean over the runs, with the charge for an early end. / bound: mean cost over the mean of the
-least that a full-information optimal control problem reaches in the same runs; median and 10 - 90 %: of the single
-runs' ratios. Failed: runs that diverged, left a bound or whose controller gave up. Settled: median time from which on
+least that a full-information optimal control problem reaches in the same runs; middle, median and 10 - 90 %: of the
+single runs' ratios, the middle being the mean without the lowest and the highest quarter. In square brackets 95 %
+intervals by the bootstrap of the runs; of failures, Clopper and Pearson's. Failed: runs that diverged, left a bound or
+whose controller gave up. Settled: median time from which on
 all that the goal names stays within 5 % of its way. Peak: largest deflection; residual: half of what it still swings
 in the last tenth (where no body bends: of the lengths that the scene compares). At limit: share of the control periods
 with an input at its limit. Effort: root mean square of the inputs, of their limits. Act: median and 99th percentile of
@@ -53,6 +64,7 @@ the time of one call. Controllers are designed on the design plant, for bounds 1
 def table(board: Results, command: str = "") -> dict[str, Any]:
     """For json: everything but the motions."""
     return {
+        "suite": SUITE,
         "command": command,
         "seeds": board.seeds,
         "seed": board.seed,
@@ -64,6 +76,7 @@ def table(board: Results, command: str = "") -> dict[str, Any]:
             for (scene, case), costs in board.bounds.items()
         ],
         "rows": [row.to_json() for row in board.rows],
+        "overall": [] if board.raw is None else overall(board.raw),
     }
 
 
@@ -78,14 +91,20 @@ def write(board: Results, folder: Path, command: str = "") -> list[Path]:
         write_text(made / names[1], markdown(board, command))
         for entry, name in zip(board.entries, names[2:]):
             save(scene_figure(board, entry.scene), made / name)
+        if board.raw is not None:
+            names += [RUNS, PROFILES]
+            board.raw.save(made / RUNS)
+            save(profile_figure({case: profiles(board.raw, case, LEVELS) for case in MANY}, LEVELS), made / PROFILES)
     return [folder / name for name in names]
 
 
 def markdown(board: Results, command: str = "") -> str:
     """The tables, one a scene and case."""
-    text = ["# Scoreboard\n", NOTES]
+    text = [f"# Scoreboard\n\nSuite `{SUITE}`.\n", NOTES]
     if command:
-        text.append(f"Made by `{command}`: {board.seeds} runs of each varied and delayed case, seed {board.seed}.\n")
+        text.append(f"Made by `{command}`: {board.seeds} runs of each of the last three cases, seed {board.seed}.\n")
+    if board.raw is not None:
+        text += over_scenes(overall(board.raw))
     for entry in board.entries:
         text.append(f"## {entry.scene}\n\n{entry.about}. Designed on {entry.design} ({entry.design_states} states), ")
         text[-1] += f"played on {entry.plant} ({entry.plant_states} states), {entry.substeps} RK4 steps a period.\n"
@@ -132,26 +151,66 @@ def _reasons(rows: Sequence[Row]) -> list[str]:
     return ["\n".join(lines) + "\n"] if lines else []
 
 
-def cells(row: Row) -> list[str]:
-    """The cells of a row with runs."""
+def cells(row: Row, *, intervals: bool = True) -> list[str]:
+    """The cells of a row with runs: a number, and its interval where there is one."""
     many = row.runs > 1 and row.ratio_low is not None
     spread = f"{number(row.ratio_low)} - {number(row.ratio_high)}" if many else "-"
     settled = number(row.settling) if row.settling is not None else ("not" if row.unsettled else "-")
+    failed = f"{row.failures}/{row.runs}" if row.failures else "0"
+
+    def told(text: str, name: str, factor: float = 1.0) -> str:
+        low, high = row.intervals.get(name, (math.nan, math.nan))
+        return (
+            text
+            if math.isnan(low) or text == "-" or not intervals
+            else f"{text} [{number(factor * low)}, {number(factor * high)}]"
+        )
+
     return [
         row.controller,
-        number(row.cost),
-        number(row.ratio),
-        number(row.ratio_median) if many else "-",
+        told(number(row.cost), "cost"),
+        told(number(row.ratio), "ratio"),
+        told(number(row.ratio_iqm) if many else "-", "ratio_iqm"),
+        told(number(row.ratio_median) if many else "-", "ratio_median"),
         spread,
-        f"{row.failures}/{row.runs}" if row.failures else "0",
-        settled,
-        number(None if row.peak is None else 1e3 * row.peak),
-        number(None if row.residual is None else 1e3 * row.residual),
-        "-" if row.at_limit is None else f"{100 * row.at_limit:.0f} %",
-        number(row.effort),
-        number(row.act_median),
-        number(row.act_p99),
+        told(failed, "failures"),
+        told(settled, "settling") if settled != "not" else settled,
+        told(number(None if row.peak is None else 1e3 * row.peak), "peak", 1e3),
+        told(number(None if row.residual is None else 1e3 * row.residual), "residual", 1e3),
+        told("-" if row.at_limit is None else f"{100 * row.at_limit:.0f} %", "at_limit", 100.0),
+        told(number(row.effort), "effort"),
+        told(number(row.act_median), "act_median"),
+        told(number(row.act_p99), "act_p99"),
     ]
+
+
+def over_scenes(lines: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The table over scenes, a line a controller and two columns a case."""
+    cases = [case for case in WORDS if case in MANY]
+    found = {(line["controller"], line["case"]): line for line in lines}
+    head = ["controller", *(f"{case}: {what}" for case in cases for what in ("bound / cost", "better than LQR"))]
+    text = [f"| {' | '.join(head)} |", "|---|" + "---:|" * (len(head) - 1)]
+    for name in dict.fromkeys(line["controller"] for line in lines):
+        row = [name]
+        for case in cases:
+            line = found.get((name, case), {})
+            row += [_with(line, "iqm"), _with(line, "better")]
+        text.append(f"| {' | '.join(row)} |")
+    about = (
+        "Over scenes: the mean of the middle half of bound / cost over all runs of the scenes that a controller\n"
+        "plays, 1 being the best that can be done, and the probability that it does better than LQR on a run of a\n"
+        "scene that both play. Controllers that play other scenes are not to be compared by the first.\n\n"
+        "![Share of runs above each level of bound / cost](profiles.png)\n"
+    )
+    return [about, "\n".join(text) + "\n"]
+
+
+def _with(line: Mapping[str, Any], name: str) -> str:
+    if name not in line:
+        return "-"
+    low, high = line[f"{name}_interval"]
+    scenes = f", {line['scenes']} scene{'s' * (line['scenes'] > 1)}" if name == "iqm" else ""
+    return f"{line[name]:.3f} [{low:.3f}, {high:.3f}]{scenes}"
 
 
 SHORT = ("single-link-slew", "single-link-slew-gentle", "two-link-reach", "two-link-reach-weak", "spacecraft-slew")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import threading
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from pliant.controllers import Controller
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
@@ -21,13 +23,15 @@ from pliant.studies.physics.physics_motion import physics_motion
 
 from .results import Entry, Line
 
-CASES = ("exact", "finer", "varied", "delayed")
-MANY = ("varied", "delayed")  # cases of many runs
+CASES = ("exact", "finer", "varied", "delayed", "all at once")
+MANY = ("varied", "delayed", "all at once")  # cases of many runs
+LATE = ("delayed", "all at once")
 CHUNK = 16  # runs that one worker plays before it tells
 LARGEST = 30_000  # states over all periods of a run whose bound is sought
 LONG = (Designed("NMPC"), Designed("TVLQR"))  # what is not played on such runs: their designs take minutes
 PLAYED = 1e-7  # rtol of a motion whose error from physics is told
-DELAY = 1  # [control periods] of the delayed case
+PLAYING = threading.Lock()
+DELAY = 1  # [control periods] of the late cases
 
 
 @lru_cache(maxsize=16)
@@ -44,11 +48,15 @@ def played_scene(scene: Scene, case: str) -> tuple[Scene, float, str]:
 
 @lru_cache(maxsize=32)
 def conditions(scene: Scene, case: str, seeds: int, seed: int) -> tuple[Conditions, ...]:
+    """The runs of a case: the scene as it is, or `seeds` drawn ones."""
     played = played_scene(scene, case)[0]
     if case not in MANY:
         return (nominal(played),)
     drawn = randomised(played, seeds, seed)
-    return tuple(dataclasses.replace(c, delay=DELAY if case == "delayed" else 0) for c in drawn)
+    if case == "delayed":
+        own = played.varied_plant.nominal_parameters
+        drawn = tuple(dataclasses.replace(c, p=own, noise=np.zeros(len(c.noise))) for c in drawn)
+    return tuple(dataclasses.replace(c, delay=DELAY if case in LATE else 0) for c in drawn)
 
 
 _law = lru_cache(maxsize=8)(designed)  # one design serves all cases that a process plays
@@ -57,7 +65,14 @@ _law = lru_cache(maxsize=8)(designed)  # one design serves all cases that a proc
 def work(
     scene: Scene, case: str, name: str, maker: Maker | None, first: int, last: int, seeds: int, seed: int
 ) -> tuple[tuple[str, str, str], int, Any]:
-    """One task, in a process of its own."""
+    """One task, in a process of its own; threads of one process share laws and kernels, and take turns."""
+    with PLAYING:
+        return _work(scene, case, name, maker, first, last, seeds, seed)
+
+
+def _work(
+    scene: Scene, case: str, name: str, maker: Maker | None, first: int, last: int, seeds: int, seed: int
+) -> tuple[tuple[str, str, str], int, Any]:
     key = (scene.name, case, name)
     if case == "entry":
         return key, 0, _entry(scene, seeds, seed)
@@ -66,14 +81,10 @@ def work(
     size = scene.steps * scene.plant.nx
     if size > LARGEST and maker in LONG:
         return key, first, f"not played: {size} states over all periods are more than {LARGEST}"
-    law = _law(scene, maker)
+    law = player(scene, case, maker)
     if isinstance(law, str):
         return key, first, law
     played = played_scene(scene, case)[0]
-    try:
-        require_signals(law.reads, scene, played)
-    except ValueError as error:
-        return key, first, f"cannot play {played.plant.label}: {error}"
     scores, times, line = [], [], None
     counts: dict[str, int] = {}
     for given in conditions(scene, case, seeds, seed)[first:last]:
@@ -83,7 +94,20 @@ def work(
         _count(counts, law)
         if case == "finer":
             line = Line(run.t, {n: run[n] for n in shown(played)}, run.u)
-    return key, first, (scores, np.concatenate(times), line, counts)
+    return key, first, (scores, times, line, counts)
+
+
+def player(scene: Scene, case: str, maker: Maker) -> Controller | str:
+    """The controller as it plays a case, or why it cannot."""
+    law = _law(scene, maker)
+    if isinstance(law, str):
+        return law
+    played = played_scene(scene, case)[0]
+    try:
+        require_signals(law.reads, scene, played)
+    except ValueError as error:
+        return f"cannot play {played.plant.label}: {error}"
+    return law
 
 
 def _count(counts: dict[str, int], law: Any) -> None:

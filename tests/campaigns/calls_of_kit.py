@@ -21,7 +21,7 @@ from pliant.controllers import (
     roll_off,
 )
 from pliant.controllers.joint_control.input_shaping import shaper
-from pliant.studies import monte_carlo
+from pliant.studies import monte_carlo, robustify
 from pliant.studies.scene_pages.returns import returns
 from pliant.studies.scene_pages.tables import tables
 from pliant.studies.slews import compare_slews
@@ -100,6 +100,15 @@ def run_calls() -> list[Call]:
     shown = {"profiles": Names(("bang-bang",)), "shaper": Object(shaper(4.0), none=True), "points": Count(50)}
     return [
         Call("monte_carlo", monte_carlo, SCENES | {"law": Object(law)} | ranges | counts | more, long=True),
+        Call(
+            "robustify",
+            robustify,
+            SCENES
+            | {"law": Object(law), "noise": Flag(False), "redesign": Flag(False)}
+            | {"ranges": Factors({"link.E": (0.5, 1.0)}), "progress": more["progress"]},
+            {"delays": (0,), "efforts": (1.0,)},
+            long=True,
+        ),
         Call("scene_pages.tables", tables, SCENES, compare=False),
         Call("scene_pages.returns", returns, SCENES, long=True),
         Call("compare_slews", compare_slews, SCENES | shown, long=True),

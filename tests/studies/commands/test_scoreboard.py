@@ -14,9 +14,13 @@ def test_command(tmp_path):
     done = CliRunner().invoke(app, [*arguments, "--jobs", "1", "--json", "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
     table = json.loads(done.stdout)
-    assert [r["case"] for r in table["rows"]] == ["exact", "finer", "varied", "delayed"]
+    assert [r["case"] for r in table["rows"]] == ["exact", "finer", "varied", "delayed", "all at once"]
     assert table["command"].startswith("pliant scoreboard single-link-slew --seeds 2 --controllers LQR --bounds 1")
     assert (tmp_path / "scoreboard.md").is_file() and "100 %" in done.stderr
+    done = CliRunner().invoke(app, ["scoreboard", "verify", str(tmp_path), "--cells", "3", "--json"])
+    assert done.exit_code == 0 and json.loads(done.stdout)["passed"]
+    done = CliRunner().invoke(app, ["scoreboard", "--law", "nothing.py:Law"])
+    assert done.exit_code == 2 and "there is no file 'nothing.py'" in done.stderr
     done = CliRunner().invoke(app, ["scoreboard", "nowhere"])
     assert done.exit_code == 2 and "scoreboard.scenes = 'nowhere' must be one of" in done.stderr
     done = CliRunner().invoke(app, ["scoreboard", "--controllers", "magic"])

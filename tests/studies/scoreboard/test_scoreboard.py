@@ -41,7 +41,7 @@ def test_rows_do_not_depend_on_the_number_of_processes(board):
 
 
 def test_every_scene_case_and_controller_has_a_row(board):
-    cases = ("exact", "finer", "varied", "delayed")
+    cases = ("exact", "finer", "varied", "delayed", "all at once")
     wanted = {(s, c, n) for s in ("single-link-slew", "spin-up") for c in cases for n in NAMES}
     assert {(r.scene, r.case, r.controller) for r in board.rows} == wanted
     for row in board.rows:
@@ -89,7 +89,7 @@ def test_failures_are_told_not_swallowed():
 
 def test_no_ratio_is_below_one(board):
     ratios = [(r.ratio, r.ratio_low) for r in board.rows if r.ratio is not None]
-    assert len(ratios) == 12
+    assert len(ratios) == 15
     assert min(min(pair) for pair in ratios) > 1 - 1e-6
 
 
@@ -115,11 +115,13 @@ def test_the_plant_that_is_played_is_judged_by_physics_on_what_the_lqr_plays(boa
 
 def test_tables_and_pictures(board, tmp_path):
     files = board.save(tmp_path / "board", "pliant scoreboard ...")
-    assert [f.name for f in files] == [*("scoreboard.json", "scoreboard.md", "single-link-slew.png", "spin-up.png")]
+    names = ("scoreboard.json", "scoreboard.md", "single-link-slew.png", "spin-up.png", "runs.npz", "profiles.png")
+    assert [f.name for f in files] == [*names]
     table = json.loads(files[0].read_text())
-    assert len(table["rows"]) == 16 and table["command"] == "pliant scoreboard ..."
+    assert len(table["rows"]) == 20 and table["suite"] == "pliant-scoreboard-2"
+    assert table["command"] == "pliant scoreboard ..."
     assert {r["scene"] for r in table["rows"]} == {s["scene"] for s in table["scenes"]}
     text = files[1].read_text()
     assert "from physics on what the LQR plays, to " in text
     assert "| LQR |" in text and "trained policy: none. ValueError" in text and "](single-link-slew.png)" in text
-    assert all(f.read_bytes().startswith(b"\x89PNG") for f in files[2:])
+    assert all(f.read_bytes().startswith(b"\x89PNG") for f in files if f.suffix == ".png")

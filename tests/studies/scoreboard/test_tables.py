@@ -47,6 +47,7 @@ def test_next_to_no_run_is_better_than_its_bound():
     assert len(found) > 100 and min(found) > 1 - 1e-6
 
 
+SINCE = {"multi-model LQR", "multi-model, sensors", "robust policy"}  # on the board of the second suite
 NOT_SCORED = {"six-axis-pick", "three-link-flexible", "satellite-arm"}  # the board says why
 
 
@@ -55,7 +56,7 @@ def test_every_scene_and_controller_is_in_the_table():
     page = (FOLDER / "scoreboard.md").read_text(encoding="utf-8")
     told = next(line for line in page.splitlines() if line.startswith("Not scored"))
     assert set(re.findall("`(.*?)`", told)) == NOT_SCORED
-    assert {r["controller"] for r in TABLE["rows"]} == set(CONTESTANTS)
+    assert {r["controller"] for r in TABLE["rows"]} == set(CONTESTANTS) - SINCE
     for scene in TABLE["scenes"]:
         assert (FOLDER / f"{scene['scene']}.png").read_bytes().startswith(b"\x89PNG")
     assert all(row["runs"] or row["reason"] for row in TABLE["rows"])
