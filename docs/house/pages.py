@@ -52,7 +52,7 @@ def exported(folder: str) -> list[tuple[str, str]]:
     tree = ast.parse((ROOT / folder / "__init__.py").read_text(encoding="utf-8"))
     where: dict[str, str] = {}
     names: list[str] = []
-    for node in tree.body:
+    for node in ast.walk(tree):  # some stand under TYPE_CHECKING: imported when they are asked for
         if isinstance(node, ast.ImportFrom) and node.module:
             where |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":

@@ -96,8 +96,7 @@ class Manoeuvre:
         return self.plant.states + self.plant.outputs
 
     @property
-    def unit(self) -> str:
-        """Of the compared signals, and so of the tolerance."""
+    def unit(self) -> str:  # of the compared signals, and so of the tolerance
         return self.signals[self.positions(self.compare[:1])[0]].unit
 
     @cached_property
@@ -291,10 +290,7 @@ class Scene(Manoeuvre, SceneTable):
         return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, **options)
 
     def differentiable(self, torch: Any, lanes: int = 1) -> Any:
-        """Rollouts as functions of the module `torch` with exact gradients: pliant.envs.simulation.differentiable.
-
-        >>> play = scene.differentiable(torch, lanes=8)
-        """
+        """Rollouts with exact gradients, of the module `torch`; >>> play = scene.differentiable(torch, lanes=8)"""
         return ENVIRONMENTS["differentiable"](self, torch, lanes)
 
     def __getstate__(self) -> dict[str, Any]:

@@ -91,10 +91,8 @@ class Verdict(OwnsArrays, VerdictTable):
             if self.growth == "polynomial":
                 return f"{drift or 'drift'}, like a power of time, and no exponential growth"
             return "deviations neither die out nor grow"
-        if self.verdict == "drift":
-            return f"{drift}; {self.why.split('; ')[-1]}"
-        if self.verdict == "bounded":
-            return self.why
+        if self.verdict in ("drift", "bounded"):
+            return f"{drift}; {self.why.split('; ')[-1]}" if self.verdict == "drift" else self.why
         return f"whether deviations die out is not shown: {self.why.split(', ')[0]}"
 
     def rows(self) -> list[tuple[str, str, str]]:
