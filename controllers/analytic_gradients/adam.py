@@ -1,7 +1,8 @@
 """Adam (Kingma and Ba, "Adam: a method for stochastic optimization", Algorithm 1), with a way back.
 
 Where the cost of a batch rises past WORSE times its running mean, the numbers of the last good batch come back, the
-moments are forgotten and steps are half as long from then on.
+moments are forgotten and steps are half as long; they grow again with every good one. Batches differ: what is compared
+with rises by AGAIN each time, so that a batch of easy episodes does not hold the method back for good.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ Array = np.ndarray
 BETA1, BETA2, EPSILON = 0.9, 0.999, 1e-8
 WARM = 20  # steps until the full length
 WORSE, BETTER = 1.3, 1.05
+AGAIN, RECOVERY = 1.1, 1.02
 MEMORY, RISE = 0.9, 1.02  # of the running mean of costs: share kept, most that it rises a step
 LONGEST = 1.0  # norm of a gradient that is not shortened
 
@@ -46,6 +48,7 @@ class Adam:
         self.smooth = cost if self.smooth == np.inf else min(RISE * self.smooth, MEMORY * self.smooth + 0.1 * cost)
         if cost <= BETTER * self.smooth:
             self.good[:] = self.theta
+        self.scale = min(1.0, RECOVERY * self.scale)
         gradient = gradient / max(norm / LONGEST, 1.0)
         self.count += 1
         self.first += (1 - BETA1) * (gradient - self.first)
@@ -58,6 +61,7 @@ class Adam:
         self.theta[:] = self.good
         self.first[:] = self.second[:] = 0.0
         self.count, self.scale, self.returns = 0, self.scale / 2, self.returns + 1
+        self.smooth *= AGAIN
 
     def arrays(self) -> dict[str, Array]:
         return {name: getattr(self, name) for name in ("theta", "first", "second", "good")}

@@ -50,7 +50,14 @@ ITERATIONS = 400
 @final
 @dataclass(eq=False)
 class MultiModelLQR(OwnsArrays):
-    """Made by `for_scene`. It reads the states of the goal's model, or outputs of sensors."""
+    """Made by `for_scene`. It reads the states of the goal's model, or outputs of sensors.
+
+    Example
+    -------
+    >>> law = MultiModelLQR.for_scene(scene, reads="sensors")
+    >>> law.reset()
+    >>> u = law.act(0.0, y)
+    """
 
     K: Array  # (nu, ny history + nu past)
     y0: Array  # (ny,)

@@ -52,10 +52,9 @@ def once_per_scene(build: Callable[[Scene], R]) -> Callable[[Scene], R]:
 
     @wraps(build)
     def made(scene: Scene) -> R:
-        kept = scene.__dict__
-        if key not in kept:
-            kept[key] = build(scene)
-        return kept[key]
+        if key not in scene.__dict__:
+            scene.__dict__[key] = build(scene)
+        return scene.__dict__[key]
 
     return made
 
@@ -96,7 +95,8 @@ class Manoeuvre:
         return self.plant.states + self.plant.outputs
 
     @property
-    def unit(self) -> str:  # of the compared signals, and so of the tolerance
+    def unit(self) -> str:
+        """Of the compared signals, and so of the tolerance."""
         return self.signals[self.positions(self.compare[:1])[0]].unit
 
     @cached_property

@@ -99,6 +99,7 @@ def robustify(
     law: a controller of the scene, or what designs one, as LQG.for_scene; only a design that takes `effort` can be
     detuned. ranges: smallest and largest factor by name; +-30 % of what the plant calls uncertain where None. delays
     [periods]. noise: of readings. redesign: whether another law may take its place. efforts: the ladder, from 1 on.
+    ValueError for a scene, a range, a delay or an effort that is none.
 
     Example
     -------

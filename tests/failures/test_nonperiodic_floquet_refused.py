@@ -51,7 +51,7 @@ def test_over_its_time_it_is_bounded_where_nothing_else_is_shown():
     assert (verdict.verdict, verdict.method) == ("bounded", "growth")
     most = np.exp(-verdict.margin_bound * 20.0)
     assert verdict.evidence["growth"].total <= most < 10 and f"at most {most:.3g} times as large" in verdict.why
-    assert set(verdict.reasons) == {"eigenvalues", "floquet", "slow_variation", "lyapunov", "frozen_time"}
+    assert set(verdict.reasons) == {"eigenvalues", "floquet", "slow_variation", "lyapunov", "exponents", "frozen_time"}
     assert all(verdict.reasons.values())
 
 

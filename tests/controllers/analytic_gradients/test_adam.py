@@ -38,3 +38,11 @@ def test_it_goes_on_from_what_it_says_of_itself() -> None:
         one.step(value(one.theta), CURVATURE * one.theta, 0.05)
     np.testing.assert_array_equal(adam.theta, other.theta)
     assert Adam.again(Adam.start(np.zeros(2)).arrays(), Adam.start(np.zeros(2)).words()).smooth == np.inf
+
+
+def test_an_easy_batch_does_not_hold_it_back_for_good() -> None:
+    """Costs of 1 for a while, then of 2 for good: after a few returns it goes on, at full length in the end."""
+    adam = Adam.start(np.array([1.0, -1.0]))
+    for cost in [1.0] * 30 + [2.0] * 300:
+        adam.step(cost, np.array([0.1, 0.0]), 1e-3)
+    assert 0 < adam.returns < 10 and adam.scale == 1.0 and adam.count > 200
