@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -96,6 +97,21 @@ def trained(scene: Scene) -> Controller:
 def robust(scene: Scene) -> Controller:
     """The same of one that was trained under delay, noise and other parameters."""
     return Policy.for_scene(scene.name, robust=True)
+
+
+@dataclass(frozen=True)
+class OfSeed:
+    """The policy that training with one seed left in `folder`, under SCENE-SEED/policy. ValueError for a scene without
+    one."""
+
+    folder: str
+    seed: int
+
+    def __call__(self, scene: Scene) -> Controller:
+        path = Path(self.folder) / f"{scene.name}-{self.seed}" / "policy.npz"
+        if not path.is_file():
+            raise ValueError(f"no policy of seed {self.seed} was trained on {scene.name}")
+        return Policy.load(path)
 
 
 CONTESTANTS: Mapping[str, Maker] = {
