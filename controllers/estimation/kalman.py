@@ -223,7 +223,7 @@ class Kalman(OwnsArrays):
         nx, x0 = self.x0.shape[1], self.start if x0 is None else x0
         dx = np.zeros(nx) if x0 is None else require_finite("Kalman.x0", x0, (nx,)) - self.x0[0]
         C = kalman_gains.rows(self.model, self.reads)[0]
-        self._x = kalman_gains.resting(C[0] if C.ndim == 3 else C, self.delay) @ dx
+        self._x = self.begun = kalman_gains.resting(C[0] if C.ndim == 3 else C, self.delay) @ dx  # before a sample
         first = np.zeros(self.u0.shape[1]) if self.before is None else self.before - self.u0[0]
         self._asked = OnTheirWay(np.tile(first, past_of(self.input_delay) + 1), len(first))  # less u0
         self.k = -1  # number of the last sample
