@@ -83,9 +83,10 @@ def robust_lqg(
     require_scene("robust_lqg", scene)
     box, late = box_of(scene, ranges, "robust_lqg.ranges"), delays_of(delays, "robust_lqg.delays")
     iterations = require_count("robust_lqg", "iterations", iterations, 1, 100_000)
-    if goal_model(scene)[1].any():
-        raise PliantError("robust_lqg: the goal moves; the law is one about a point")
+    about, drift = goal_model(scene)
     plain = Kalman.for_scene(scene, sensors=sensors)
+    if drift.any() or about.state_names != plain.model.state_names:
+        raise PliantError("robust_lqg: the goal is no point of all states, where its models would be told apart")
     loops = loops_over(scene, plain.sensors, _models(scene, box), late)
     pushed = _pushed(scene, plain.model, box)
     known: dict[float, LQR] = {}
