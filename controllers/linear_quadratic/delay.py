@@ -138,7 +138,8 @@ class Predictive(OwnsArrays):
 
     @classmethod
     def for_scene(cls, scene: CostedScene, delay: float = 1, law: Controller | None = None) -> Self:
-        """The scene's LQR, or another `law`, on the scene's plant; the input of the scene's start acts first."""
+        """The scene's LQR, or another `law`, on the scene's plant, for inputs `delay` [periods] late; the input of the
+        scene's start acts first."""
         require_scene("Predictive.for_scene", scene)
         law = LQR.for_scene(scene) if law is None else law
         high = np.array(scene.limits, dtype=float)

@@ -50,15 +50,11 @@ class Led(OwnsArrays):
 
     @classmethod
     def for_scene(cls, scene: CostedScene, law: MultiModelLQR | None = None, *, reserve: float = RESERVE) -> Led:
-        """Along a plan from rest to rest, in the scene's move time or as much longer as the bounds' reserve asks.
+        """Along a plan from rest to rest, in the scene's move time [s] or as much longer as the bounds' reserve asks.
 
-        law: MultiModelLQR.for_scene(scene) where None. reserve: share of every bound that the nominal leaves.
-        PliantError for a scene that does not go from rest to rest, or where three times its move time are too short.
-
-        Example
-        -------
-        >>> law = Led.for_scene(scenes.get("single-link-slew-gentle"))
-        >>> law.act(0.0, y)
+        law: MultiModelLQR.for_scene(scene) where None. reserve: share of every bound that the nominal leaves, from 0 to
+        below 1, dimensionless. PliantError for a scene that does not go from rest to rest, or where three times its
+        move time are too short.
         """
         require_scene("Led.for_scene", scene)
         reserve = share("Led.for_scene.reserve", reserve)

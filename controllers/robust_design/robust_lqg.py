@@ -76,8 +76,8 @@ def robust_lqg(
 
     Example
     -------
-    >>> found = robust_lqg(scenes.get("two-link-reach"))
-    >>> found.radius < 1
+    >>> from pliant.envs import scenes
+    >>> robust_lqg(scenes.get("single-link-slew"), ranges={"link.E": (0.8, 1.2)}, delays=(0,), iterations=3).radius < 1
     True
     """
     require_scene("robust_lqg", scene)
