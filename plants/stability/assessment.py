@@ -13,7 +13,8 @@ unstable    some deviation grows; on a nominal that is not periodic: by GROWN, a
 marginal    the slowest cannot be told from one that neither decays nor grows, to within a small error that is said:
             undamped, or free to drift. `Verdict.growth` tells drift (polynomial) from what stays bounded
 drift       on a nominal that is not periodic: states that none feels run off, and without them it is bounded
-bounded     on a nominal that is not periodic: every deviation ends at most GROWN times as large as it began
+bounded     on a nominal that is not periodic: every deviation ends at most GROWN times as large as it began, where
+            states are weighed alike: in scaled coordinates
 undecided   none of these is shown; a motion that ends has its numbers all the same: `Verdict.horizon`
 
 Stable and unstable hold for every A(t) that its nodes allow (`interpolation`, `transition_error`, `eigenvalue_bounds`).
@@ -39,7 +40,7 @@ from .lyapunov_certificate import Certificate, certified, lyapunov
 from .periodicity import varying
 from .state_matrix_path import Model, as_pieces, paths_of, unfelt
 from .transition_error import TooManySteps, Transition, transition
-from .transition_growth import Growth, block, grown, growth, growth_between, spectral
+from .transition_growth import Growth, ends_within, grown, growth, growth_between, spectral
 from .verdict import Verdict, made, of_constant, of_periodic
 
 LONG_RUN = Late("pliant.plants.exponents.beyond_the_record")  # which imports this room
@@ -48,6 +49,7 @@ POINTS, MOST_POINTS = 200, 2000  # times at which frozen roots are taken, of a p
 SOME, LARGE = 64, 40  # times of a period at which frozen roots are, an eighth of them beyond so many states
 FEW_STEPS = 256  # a certificate beside Floquet's answer is only sought with so many steps ..
 OPEN_STEPS = 2048  # .. and with so many on a nominal that is not periodic
+ALIKE = "every deviation ends at most {:.3g} times as large as it began, states weighed alike"
 
 
 def assess(
@@ -235,7 +237,7 @@ def _open(
     shown: Certificate | None = evidence.get("lyapunov")
     grown: Growth | None = evidence.get("growth")
     duration = float(joined.pieces[-1].t[-1] - joined.pieces[0].t[0])
-    paths, _ = paths_of(joined, states)
+    known, (paths, _) = joined.pieces[0].state_names if states is None else tuple(states), paths_of(joined, states)
     hidden = sum(float(np.linalg.norm(path.area(), axis=(1, 2)).sum()) for path in paths)
     why = ""
     if slow and slow.decay * duration > 4 * hidden:
@@ -257,11 +259,13 @@ def _open(
         return made("stable", "growth", -grown.rate, why, evidence, said, bound, "decays")
     if (grown.total - error > GROWN or beyond) and grown.compounds:
         return made("unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential")
-    if grown.total - error > GROWN:
-        return _drift(joined, states, moved, grown, bound, evidence, said)
-    if grown.total + error <= GROWN:
-        why = f"over {duration:.4g} s every deviation ends at most {grown.total + error:.3g} times as large as it began"
+    near, free = grown.total + error <= GROWN, unfelt(joined, states)
+    most = grown.total + error if near or free else ends_within(moved)
+    if most <= GROWN:
+        why = f"over {duration:.4g} s {ALIKE.format(most)}"
         return made("bounded", "growth", -grown.rate, why, evidence, said, bound, "bounded")
+    if grown.total - error > GROWN:
+        return _drift(known, free, moved, grown, bound, evidence, said)
     if error > 0.1 * abs(np.log(max(grown.total, 1e-300))):
         why += f", known to {error:.2g} only: more nodes would help"
     else:
@@ -270,8 +274,8 @@ def _open(
 
 
 def _drift(
-    joined: Any,
-    states: Sequence[str] | None,
+    known: Sequence[str],
+    free: tuple[str, ...],
     moved: Transition | None,
     grown: Growth,
     bound: float,
@@ -282,14 +286,11 @@ def _drift(
 
     The others' transition is a block of the whole, and so is what it may be off.
     """
-    free, known = unfelt(joined, states), joined.pieces[0].state_names if states is None else tuple(states)
     rest = [k for k, name in enumerate(known) if name not in free]
-    if free and rest and moved is not None:
-        M, D = block(joined, [known[k] for k in rest], rest, moved, grown.scale)
-        most = spectral(M) + spectral(D)
+    if free and rest:
+        most = ends_within(moved, rest)
         if most <= GROWN:
-            why = f"drift of {listed(free)}, which nothing else feels; apart from it every deviation ends at most "
-            why += f"{most:.3g} times as large as it began"
+            why = f"drift of {listed(free)}, which nothing else feels; apart from it {ALIKE.format(most)}"
             return made("drift", "growth", -grown.rate, why, evidence, said, bound, "polynomial", free)
     why = (
         f"over {grown.t[-1] - grown.t[0]:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed, "

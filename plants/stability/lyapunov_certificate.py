@@ -28,6 +28,8 @@ from .transition_growth import chain
 BETWEEN = (0.25, 0.5, 0.75)
 FINE = 0.1  # |eigenvalue| times step at which the polynomial between the nodes is good enough
 MOST = 8192  # steps
+SHARES = (0.9, 0.5, 0.2)  # of the decay of the whole, tried as alpha
+NONE = 1e-9  # by which a deviation must have shrunk in all, so that it is no rounding
 WRAPPED = 1e-3  # of the fall of ln V over a period that V may rise by where P starts anew, by rounding
 
 
