@@ -27,9 +27,10 @@ from .frozen_time import lasting
 from .state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
 from .transition_error import Transition
 
+SEEN = 1e-9  # of the largest entry of a transition: what moves another
 BLOCKS = 48  # stretches of the nominal between which growth is compared
 DOUBLED, SQUARED = 4.0, 1.7
-REPEATED = 2.0  # largest |eigenvalue| of some stretch's Phi: it grows when it is repeated, which drift does not
+REPEATED, OFF = 2.0, 1e-8  # |eigenvalue| of some stretch: it grows where repeated, as drift does not; Phi's own error
 ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
 
@@ -138,8 +139,7 @@ def growth_between(joined: Any, moved: Transition | None, window: float | None, 
 def ends_within(moved: Transition | None, at: Sequence[int] | None = None) -> float:
     """How large any deviation ends at most beside its start, of the states `at` (None: all), which feel no other.
 
-    In scaled coordinates, and in those in which the motion as a whole couples its states evenly: where it is slower
-    than the fastest modes, speeds count for more than these say. Infinite where nothing is known.
+    In scaled coordinates, or in those in which the whole motion couples its states evenly. Infinite: nothing is known.
     """
     if moved is None:
         return np.inf
@@ -147,7 +147,8 @@ def ends_within(moved: Transition | None, at: Sequence[int] | None = None) -> fl
     M, D = moved.M[own], moved.D[own]
     if not np.isfinite(M).all() or not np.isfinite(D).all():
         return np.inf
-    even = scaling(M[None])
+    moves = np.abs(M - np.diag(np.diagonal(M)))
+    even = scaling(np.where(moves > SEEN * moves.max(initial=0.0), moves + D, 0.0)[None])  # else it keeps its unit
     return min(spectral(M * s / s[:, None]) + spectral(D * s / s[:, None]) for s in (np.ones(len(M)), even))
 
 
@@ -162,8 +163,8 @@ def compounds(t: np.ndarray, Phi: np.ndarray) -> bool:
     t^p grows 2^p-fold when its time doubles, whatever the time; e^(at) by e^(at/2), the more the longer. So, over some
     stretch up to the end: the whole must be DOUBLED times any half of it, and that SQUARED times what a half is to any
     quarter (1 + t^p: at most 1.6 times for p = 2). A drift that starts late is as large over its last half as over all.
-    A long chain of integrators passes for a while: so some stretch must also grow where it is repeated, REPEATED-fold,
-    which no power of time does.
+    A long chain of integrators passes for a while: so some stretch must also grow where it is repeated, which no power
+    of time does.
     """
     m, n = len(Phi), Phi.shape[-1]
     count = min(m, BLOCKS if n <= 40 else BLOCKS // 2)
@@ -178,23 +179,23 @@ def compounds(t: np.ndarray, Phi: np.ndarray) -> bool:
         with np.errstate(divide="ignore"):
             logs[start, start + length] = np.log(np.linalg.norm(products, 2, axis=(1, 2))) + power
         to_end.append((products[-1], power[-1]))
-        if length == count or length == 1:
-            to_end.append((products[0], power[0]))
-    begins = np.arange(count + 1)
     for begin in range(count - 3):
         half = (at[-1] - at[begin]) / 2
         least = np.searchsorted(at, at + half * (1 - 1e-9))  # the first edge a half later, and ..
         most = np.searchsorted(at, at + half / 2 * (1 + 1e-9), side="right") - 1  # .. the last within a quarter
-        inside = (begins >= begin) & (least <= count)
-        of_half = logs[begins[inside], least[inside]].max()
-        of_quarter = logs[begins[begin:], most[begin:]].max()
+        inside = np.flatnonzero(least[begin:] <= count) + begin
+        of_half, of_quarter = (logs[k, to[k]].max() for k, to in ((inside, least), (np.arange(begin, count + 1), most)))
         more = logs[begin, count] - of_half
         if more >= np.log(DOUBLED) and more - (of_half - of_quarter) >= np.log(SQUARED):
-            return any(
-                power + np.log(max(np.abs(np.linalg.eigvals(product)).max(), 1e-300)) > np.log(REPEATED)
-                for product, power in reversed(to_end)
-            )
+            return any(_repeated(product, power) for product, power in reversed(to_end))
     return False
+
+
+def _repeated(product: np.ndarray, power: float) -> bool:
+    """Whether e^power times a product (n, n) has an |eigenvalue| beyond REPEATED, and what an n-fold one may be off."""
+    size, most = (np.log(max(float(x), 1e-300)) for x in (max(abs(np.linalg.eigvals(product))), np.abs(product).max()))
+    off = (power + most + np.log(OFF)) / len(product)
+    return bool(power + size > np.log(REPEATED) + np.logaddexp(0.0, np.log(4.0) + off))
 
 
 def _timed(model: Any, duration: float | None) -> Any:
