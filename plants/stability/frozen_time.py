@@ -19,12 +19,12 @@ import scipy.linalg as sla
 
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
-
-from .state_matrix_path import Model, Path, as_pieces, kept, scaling
+from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, kept, scaling
 
 TERMS, DOUBTED = 8, 1e-4  # times the rounding of an entry; of the fastest root: real parts whose rounding is looked at
 ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
 
+LEAP = 8
 MATTERS, BRIEF = 0.01, 0.01  # logarithm of growth between critical times up to which they are not told; of the time
 
 
@@ -74,7 +74,7 @@ def frozen_time(
     crossings: list[float] = []
     for piece in as_pieces(model).pieces:
         A = piece.A[:, keep][:, :, keep]
-        part = frozen_along(Path(piece.t, A, scaling(A)), _thinned(piece.t, points), said)
+        part = frozen_along(Path(piece.t, A, scaling(A)), thinned(piece.t, points), said)
         crossings, threshold = [*crossings, *part.critical_times], max(threshold, part.threshold)
         times.append(part.t)
         found.append(part.eigenvalues)
@@ -109,7 +109,8 @@ def off_by_rounding(lam: np.ndarray, V: np.ndarray, A: np.ndarray) -> float:
     return float(TERMS * np.finfo(float).eps * np.linalg.norm(left[k]) * np.linalg.norm(V[:, k]) * np.linalg.norm(A, 2))
 
 
-def _thinned(t: np.ndarray, points: int | None) -> np.ndarray:
+def thinned(t: np.ndarray, points: int | None) -> np.ndarray:
+    """Some of the times t (nt,), about `points` of them, the ends among them."""
     every = 1 if points is None else max(1, -(-len(t) // points))
     return t[np.unique(np.r_[np.arange(0, len(t), every), len(t) - 1])]
 
@@ -198,12 +199,19 @@ def slow_variation(
         return _refused("the nominal has jumps: no rate bounds them")
     A = pieces[0].A[:, keep][:, :, keep]
     path = Path(pieces[0].t, A, scaling(A))
-    return slow_along(path, _thinned(pieces[0].t, points))
+    return slow_along(path, thinned(pieces[0].t, points))
 
 
 def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
-    """The same at the times t (nt,) of one smooth piece and midway between them."""
+    """The same at the times t (nt,) of one smooth piece and midway between them; at every LEAP-th first, which refuse
+    as well.
+    """
     t = np.sort(np.r_[t, (t[1:] + t[:-1]) / 2])
+    found = _slow_at(path, t[::LEAP])
+    return _slow_at(path, t) if found else found
+
+
+def _slow_at(path: Path, t: np.ndarray) -> SlowVariation:
     at, moving = path(t), path.rate(t)
     S = _coordinates(at.mean(axis=0))
     at, moving = (np.linalg.solve(S, a @ S) for a in (at, moving))
@@ -224,8 +232,8 @@ def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
     bound = float(1 / (2 * size.max() ** 2))
     allowed = bool(np.isfinite(motion).all() and used < 1)
     decay = float(((1 - motion) / (2 * size)).min()) if allowed else 0.0
-    verb = "uses" if allowed else "needs"
-    why = f"the motion of A {verb} {used:.3g} of the frozen decay (below 1 is allowed), most at {t[k]:.6g} s"
+    why = f"the motion of A {'uses' if allowed else 'needs'} {used:.3g}{'' if allowed else ' and more'} of the frozen "
+    why += f"decay (below 1 is allowed), {'most ' if allowed else ''}at {t[k]:.6g} s"
     return SlowVariation(allowed, used, decay, rate, bound, float(t[k]), why)
 
 

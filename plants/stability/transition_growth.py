@@ -22,15 +22,15 @@ from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.transitions.state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
+from pliant.plants.transitions.transition_error import Transition
 
 from .frozen_time import lasting
-from .state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
-from .transition_error import Transition
 
-SEEN = 1e-9  # of the largest entry of a transition: what moves another
 BLOCKS = 48  # stretches of the nominal between which growth is compared
 DOUBLED, SQUARED = 4.0, 1.7
 REPEATED, OFF = 2.0, 1e-8  # |eigenvalue| of some stretch: it grows where repeated, as drift does not; Phi's own error
+MOST_NODES = 501
 ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
 
@@ -125,36 +125,16 @@ def grown(t: np.ndarray, Phi: np.ndarray, size: np.ndarray, window: float | None
 
 
 def growth_between(joined: Any, moved: Transition | None, window: float | None, states: Sequence[str] | None) -> Growth:
-    """Growth between the nodes, of the transition's own steps where these stop at every node."""
+    """Growth between the nodes, MOST_NODES of them, of the transition's own steps where these stop at every node."""
     nodes = np.concatenate([joined.pieces[0].t[:1], *(piece.t[1:] for piece in joined.pieces)])
+    nodes = nodes[np.unique(np.linspace(0, len(nodes) - 1, min(len(nodes), MOST_NODES)).astype(int))]
     if moved is not None:
         at = np.searchsorted(moved.times, nodes)
         if at[-1] < len(moved.times) and (moved.times[at] == nodes).all() and np.isfinite(moved.Phi).all():
             keep = kept(joined, states)
             size = scaling(np.concatenate([piece.A[:, keep][:, :, keep] for piece in joined.pieces]))
             return grown(nodes, magnus.grouped(moved.Phi, at), size, window)
-    return growth(joined, window, states=states)
-
-
-def ends_within(moved: Transition | None, at: Sequence[int] | None = None) -> float:
-    """How large any deviation ends at most beside its start, of the states `at` (None: all), which feel no other.
-
-    In scaled coordinates, or in those in which the whole motion couples its states evenly. Infinite: nothing is known.
-    """
-    if moved is None:
-        return np.inf
-    own = np.ix_(*2 * [range(len(moved.M)) if at is None else at])
-    M, D = moved.M[own], moved.D[own]
-    if not np.isfinite(M).all() or not np.isfinite(D).all():
-        return np.inf
-    moves = np.abs(M - np.diag(np.diagonal(M)))
-    even = scaling(np.where(moves > SEEN * moves.max(initial=0.0), moves + D, 0.0)[None])  # else it keeps its unit
-    return min(spectral(M * s / s[:, None]) + spectral(D * s / s[:, None]) for s in (np.ones(len(M)), even))
-
-
-def spectral(M: np.ndarray) -> float:
-    """2-norm, infinite where it is not known."""
-    return float(np.linalg.norm(M, 2)) if np.isfinite(M).all() else np.inf
+    return growth(joined, window, states=states, points=MOST_NODES)
 
 
 def compounds(t: np.ndarray, Phi: np.ndarray) -> bool:

@@ -14,11 +14,11 @@ from pliant.plants.files.html_tables import VerdictTable
 from pliant.plants.finite_horizon.asked import Asked, listed
 from pliant.plants.finite_horizon.horizon import FiniteHorizon, numbers
 from pliant.plants.linear.lti import LinearModel
+from pliant.plants.transitions.eigenvalue_bounds import EPS, bounds
+from pliant.plants.transitions.state_matrix_path import CLEAR, kept, scaling, unfelt
 
-from .eigenvalue_bounds import EPS, bounds
 from .floquet import Floquet
 from .frozen_time import said_coordinates
-from .state_matrix_path import CLEAR, kept, scaling, unfelt
 
 METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time", "exponents")
 ROUNDED = 1e-9  # of |A|, of a multiplier: an error so small is told as what it is

@@ -16,9 +16,9 @@ import numpy as np
 from unseen_systems import KINDS, Unseen, unseen
 
 from pliant.plants.stability import Verdict, assess
-from pliant.plants.stability.assessment import GROWN
-from pliant.plants.stability.state_matrix_path import as_pieces, paths_of, scaling
-from pliant.plants.stability.transition_error import transition
+from pliant.plants.stability.open_motion import GROWN
+from pliant.plants.transitions.state_matrix_path import as_pieces, paths_of, scaling
+from pliant.plants.transitions.transition_error import transition
 
 
 def faults(s: Unseen, v: Verdict) -> list[str]:
