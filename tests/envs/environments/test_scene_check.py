@@ -72,7 +72,7 @@ def test_a_scene_without_observations_has_no_environment():
 
 
 def test_a_machine_that_is_never_at_zero_plays_its_scene_in_compiled_code():
-    """Kernels are compared where it can be; a state that the start leaves open is as at home; nothing need be weighed."""
+    """Kernels are compared where it can be; a state that the start leaves open is as at home; no weights are needed."""
     scene = Scene(
         name="hoist",
         about="",

@@ -202,7 +202,7 @@ def test_plain_dynamics_in_any_order_of_states():
 
 
 def test_a_machine_that_is_never_at_zero_says_where_it_is():
-    with pytest.raises(ContractError, match="not positive definite.*let `rest_state` give a state that it can have"):
+    with pytest.raises(ContractError, match=r"not positive definite.*let `rest_state` give a state that it can have"):
         check(Hoist(at_home=False))
     assert "finite at rest" in str(check(Hoist()))
     points = equations.points(Hoist(), 64, 0)
