@@ -6,13 +6,15 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants import LagrangianPlant, Signal
+from pliant.plants.core.parameters import quantity
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hoist(LagrangianPlant):
-    """T = (v_rope^2 + (rope v_sway)^2) / 2 of one kilogram, in polar coordinates."""
+    """T = m (v_rope^2 + (rope v_sway)^2) / 2, in polar coordinates; it pulls at the rope and twists the load's arm."""
 
     at_home: bool = True
+    mass: float = quantity("kg", "positive", 1.0)
     coordinates = property(lambda self: (Signal("rope", "m"), Signal("sway", "rad")))
     inputs = property(lambda self: (Signal("pull", "N"), Signal("wind", "N m")))
     disturbances = property(lambda self: ())
@@ -24,10 +26,10 @@ class Hoist(LagrangianPlant):
         return np.array([4.0, 0.0, 0.0, 0.0]) if self.at_home else super().rest_state
 
     def kinetic_energy(self, q, v):
-        return 0.5 * (v[0] ** 2 + (q[0] * v[1]) ** 2)
+        return 0.5 * self.mass * (v[0] ** 2 + (q[0] * v[1]) ** 2)
 
     def potential_energy(self, q):
-        return -9.81 * q[0] * ca.cos(q[1])
+        return -9.81 * self.mass * q[0] * ca.cos(q[1])
 
     def dissipation(self, q, v):
         return 0.1 * ca.sumsqr(v)
