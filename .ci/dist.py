@@ -94,12 +94,12 @@ def check(archive: Path, wheel: Path) -> list[str]:
 
 
 def installed(wheel: Path) -> Path:
-    """The folder of the programs of an environment that holds the wheel, what it needs, and pytest for its tests."""
+    """The folder of the programs of an environment that holds the wheel, what it needs, and what its tests need."""
     venv.create(WORK / "venv", with_pip=True, clear=True)
     place = WORK / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
     pip = (str(place / "python"), "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
     run(*pip, "--constraint", str(ROOT / "constraints.txt"), str(wheel))
-    run(*pip, "pytest>=8")
+    run(*pip, "pytest>=8", "mpmath")
     return place
 
 
@@ -133,8 +133,8 @@ def main(words: Sequence[str]) -> int:
     WORK.mkdir(parents=True, exist_ok=True)
     archive, wheel = build()
     wrong = check(archive, wheel)
-    print(*wrong, sep="\n", file=sys.stderr)
     if wrong:
+        print(*wrong, sep="\n", file=sys.stderr)
         return 1
     if "--contents" not in words:
         tried(installed(wheel), archive)

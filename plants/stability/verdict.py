@@ -167,8 +167,9 @@ def of_constant(
         power = degree(A, b.values, b.errors, near)
         kind = "unknown" if verdict == "undecided" else "polynomial" if power else "bounded"
         where = "on the imaginary axis" if line else "on the unit circle"
-        words = f"{int(near.sum())} of {len(sizes)} eigenvalues {where}, the others decay; not to be told from it to "
-        words += f"within {error:.2g}" + (" 1/s" if line else "")
+        words = f"{int(near.sum())} of {len(sizes)} eigenvalues {where}, the others decay"
+        if error > 0:
+            words += f"; not to be told from it to within {error:.2g}" + (" 1/s" if line else "")
         if power:
             words += f"; they share directions: deviations may grow like t^{power}, a power of time and no exponential"
         found = found if verdict == "undecided" else 0.0
