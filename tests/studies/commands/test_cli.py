@@ -138,4 +138,5 @@ def test_no_unit_is_taken_for_markup():
     context = group.make_context("pliant", ["scenes"], resilient_parsing=True)
     for name in group.list_commands(context):
         for parameter in group.get_command(context, name).params:
-            assert not re.search(r"(?<!\\)\[[a-z/^ ]{1,6}\]", getattr(parameter, "help", None) or ""), (name, parameter.name)
+            told = getattr(parameter, "help", None) or ""
+            assert not re.search(r"(?<!\\)\[[a-z/^ ]{1,6}\]", told), (name, parameter.name)
