@@ -66,7 +66,8 @@ def stability(found: Findings) -> str:
     if rows:
         text += table(("what", "answer"), rows)
     if told is not None and told.horizon is not None:
-        pushed = f"How far {', '.join(told.horizon.limits)} push, of unit energy and within limits: bounds."
+        pushing = ", ".join(told.horizon.limits) + (" pushes" if len(told.horizon.limits) == 1 else " push")
+        pushed = f"How far {pushing}, of unit energy and within limits: bounds."
         columns = ("output", "unit energy", "attained", told.horizon.limits_said, "attained", "at")
         text += paragraph(pushed) + table(columns, told.horizon.rows())
     if told is not None:
