@@ -17,6 +17,7 @@ import argparse
 import functools
 import html
 import http.server
+import itertools
 import json
 import re
 import shutil
@@ -33,7 +34,8 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 WIDTHS = (360, 800, 1400)  # [px]
 SCHEMES = {"light": 1, "dark": 0}  # Blink's numbers for prefers-color-scheme
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--force-device-scale-factor=1")
-PATIENCE = 240  # [s] for one call of the browser
+PATIENCE = 240  # [s] for one call of the browser, which looks at ..
+AT_ONCE = 8  # .. so many pages
 TALLEST = 12_000  # [px] of a picture: the browser paints no more at once
 
 # Opens each page in a frame of each width, one after another, and writes what it finds into the document.
@@ -59,6 +61,16 @@ function look(doc, view, width) {
     const line = kind + " " + named(e) + " " + more;
     if (!seen.has(line) && seen.size < 12) { seen.add(line); faults.push(line); }
   };
+  const known = new Map([[doc.body, { scrolling: false, edge: Infinity, by: null }], [root, { edge: Infinity }]]);
+  function held(e) {  // whether something about an element scrolls, and how far what clips it lets it reach
+    if (known.has(e)) return known.get(e);
+    const flow = view.getComputedStyle(e).overflowX, found = { ...held(e.parentElement) };
+    if (flow === "auto" || flow === "scroll") Object.assign(found, { scrolling: true, edge: Infinity, by: null });
+    const right = flow === "hidden" || flow === "clip" ? e.getBoundingClientRect().right : Infinity;
+    if (right < found.edge) Object.assign(found, { edge: right, by: e });
+    known.set(e, found);
+    return found;
+  }
   const scrolls = Math.max(root.scrollWidth, doc.body.scrollWidth) > width;
   for (const e of doc.body.querySelectorAll("*")) {
     const style = view.getComputedStyle(e), box = e.getBoundingClientRect();
@@ -66,15 +78,11 @@ function look(doc, view, width) {
     if (e.closest("[hidden], .md-sidebar, .md-search, .md-header, .md-tabs, dialog, svg *")) continue;
     if (e.tagName === "IMG" && e.complete && !e.naturalWidth) tell("broken", e, e.src);
     const own = [...e.childNodes].filter((n) => n.nodeType === 3 && n.textContent.trim());
-    let inside = false, hidden = null;
-    for (let a = e; a && a !== doc.body; a = a.parentElement) {
-      const flow = view.getComputedStyle(a).overflowX;
-      if (flow === "auto" || flow === "scroll") { inside = true; break; }
-      const edge = a.getBoundingClientRect().right;
-      if ((flow === "hidden" || flow === "clip") && a !== e && box.right > edge + 1 && box.width > 1) hidden = a;
-      if (a === e && own.length && (flow === "hidden" || flow === "clip") && e.scrollWidth > e.clientWidth + 1)
-        hidden = a;
-    }
+    const { scrolling, edge, by } = held(e.parentElement);
+    const flow = style.overflowX, clips = flow === "hidden" || flow === "clip";
+    const inside = scrolling || flow === "auto" || flow === "scroll";
+    let hidden = box.width > 1 && box.right > edge + 1 ? by : null;
+    if (own.length && clips && e.scrollWidth > e.clientWidth + 1) hidden = e;
     if (!inside && scrolls && box.right > width + 1) tell("wide", e, Math.round(box.right) + " px");
     if (!inside && hidden && (own.length || /^(IMG|TABLE|PRE)$/.test(e.tagName)) && style.position !== "absolute")
       tell("cut", e, "by " + named(hidden).slice(0, 40));
@@ -195,7 +203,8 @@ def faults(where: Path, program: str, pictures: Path | None = None) -> Iterator[
         yield f"{where}: no page; `make docs` makes them"
     with Site(folder, program) as site:
         for scheme in SCHEMES:
-            for told in site.looked(pages, scheme) if pages else ():
+            looked = (site.looked(pages[k : k + AT_ONCE], scheme) for k in range(0, len(pages), AT_ONCE))
+            for told in itertools.chain.from_iterable(looked):
                 page, width, height = str(told["page"]), int(str(told["width"])), int(str(told["height"]))
                 for fault in told["faults"] if isinstance(told["faults"], list) else ():
                     yield f"{page} at {width} px, {scheme}: {fault}"
