@@ -15,11 +15,10 @@ from __future__ import annotations
 
 import argparse
 import functools
-import html
 import http.server
 import itertools
 import json
-import re
+import queue
 import shutil
 import subprocess
 import sys
@@ -38,8 +37,8 @@ PATIENCE = 240  # [s] for one call of the browser, which looks at ..
 AT_ONCE = 8  # .. so many pages
 TALLEST = 12_000  # [px] of a picture: the browser paints no more at once
 
-# Opens each page in a frame of each width, one after another, and writes what it finds into the document.
-HARNESS = """<!doctype html><meta charset="utf-8"><body style="margin:0"><pre id="found"></pre><script>
+# Opens each page in a frame of each width, one after another, and sends back what it finds.
+HARNESS = """<!doctype html><meta charset="utf-8"><body style="margin:0"><script>
 const pages = PAGES, widths = WIDTHS, found = [];
 const named = (e) => e.tagName.toLowerCase() + (e.id ? "#" + e.id : "") +
   (typeof e.className === "string" && e.className ? "." + e.className.trim().split(/\\s+/).join(".") : "") +
@@ -108,8 +107,7 @@ async function all() {
       faults: look(doc, frame.contentWindow, width) });
     frame.remove();
   }
-  document.getElementById("found").textContent = JSON.stringify(found);
-  document.title = "done";
+  await fetch("/-found", { method: "POST", body: JSON.stringify(found) });
 }
 all();
 </script>"""
@@ -118,15 +116,22 @@ FRAME = """<!doctype html><meta charset="utf-8"><body style="margin:0">
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
-    """Serves a folder and the pages of the check, and says nothing."""
+    """Serves a folder and the pages of the check, takes what the harness finds, and says nothing."""
 
     extra: ClassVar[dict[str, str]] = {}
+    found: ClassVar[queue.Queue[str]] = queue.Queue()
 
     def do_GET(self) -> None:
         text = self.extra.get(self.path.split("?")[0])
         if text is None:
             return super().do_GET()
-        body = text.encode()
+        self.answer(text.encode())
+
+    def do_POST(self) -> None:
+        self.found.put(self.rfile.read(int(self.headers["Content-Length"])).decode())
+        self.answer(b"")
+
+    def answer(self, body: bytes) -> None:
         self.send_response(200)
         self.send_header("Content-Type", "text/html; charset=utf-8")
         self.send_header("Content-Length", str(len(body)))
@@ -156,7 +161,8 @@ class Site:
     def __init__(self, folder: Path, program: str) -> None:
         self.program = program
         self.extra: dict[str, str] = {}
-        handler = type("Handler", (Quiet,), {"extra": self.extra})
+        self.found: queue.Queue[str] = queue.Queue()
+        handler = type("Handler", (Quiet,), {"extra": self.extra, "found": self.found})
         self.server = http.server.ThreadingHTTPServer(
             ("127.0.0.1", 0), functools.partial(handler, directory=str(folder))
         )
@@ -170,30 +176,34 @@ class Site:
         self.server.shutdown()
         self.server.server_close()
 
-    def opened(self, page: str, scheme: str, *flags: str) -> str:
-        """What the browser prints of a page."""
-        with tempfile.TemporaryDirectory() as profile:
-            command = [self.program, *FLAGS, f"--blink-settings=preferredColorScheme={SCHEMES[scheme]}", *flags]
-            command += [f"--user-data-dir={profile}", self.address + page]
-            return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True).stdout
+    def command(self, page: str, scheme: str, profile: str, *flags: str) -> list[str]:
+        mode = f"--blink-settings=preferredColorScheme={SCHEMES[scheme]}"
+        return [self.program, *FLAGS, mode, f"--user-data-dir={profile}", *flags, self.address + page]
 
     def looked(self, pages: Sequence[str], scheme: str) -> list[dict[str, object]]:
         """What the harness finds of pages: [{page, width, height, faults}]."""
         text = HARNESS.replace("PAGES", json.dumps(list(pages)), 1).replace("WIDTHS", json.dumps(WIDTHS), 1)
         self.extra["/-harness.html"] = text
-        flags = ("--dump-dom", f"--virtual-time-budget={2000 * len(pages) * len(WIDTHS)}", "--window-size=1500,1000")
-        said = self.opened("/-harness.html", scheme, *flags)
-        kept = re.search(r'<pre id="found">(.*?)</pre>', said, re.DOTALL)
-        if kept is None or not kept[1]:
-            raise RuntimeError("the browser did not get through the pages")
-        return json.loads(html.unescape(kept[1]))
+        flags = ("--remote-debugging-port=0", "--window-size=1500,1000")  # with the first it stays until it is ended
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+            command = self.command("/-harness.html", scheme, profile, *flags)
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+                try:
+                    return json.loads(self.found.get(timeout=PATIENCE))
+                except queue.Empty:
+                    raise TimeoutError(f"the browser did not get through {', '.join(pages)}") from None
+                finally:
+                    process.terminate()
 
     def picture(self, page: str, width: int, height: int, scheme: str, path: Path) -> None:
         """One page as it is painted at one width, down to TALLEST."""
         height = min(height, TALLEST)
         self.extra["/-frame.html"] = FRAME.format(width=width, height=height, page=page)
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.opened("/-frame.html", scheme, f"--window-size={width},{height}", f"--screenshot={path}")
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+            flags = (f"--window-size={width},{height}", f"--screenshot={path}")
+            command = self.command("/-frame.html", scheme, profile, *flags)
+            subprocess.run(command, capture_output=True, timeout=PATIENCE, check=True)
 
 
 def faults(where: Path, program: str, pictures: Path | None = None) -> Iterator[str]:
