@@ -1,6 +1,6 @@
 """Is every page whole at every width? `python docs/house/browser.py [FOLDER or PAGE ...] [--pictures FOLDER]`.
 
-Each page of build/site is opened in a headless Chromium at 360, 800 and 1,400 pixels, light and dark. Told are
+Each page of build/site is opened in a headless Chromium at 360, 800 and 1,400 pixels, and in dark. Told are
 
 wide     the page scrolls sideways, by what element
 cut      text or a picture that reaches beyond an ancestor which hides what overflows
@@ -30,7 +30,7 @@ from typing import ClassVar
 
 ROOT = Path(__file__).parents[2]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
-WIDTHS = (360, 800, 1400)  # [px]
+WIDTHS = {"light": (360, 800, 1400), "dark": (800,)}  # [px]: where things stand is no matter of their colours
 SCHEMES = {"light": 1, "dark": 0}  # Blink's numbers for prefers-color-scheme
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--force-device-scale-factor=1")
 PATIENCE = 240  # [s] for one call of the browser, which looks at ..
@@ -74,6 +74,8 @@ function look(doc, view, width) {
   for (const e of doc.body.querySelectorAll("*")) {
     const style = view.getComputedStyle(e), box = e.getBoundingClientRect();
     if (style.display === "none" || style.visibility === "hidden" || !box.width || !box.height) continue;
+    if (e.matches("nav *") && /auto|scroll/.test(style.overflowX) && e.scrollWidth > e.clientWidth + 1)
+      tell("cut", e, "of " + e.scrollWidth + " px " + e.clientWidth + " are seen");
     if (e.closest("[hidden], .md-sidebar, .md-search, .md-header, .md-tabs, dialog, svg *")) continue;
     if (e.tagName === "IMG" && e.complete && !e.naturalWidth) tell("broken", e, e.src);
     const own = [...e.childNodes].filter((n) => n.nodeType === 3 && n.textContent.trim());
@@ -182,7 +184,7 @@ class Site:
 
     def looked(self, pages: Sequence[str], scheme: str) -> list[dict[str, object]]:
         """What the harness finds of pages: [{page, width, height, faults}]."""
-        text = HARNESS.replace("PAGES", json.dumps(list(pages)), 1).replace("WIDTHS", json.dumps(WIDTHS), 1)
+        text = HARNESS.replace("PAGES", json.dumps(list(pages)), 1).replace("WIDTHS", json.dumps(WIDTHS[scheme]), 1)
         self.extra["/-harness.html"] = text
         flags = ("--remote-debugging-port=0", "--window-size=1500,1000")  # with the first it stays until it is ended
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
