@@ -93,8 +93,9 @@ def robust_stability(
 
     Example
     -------
-    >>> found = robust_stability(arm, LQR.for_scene(scene), {"payload.mass": (0.05, 0.15)}, dict(scene.goal))
-    >>> print(found.words, found.mu)
+    >>> found = robust_stability(arm, law, {"payload.mass": (0.05, 0.15)}, dict(scene.goal))
+    >>> print(found.words)
+    The loop is stable for all of the box: it stands 1.9 boxes, and no instability was found in 1.9.
     """
     names, middle, half = require_box("robust_stability.box", box)
     loop = loop_over_box(plant, controller, names, middle, half, at)
@@ -174,7 +175,8 @@ def stands(
 
     Example
     -------
-    >>> stands(arm, LQR.for_scene(scene), {"payload.mass": (0.9, 1.1)}, dict(scene.goal))
+    >>> stands(arm, law, {"payload.mass": (0.09, 0.11)}, dict(scene.goal))
+    3.0
     """
     names, middle, half = require_box("stands.box", box)
     parts = require_count("stands", "parts", parts, 1, 100_000)
