@@ -116,7 +116,11 @@ def loops(found: Findings) -> str:
     told = driven_to_goal(scene)
     units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in told))
     head = ("run on", "states", "cost", f"end error [{units}]", "at a limit", "about the goal", "least damped mode")
-    return text + table(head, rows)
+    text += table(head, rows)
+    for loop in found.loops:
+        if loop.failure and loop.stable is not None:
+            text += paragraph(f"No run on {loop.name}. {loop.failure}.", "warning")
+    return text
 
 
 def controllers(found: Findings) -> str:

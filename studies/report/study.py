@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeVar
+
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import Signal, names
+from pliant.plants.motions.time_limit import TooLong, time_limit
 from pliant.studies.charts.measure import chart
 from pliant.studies.closed_loop.closed_loop import closed_loop, dearer
 from pliant.studies.closed_loop.comparison import Contest, compare
@@ -21,11 +25,16 @@ from .findings import Findings
 
 CHART_BUDGET = 8.0  # [s] beside the reference, less on a machine so slow or busy that the whole would take long
 WHOLE = 40.0  # [s] of processor time that a report should take at most
-CHOOSING = 30.0  # [s] that physics of closed loops may take, as long as that of the open loop took each
 AFTER = 0.4  # what comes after the chart, as a share of what comes before it
+LIMIT = 38.0  # [s] of processor time at which what is still being found is given up, the chart's own budget beside it
+LEAST = 1.0  # [s] that a part has at least
+SHARES = {"nominal": 0.3, "law": 0.25, "contests": 0.25, "physics": 0.5}  # of the time that is left; of others all
+CHOOSING = 30.0  # [s] that physics of closed loops may take, expected to be as long as that of the open loop took each
+ASKED = 0.6  # of the time that is left, which it may take
 RTOL = 1e-9
 FINER, NODES = 10, 4_000  # times a control period, and in all, of the motion that is linearised along
 PERTURBATIONS = (0.03, 0.003)  # of a coordinate [its unit], to test the LTV model
+T = TypeVar("T")
 FELT = 1e-6  # change of a compared output per unit of a coordinate above which it feels it
 
 
@@ -33,7 +42,11 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     """Simulate, linearise, judge, close the loop, compare, chart and choose; what fails is told, the rest is found."""
     told, motions, began = progress or silent, Motions(scene), processor_time()
     found = Findings(scene)
-    find = found.find
+    until = began + LIMIT
+
+    def find(name: str, part: Callable[[], Any]) -> None:
+        found.find(name, in_its_time(name, part, until))
+
     told(0.0, "open loop")
     find("nominal", lambda: _nominal(scene))
     find("open_loop", lambda: _every(found.nominal, _finer(scene), scene.plant))
@@ -47,7 +60,8 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     found.frequencies = tuple((label, value) for label, value in every if not isinstance(value, str))
     found.unheld = tuple((label, value) for label, value in every if isinstance(value, str))
     found.law, found.no_law, found.loops = None, "", ()
-    designed = found.attempt("law", lambda: closed_loop(scene, progress=share(progress, 0.15, 0.22)))
+    looped = share(progress, 0.15, 0.22)
+    designed = found.attempt("law", in_its_time("law", lambda: closed_loop(scene, progress=looped), until))
     if designed is None:
         found.no_law = found.lost.pop("law")
     else:
@@ -58,22 +72,24 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     find("contests", lambda: compare(scene, found.law, found.loops, progress=against) if scene.plant.nu else ())
     told(0.35, "reference")  # before the chart, whose budget is for what it measures
     before = processor_time()
-    truth = found.attempt("physics", lambda: physics_motion(motions, scene.tolerance))
+    truth = found.attempt("physics", in_its_time("physics", lambda: physics_motion(motions, scene.tolerance), until))
     of_physics = processor_time() - before
     if budget is None:
         spent = processor_time() - began
         budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
     seconds = budget
     measuring = share(progress, 0.4, 0.85)
+    until += seconds
     find("chart", lambda: chart(scene, budget=seconds, motions=motions, progress=measuring))
     contests: tuple[Contest, ...] = () if "contests" in found.lost else found.contests
     whole = [c for c in contests if c.plant == scene.plant.label and _whole(scene, c.motion)]
     affordable = int(CHOOSING / of_physics)
     found.unasked = tuple(c.controller for c in whole[affordable:])
-    played = [motions, *(c.motion for c in whole[:affordable])]
+    closed, late = _closed_loops(scene, whole[:affordable], ASKED * (until - processor_time()))
+    found.unasked = (*late, *found.unasked)
     measured = None if "chart" in found.lost else found.chart
     choosing = share(progress, 0.85, 1.0)
-    find("choice", lambda: choose(scene, measured=measured, motions=played, progress=choosing))
+    find("choice", lambda: choose(scene, measured=measured, motions=[motions, *closed], progress=choosing))
     if measured is not None and "choice" not in found.lost:
         found.chart = measured.holding(found.choice.integrator)
     if truth is None:
@@ -81,6 +97,34 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     else:
         find("scene_error", lambda: motions.difference(scene.plant, truth.outputs))
     return found
+
+
+def _closed_loops(scene: Scene, contests: list[Contest], seconds: float) -> tuple[list[Motions], list[str]]:
+    """The motions of controllers of which physics is had in so many seconds, and whose it is not."""
+    had, late, until = list[Motions](), list[str](), processor_time() + seconds
+    for contest in contests:
+        assert contest.motion is not None
+        motions = Motions.with_inputs_of(scene, contest.motion, f"motion of {contest.controller}")
+        try:
+            with time_limit(until - processor_time()):
+                physics_motion(motions, scene.tolerance)
+        except TooLong:
+            late.append(contest.controller)
+            continue
+        except PliantError:  # the choice tells it
+            pass
+        had.append(motions)
+    return had, late
+
+
+def in_its_time(name: str, part: Callable[[], T], until: float) -> Callable[[], T]:
+    """The same part, given up where it takes more than its share of the time until `until` [s of processor time]."""
+
+    def limited() -> T:
+        with time_limit(max(LEAST, SHARES.get(name, 1.0) * (until - processor_time()))):
+            return part()
+
+    return limited
 
 
 def _whole(scene: Scene, motion: Trajectory | None) -> bool:
