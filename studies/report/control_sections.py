@@ -147,12 +147,10 @@ def controllers(found: Findings) -> str:
     head = ["on", "controller", "cost", f"end error [{units}]", peak, "at a limit", "predicted violations"]
     keep = [i for i in range(len(head)) if i != PEAK or bent]
     rows = [_row(c) for c in contests]
-    failed = any(c.failure for c in contests)
-    if failed:
-        head.append("failure")
-        keep.append(len(head) - 1)
-    picked = [[(*row, c.failure)[i] for i in keep] for row, c in zip(rows, contests, strict=True)]
-    text += table([head[i] for i in keep], picked)
+    text += table([head[i] for i in keep], [[row[i] for i in keep] for row in rows])
+    for c in contests:
+        if c.failure:
+            text += paragraph(f"{c.controller} on {c.plant}: {c.failure.removesuffix('.')}.", "warning")
     text += paragraph(
         "At a limit: share of the control periods with an input at its limit. Predicted violations: acts of the MPC "
         "whose plan exceeds a bound of the scene, which it may at a price, by its own record. Lines that coincide hide "
