@@ -3,7 +3,9 @@
 The rule   every elastic body gets one more mode, a body of a tree one more of each family in which it bends, twists or
            stretches: the plant then holds the first mode that the design model leaves out, the one that spillover is
            about. Where a body holds no more modes, the next variant of the plant's ladder. Shapes and parameters stay,
-           so that states of the same name are the same quantities.
+           so that states of the same name are the same quantities. A tree whose mass matrix would be lost where the
+           design plant moves under LQR (what second-order shortening leaves of the added shapes' inertia) has exact
+           rotations in the place of that shortening.
 Varied     what the plant calls uncertain (payload, stiffness, damping), each by +-30 %, beside what the scene itself
            randomises
 Steps      RK4, as many in a control period as the fastest mode and the accuracy of the compared outputs ask for
@@ -26,6 +28,8 @@ from pliant.plants.core.signals import names
 from pliant.plants.integration.step_maps import step_limit
 from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
 
+from .closed_loop import regulator, run
+
 SPREAD = 0.3  # of payload, stiffness and damping
 CORNERS = 64  # parameter corners at which the step limit is looked at, at most
 SAFE = 0.7  # share of RK4's step limit that is used
@@ -45,6 +49,29 @@ def finer(plant: Plant) -> Plant:
         if variant.nx >= plant.nx:
             return variant
     raise ValueError(f"{type(plant).__name__} ({plant.label}) is the finest that there is")
+
+
+def finer_plant(scene: Scene) -> tuple[Plant, str]:
+    """(the scene's plant one fidelity higher, a remark). ValueError where there is none."""
+    plant: Any = finer(scene.plant)
+    if not hasattr(plant, "bodies") or plant.kinematics != "stiffened" or _holds(scene, plant):
+        return plant, ""
+    remark = "With exact rotations, as with second-order shortening the mass matrix is lost on what LQR plays"
+    return dataclasses.replace(plant, kinematics="strain"), remark
+
+
+def _holds(scene: Scene, plant: Any) -> bool:
+    """Whether the mass matrix is positive definite in all states through which the design plant goes under LQR."""
+    try:
+        motion = run(scene, regulator(scene))
+    except PliantError:  # nobody knows where it would go
+        return True
+    M = plant.mass_matrix(motion.x @ plant.embedding(scene.plant).T)
+    size = np.diagonal(M, axis1=1, axis2=2)
+    if not (size > 0).all():
+        return False
+    unit = M / np.sqrt(size[:, :, None] * size[:, None, :])
+    return bool(np.linalg.eigvalsh(unit)[:, 0].min() > 0)
 
 
 def _one_more_mode(plant: Any) -> Plant | None:
@@ -122,7 +149,7 @@ def harsher(scene: Scene) -> Scene:
     where there is one, its uncertain parameters +-30 %, other starts. What a policy that must survive is trained on.
     """
     try:
-        plant = finer(scene.plant)
+        plant = finer_plant(scene)[0]
     except ValueError:
         plant = scene.plant
     return accurate(play(scene, plant))[0]

@@ -15,7 +15,7 @@ from pliant.plants import PliantError
 from pliant.plants.motions.time_limit import time_limit
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
 from pliant.studies.closed_loop.contestants import Designed, Maker, designed
-from pliant.studies.closed_loop.evaluation_scene import accurate, finer, play, require_signals
+from pliant.studies.closed_loop.evaluation_scene import accurate, finer_plant, play, require_signals
 from pliant.studies.closed_loop.optimal_bound import bound
 from pliant.studies.closed_loop.rollout import Conditions, nominal, randomised, rollout
 from pliant.studies.closed_loop.scores import deflections, score
@@ -42,7 +42,7 @@ def played_scene(scene: Scene, case: str) -> tuple[Scene, float, str]:
     plant, remark = scene.plant, ""
     if case != "exact":
         try:
-            plant = finer(scene.plant)
+            plant, remark = finer_plant(scene)
         except ValueError as error:
             remark = str(error)
     return *accurate(play(scene, plant)), remark
