@@ -108,15 +108,17 @@ def _richer(body: TreeBody) -> TreeBody:
 def differing_states(design: Scene, played: Scene) -> tuple[str, ...]:
     """Names of states that both plants have but that are not the same quantity in both.
 
-    Told by the outputs that inputs do not move at once: what each gains from the state, about the design model's goal,
-    must agree.
+    Told by the outputs that inputs do not move at once: what each gains from the state, at the design model's goal with
+    its bodies straight (bent, exact rotations gain a little else than second-order shortening), must agree.
     """
     known, plants = names(design.plant.states), (design.plant, played.plant)
     x = np.zeros(played.plant.nx)
     both = [name for name in names(played.plant.states) if name in known]
     places = [[names(plant.states).index(name) for name in both] for plant in plants]
-    x[places[1]] = design.target[0][places[0]]
-    slopes = [plant.jacobians(at)[3:] for plant, at in zip(plants, (design.target[0], x), strict=True)]
+    kept = {name for name, _ in (*design.goal, *design.goal_rates)} | set(design.plant.attitude_states)
+    goal = np.where([name in kept for name in known], design.target[0], 0.0)
+    x[places[1]] = goal[places[0]]
+    slopes = [plant.jacobians(at)[3:] for plant, at in zip(plants, (goal, x), strict=True)]
     known = names(played.plant.outputs)
     outputs = [name for name, row in zip(names(design.plant.outputs), slopes[0][1]) if name in known and not row.any()]
     rows = [[names(plant.outputs).index(name) for name in outputs] for plant in plants]
