@@ -18,6 +18,7 @@ from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.motions import adaptive_steps
 from pliant.plants.motions.adaptive_steps import GROW, SAFETY, SHRINK, SMALLEST_STEP
+from pliant.plants.motions.time_limit import check_time
 from pliant.plants.native.single_point import compiled, pays_after
 
 STAGES = 12
@@ -114,6 +115,7 @@ def march(
     t = float(times[0])
     for k, end in enumerate(times[1:], start=1):
         while t < end:
+            check_time(t)
             last = t + h >= end * (1 - 1e-15) or end - t - h < 1e-3 * h
             trial = end - t if last else h
             if law is not None:

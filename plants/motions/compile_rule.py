@@ -21,6 +21,7 @@ from pliant.plants.native import kernel_loader
 from pliant.plants.rounding.agreement import Trial
 
 from . import motion_library
+from .time_limit import time_left
 
 L = TypeVar("L")
 
@@ -93,7 +94,7 @@ class OnDemand(Generic[L]):
             owed = self.spent + coming
             if not self._looked and owed > LOOKING[0] + LOOKING[1] * self.operations:
                 self._looked, self._library = True, self._at_hand()
-            if self._library is None and owed > self.price:
+            if self._library is None and time_left() > self.price < owed:
                 self.compiled = True
                 self._library = motion_library.build(
                     lambda: self.key, self._load, self._source, self._trials, self.name, self.lanes

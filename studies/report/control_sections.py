@@ -121,7 +121,11 @@ def loops(found: Findings) -> str:
     told = driven_to_goal(scene)
     units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in told))
     head = ("run on", "states", "cost", f"end error [{units}]", "at a limit", "about the goal", "least damped mode")
-    return text + table(head, rows)
+    text += table(head, rows)
+    for loop in found.loops:
+        if loop.failure and loop.stable is not None:
+            text += paragraph(f"No run on {loop.name}. {loop.failure}.", "warning")
+    return text
 
 
 def controllers(found: Findings) -> str:
@@ -148,12 +152,10 @@ def controllers(found: Findings) -> str:
     head = ["on", "controller", "cost", f"end error [{units}]", peak, "at a limit", "predicted violations"]
     keep = [i for i in range(len(head)) if i != PEAK or bent]
     rows = [_row(c) for c in contests]
-    failed = any(c.failure for c in contests)
-    if failed:
-        head.append("failure")
-        keep.append(len(head) - 1)
-    picked = [[(*row, c.failure)[i] for i in keep] for row, c in zip(rows, contests, strict=True)]
-    text += table([head[i] for i in keep], picked)
+    text += table([head[i] for i in keep], [[row[i] for i in keep] for row in rows])
+    for c in contests:
+        if c.failure:
+            text += paragraph(f"{c.controller} on {c.plant}: {c.failure.removesuffix('.')}.", "warning")
     text += paragraph(
         "At a limit: share of the control periods with an input at its limit. Predicted violations: acts of the MPC "
         "whose plan exceeds a bound of the scene, which it may at a price, by its own record. Lines that coincide hide "
