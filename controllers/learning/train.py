@@ -47,8 +47,9 @@ def train(
 
     "apg", analytic policy gradients, differentiates whole episodes through the plant's native step, from a network that
     does what the scene's LQR does. It ends at most a permille above that law on the scene as it is, where it has to by
-    keeping it, and says so in `words`; `law_cost` is what the law costs. Other laws may be cheaper still. It takes 60 s where nothing is said, the others 300. Where no algorithm is
-    named it is that of the `settings`, else "apg", or "ppo" where the scene's goal moves.
+    keeping it, and says so in `words`; `law_cost` is what the law costs. Other laws may be cheaper still. It
+    takes 60 s where nothing is said, the others 300. Where no algorithm is named it is that of the `settings`, else
+    "apg", or "ppo" where the scene's goal moves.
 
     folder    gets the checkpoint, policy.npz and policy.json (the best so far) and curve.json, all renewed at every
               evaluation, each whole whenever the run is killed. resume=True goes on from the checkpoint and writes the
