@@ -38,6 +38,7 @@ class Batch(Specified, OwnsArrays, Lanes):
     _channel: Channel | None
     _obs: Array  # (num_envs, no) the signals, as the kernel shows them
     _seen: Array  # (num_envs, ..) what is read of them: the same array where all passes as it is
+    _scale: Array | None  # (..,) what it is divided by to be shown
     _over: Array  # (num_envs,) whether a lane waits for its next episode
     _first: Array  # (no,) the signals at the scene's own start
     _nominal: Array  # (np,) the plant's own parameters
@@ -126,7 +127,7 @@ class Batch(Specified, OwnsArrays, Lanes):
                 self._channel.seed(seeded, own)
         self._start(lanes, given)
         self.begun = True
-        return self._seen.copy(), of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
+        return self._shown(self._seen), of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
 
     def _start(self, lanes: Array, given: list[dict[str, Any]] | None = None) -> None:
         """New episodes in the lanes (k,)."""
@@ -152,6 +153,15 @@ class Batch(Specified, OwnsArrays, Lanes):
         self._total[lanes] = 0.0
         for lane in lanes.tolist() if self._pictures else ():
             self._pictures[lane].clear()
+
+    @property
+    def observation_scale(self) -> Array:
+        """What each number of an observation (..,) is over: 1 but with `reward="normalised"`."""
+        return np.ones(self._seen.shape[1]) if self._scale is None else self._scale.copy()
+
+    def _shown(self, seen: Array) -> Array:
+        """What is read of lanes (k, width), in the units of the task; a copy."""
+        return seen.copy() if self._scale is None else (seen / self._scale).astype(seen.dtype)
 
     def _first_seen(self, channel: Channel, lanes: Array) -> None:
         """What is read first of episodes in the lanes (k,); those without a seed get one from the shared stream."""
