@@ -10,11 +10,14 @@ LEAST of the largest of its unit; and an action of 1 asks for GENTLE of an input
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 
 import numpy as np
+from gymnasium import spaces
 
 from pliant.envs.scenes.scene import Scene, once_per_scene
 from pliant.plants import NominalWarning
+from pliant.plants.core.signals import OwnsArrays
 
 Array = np.ndarray
 GENTLE = 0.25
@@ -49,3 +52,29 @@ def observation_scale(scene: Scene) -> Array:
     same = [max(r for r, other in zip(ranges, own) if other == unit) for unit in own]
     found: Array = np.maximum(ranges, LEAST * np.array(same))
     return np.where((found > 0) & np.isfinite(found), found, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Units(OwnsArrays):
+    """What is shown is over `scale` (width,), where there is one; actions are over 1/`largest` of the limits.
+
+    Example
+    -------
+    >>> Units(np.array([2.0, 1.0]), 4.0).shown(np.array([2.0, 3.0])).tolist()
+    [1.0, 3.0]
+    """
+
+    scale: Array | None = None
+    largest: float = 1.0
+
+    def shown(self, seen: Array) -> Array:
+        """A copy of what is read (.., width), in these units."""
+        return seen.copy() if self.scale is None else (seen / self.scale).astype(seen.dtype)
+
+    def asked(self, action: Array) -> Array:
+        """Shares of the limits (.., nu) that an action in these units asks for."""
+        return action if self.largest == 1.0 else action / self.largest
+
+    def actions(self, nu: int) -> spaces.Box:
+        """The space of actions (nu,)."""
+        return spaces.Box(-self.largest, self.largest, (nu,), np.float32)

@@ -15,7 +15,7 @@ from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_choice, require_count, require_flag, require_number, shown
 from pliant.plants.sensing.sensors import sensors_of
 
-from .learning_units import GENTLE, nominal_ranges, observation_scale
+from .learning_units import GENTLE, Units, nominal_ranges, observation_scale
 
 Array = np.ndarray
 REWARDS, CONSTRAINTS = ("cost", "normalised"), ("end", "cost")
@@ -118,18 +118,13 @@ class Task:
             found = np.hypot(found, own)
         return found
 
-    @property
-    def largest_action(self) -> float:
-        """Of the action space; the environment divides by it to have the share of the limits."""
-        return 1.0 / GENTLE if self.reward == "normalised" else 1.0
-
-    def scale(self, scene: Scene) -> Array | None:
-        """What is read (width,) of the scene as `played` is divided by; None where it is shown in its own units."""
+    def units(self, scene: Scene) -> Units:
+        """In which the scene as `played` is shown and moved."""
         if self.reward != "normalised":
-            return None
+            return Units()
         own, nu = observation_scale(scene), scene.plant.nu
         goal = len(scene.goal) if self.goal_spread else 0
-        return np.concatenate([own, np.tile(own, self.history), np.ones(self.history * nu + goal)])
+        return Units(np.concatenate([own, np.tile(own, self.history), np.ones(self.history * nu + goal)]), 1.0 / GENTLE)
 
     @property
     def plain(self) -> bool:
