@@ -15,6 +15,7 @@ import casadi as ca
 from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.core.quaternions import cross, matrix, rates
 from pliant.plants.modal_data.deformed_body import Deformed
+from pliant.plants.modal_data.inertial_forces import inertial_forces
 from pliant.plants.spacecraft_parts.appendage import Appendage
 
 from .block_arrow import Share, accelerations
@@ -133,9 +134,11 @@ def hinge_torque(body: Appendage, k: Motion, u: ca.SX) -> ca.SX:
     return torque
 
 
-def bias(craft: SpacecraftDeclaration, i: int, t: ca.SX, x: ca.SX, k: Motion) -> ca.SX:
-    """(6 + n,): what M_A times the accelerations in appendage i's own axes lacks of the loads."""
-    return k.inertia.bias(k.omega_A, k.eta, k.eta_rate) - environment(craft, i, t, x, k)
+def lacking(craft: SpacecraftDeclaration, i: int, t: ca.SX, x: ca.SX, k: Motion, a: ca.SX) -> ca.SX:
+    """Inertial forces less the environment's loads (6 + n,) on appendage i at accelerations a (6 + n,), in its axes."""
+    moving = (k.eta, k.eta_rate, a[6:], k.omega_A, a[:3], a[3:6])
+    forces = inertial_forces(craft.nominal_data(i), *moving, craft.kinematics == "stiffened")
+    return forces - environment(craft, i, t, x, k)
 
 
 def drift(body: Appendage, k: Motion) -> ca.SX:
@@ -159,11 +162,10 @@ def appendage_share(craft: SpacecraftDeclaration, i: int, t: ca.SX, x: ca.SX, u:
     """Appendage i with its hinge, its strain and the loads on it."""
     at, body = craft.layout, craft.appendages[i]
     k, u = motion(craft, i, x), entries(u, at.hinge_inputs[i])
-    M_A = k.inertia.matrix
-    r = k.J.T @ (M_A @ drift(body, k) + bias(craft, i, t, x, k))
+    r = k.J.T @ lacking(craft, i, t, x, k, drift(body, k))
     r[6:] += restoring(body, k, u)
     given = u if body.hinge.drive == "motion" else None
-    return Share(k.J.T @ M_A @ k.J, r, at.unknowns(i), given)
+    return Share(k.J.T @ k.inertia.matrix @ k.J, r, at.unknowns(i), given)
 
 
 @last_call

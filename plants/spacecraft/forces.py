@@ -13,7 +13,7 @@ from pliant.plants.core.casadi_functions import entries
 from pliant.plants.core.quaternions import matrix
 
 from .declaration import SpacecraftDeclaration
-from .equations import bias, drift, frame_acceleration, hub_environment, hub_share, motion, restoring, wheel_rates
+from .equations import drift, frame_acceleration, hub_environment, hub_share, lacking, motion, restoring, wheel_rates
 
 
 def balance(craft: SpacecraftDeclaration, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
@@ -25,27 +25,29 @@ def balance(craft: SpacecraftDeclaration, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX
     place = R.T @ (a[:3] + frame_acceleration(craft, x)) if craft.translation else ca.SX.zeros(3)
     hub = ca.vertcat(place, a[at.omega.start - first : at.omega.stop - first])
     share, mass = hub_share(craft, x, u, w), craft.hub.mass
-    lacking = share.M @ hub + share.r - hub_environment(craft, t, x)
+    found = share.M @ hub + share.r - hub_environment(craft, t, x)
     bodies = []
     for i, body in enumerate(craft.appendages):
         k = motion(craft, i, x)
         own = ca.vertcat(
             *(entries(a, slice(s.start - first, s.stop - first)) for s in (at.hinge_rates[i], at.mode_rates[i]))
         )
-        M = k.inertia.matrix
-        force = M @ (k.J @ ca.vertcat(hub, own) + drift(body, k)) + bias(craft, i, t, x, k)
+        force = lacking(craft, i, t, x, k, k.J @ ca.vertcat(hub, own) + drift(body, k))
         mass += k.inertia.mass
-        lacking[:3] += k.C @ force[:3]
-        bodies.append((k, M, force))
-    free = -lacking[:3] / mass if not craft.translation else ca.SX.zeros(3)
+        found[:3] += k.C @ force[:3]
+        bodies.append((k, force))
+    free = -found[:3] / mass if not craft.translation else ca.SX.zeros(3)
     hinges, modes = [], []
-    for i, (k, M, force) in enumerate(bodies):
+    for i, (k, force) in enumerate(bodies):
         n = k.theta.shape[0]
-        moved = k.J.T @ (force + M[:, :3] @ (k.C.T @ free))
-        lacking[3:] += moved[3:6]
+        if not craft.translation:
+            falls, inertia = k.C.T @ free, k.inertia
+            force += ca.vertcat(inertia.mass * falls, ca.cross(inertia.S, falls), inertia.R.T @ falls)
+        moved = k.J.T @ force
+        found[3:] += moved[3:6]
         kept = moved[6:] + restoring(craft.appendages[i], k, entries(u, at.hinge_inputs[i]))
         hinges.append(entries(kept, slice(0, n)))
         modes.append(entries(kept, slice(n, kept.shape[0])))
-    place = -R @ lacking[:3] if craft.translation else ca.SX(0, 1)
+    place = -R @ found[:3] if craft.translation else ca.SX(0, 1)
     wheels = wheel_rates(craft, x, u) - a[at.wheels.start - first :] if craft.hub.wheels else ca.SX(0, 1)
-    return ca.vertcat(place, -lacking[3:], -ca.vertcat(*hinges), -ca.vertcat(*modes), wheels)
+    return ca.vertcat(place, -found[3:], -ca.vertcat(*hinges), -ca.vertcat(*modes), wheels)
