@@ -13,6 +13,8 @@ from typing import Annotated, Any
 
 import typer
 
+from pliant.envs.scenes.registry import get
+from pliant.plants import PliantError
 from pliant.studies.closed_loop.contestants import CONTESTANTS, Maker, OfSeed
 from pliant.studies.scoreboard.own_laws import OwnLaw
 from pliant.studies.scoreboard.raw_runs import RawRuns
@@ -21,7 +23,7 @@ from pliant.studies.scoreboard.scoreboard import scoreboard as score
 from pliant.studies.scoreboard.tables import HEAD, RUNS, WORDS, cells, table
 from pliant.studies.scoreboard.verification import verify
 
-from .console import bar, print_json, show, writable_folder
+from .console import bar, print_json, say, show, writable_folder
 from .options import AsJson
 
 QUICK = (8, 4)  # runs and bounds of `--quick`
@@ -77,6 +79,7 @@ def scoreboard(
         unknown = [name for name in chosen or () if name not in CONTESTANTS]
         chosen = chosen if unknown else {**{name: CONTESTANTS[name] for name in chosen or ()}, **own}
     writable_folder("--out", out)
+    _require_controllers(own, scenes)
     with bar("scoreboard") as tell:
         board = score(
             scenes or None,
@@ -104,17 +107,33 @@ def _shown(board: Scoreboard) -> None:
             known = [c for c in board.bounds[entry.scene, case] if c is not None]
             best = f"; bound {sum(known) / len(known):.4g}" if known else ""
             missing = [f"{row.controller}: {row.reason}" for row in rows if not row.runs]
-            show(
-                f"{entry.scene}, {case}",
-                HEAD,
-                [cells(row, intervals=False) for row in rows if row.runs],
-                caption="\n".join([about + best, *missing]),
-            )
+            played = [cells(row, intervals=False) for row in rows if row.runs]
+            caption = "\n".join([about + best, *missing])
+            if played:
+                show(f"{entry.scene}, {case}", HEAD, played, caption=caption)
+            else:
+                say(f"{entry.scene}, {case}: {caption}")
 
 
 def _own(laws: list[str] | None) -> dict[str, Maker]:
     """Makers by the names of their classes or functions."""
     return {made.name: made for made in (OwnLaw.of(text) for text in laws or ())}
+
+
+def _require_controllers(own: Mapping[str, Maker], names: list[str] | None) -> None:
+    """PliantError, before bounds take minutes, where a law of one's own serves none of the scenes that are named."""
+    for law in own.values() if names else ():
+        refused: PliantError | ValueError | None = None
+        for name in names or ():
+            try:
+                law(get(name))
+            except (PliantError, ValueError) as error:
+                refused = refused or error
+            else:
+                break
+        else:
+            if refused is not None:
+                raise refused
 
 
 def _seeds(folder: Path | None) -> dict[str, Maker]:
