@@ -75,11 +75,11 @@ class DifferentiableMPC:
         if any((*self.law.conserved, *self.law.free)):
             raise PliantError("DifferentiableMPC: something is conserved or free: weights do not settle the law alone")
         self.names, self.model, self.dt, self.horizon = (*self.Q, *self.R), model, dt, horizon
-        self._made = {"dt": dt, "horizon": horizon, "limits": limits, "bounds": bounds}
-        A, B, *weights = riccati.sampled(model.A, model.B, *weight_matrices("MPC", model, self.Q, self.R), dt=dt)
-        found = riccati.dlqr(A, B, *weights, names=model.state_names, dt=dt)
+        self._made: dict[str, Any] = {"dt": dt, "horizon": horizon, "limits": limits, "bounds": bounds}
+        A, B, Qd, Rd, Nd = riccati.sampled(model.A, model.B, *weight_matrices("MPC", model, self.Q, self.R), dt=dt)
+        found = riccati.dlqr(A, B, Qd, Rd, Nd, names=model.state_names, dt=dt)
         self._motion = _motion(A, B, horizon)
-        self._H, self._F = self._condensed(*weights, found.P)
+        self._H, self._F = self._condensed(Qd, Rd, Nd, found.P)
         closed, both = A - B @ found.K, np.vstack([np.eye(len(A)), -found.K])
         slopes = []
         for unit in _units(model, self.Q, self.R):
@@ -107,7 +107,7 @@ class DifferentiableMPC:
         high = np.array(scene.limits, dtype=float)
         known = model.state_names + model.output_names
         bounds = {name: (-value, value) for name, value in scene.bounds if name in known}
-        made = {"dt": scene.dt, "horizon": horizon, "limits": (-high, high), "bounds": bounds}
+        made: dict[str, Any] = {"dt": scene.dt, "horizon": horizon, "limits": (-high, high), "bounds": bounds}
         return cls(model, dict(scene.weights), dict(scene.effort), **made)
 
     def with_weights(self, weights: Mapping[str, float]) -> Self:
