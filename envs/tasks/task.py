@@ -119,7 +119,13 @@ class Task:
         return found
 
     def units(self, scene: Scene) -> Units:
-        """In which the scene as `played` is shown and moved."""
+        """In which the scene as `played` is shown and moved.
+
+        Example
+        -------
+        >>> Task(reward="normalised").units(scene).largest > 1
+        True
+        """
         if self.reward != "normalised":
             return Units()
         own, nu = observation_scale(scene), scene.plant.nu
