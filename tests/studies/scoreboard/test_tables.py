@@ -53,7 +53,14 @@ def test_next_to_no_run_is_better_than_its_bound():
     assert len(found) > 100 and min(found) > 1 - 1e-6
 
 
-SINCE = {"multi-model LQR", "multi-model, sensors", "robust policy"}  # on the board of the second suite
+SINCE = {  # of the second suite
+    "multi-model LQR",
+    "multi-model, sensors",
+    "robust LQG",
+    "robust policy",
+    "LQR, delay 0 to 1",
+    "MPC, delay 0 to 1",
+}
 FEW = ("three-link-flexible", "six-axis-pick", "satellite-arm")  # of which fewer runs are there; the board says so
 
 
