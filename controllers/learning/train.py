@@ -66,8 +66,7 @@ def train(
     Example
     -------
     >>> from pliant.controllers import rl
-    >>> from pliant.envs import scenes
-    >>> found = rl.train(scenes.get("single-link-slew"), steps=20_000)
+    >>> found = rl.train(scene, steps=20_000)
     >>> round(found.cost, 1)
     3.5
     """

@@ -103,8 +103,9 @@ class Batch(Specified, OwnsArrays, Lanes):
         step, playing = self._step, np.setdiff1d(np.arange(self.num_envs), waiting)
         u = np.clip(step.action.T.astype(float), -1.0, 1.0) * self.scene.limits
         x, ref, w, p = (a.T.astype(float) for a in (step.x, step.ref, step.w, step.p))
-        (found,) = cost_terms(self.scene)(x, u, ref, w, p)
-        return of_terms(self.num_envs, playing, term_names(self.scene), found[playing])
+        names = term_names(self.scene)  # none where nothing is weighed
+        found = cost_terms(self.scene)(x, u, ref, w, p)[0] if names else np.zeros((len(x), 0))
+        return of_terms(self.num_envs, playing, names, found[playing])
 
     def _require_begun(self, asked: str) -> None:
         if not self.begun:

@@ -209,8 +209,8 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         """What each term adds to minus the stage cost of the period that begins."""
         u = (np.clip(action, -1.0, 1.0) * self.scene.limits)[None]
         x, ref, w, p = (a[:, :1].T.astype(float) for a in (self._step.x, self._step.ref, self._step.w, self._step.p))
-        (found,) = cost_terms(self.scene)(x, u, ref, w, p)
-        return dict(zip(term_names(self.scene), (0.0 - found[0]).tolist()))
+        names = term_names(self.scene)  # none where nothing is weighed
+        return dict(zip(names, (0.0 - cost_terms(self.scene)(x, u, ref, w, p)[0][0]).tolist())) if names else {}
 
     def render(self) -> np.ndarray | None:
         """The plant, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
