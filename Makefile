@@ -73,6 +73,7 @@ docs: $(VENV)/docs
 	$(BIN)/python docs/house/validation.py
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m docs tests/test_examples.py tests/test_docstrings.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet --site-dir build/site
+	$(BIN)/python docs/house/browser.py build/site
 	@echo "build/site/index.html" >&2
 
 # The archive and the wheel, checked and tried in an empty environment. DIST=--contents needs no network.

@@ -133,6 +133,32 @@ assert "typedef float law_real;" in header.read_text()
 source.unlink(), header.unlink()
 """
 
+ELASTIC_ARM = """
+assert abs(cost - 2.4825) < 1e-3 and told.verdict.startswith("holds") and stands.stable_to > 3
+"""
+URDF_ARM = """
+assert told.verdict.startswith("unstable") and missed < 1e-6
+assert [s.name for s in arm.states][2:4] == ["fore_z1", "fore_z2"]
+Path("arm.urdf").unlink()
+"""
+SLEW = """
+assert told.verdict == "bounded" and 0 < push.upper - push.lower < 1e-4 and moved < 0.05 * push.upper
+"""
+TRAINED = """
+from pathlib import Path
+assert found.cost < 3.52 and abs(costs["policy"] - found.cost) < 1e-3
+[Path(name).unlink() for name in ("slew.npz", "slew.json", "slew_policy.c", "slew_policy.h")]
+"""
+CLUSTER = """
+from pathlib import Path
+assert all(same) and len(more.rows) == 16
+Path("runs.jsonl").unlink()
+"""
+UNDECIDED = """
+assert coarse.verdict == "undecided" and fine.verdict == "bounded" and later.verdict == "stable"
+assert drifts.verdict == "drift" and held.verdict == "bounded" and push.upper - push.lower < 1e-4 * push.upper
+"""
+
 
 @pytest.mark.parametrize(
     ("page", "least", "checks"),
@@ -142,6 +168,12 @@ source.unlink(), header.unlink()
         pytest.param("docs/identification.md", 5, IDENTIFIED, id="identification", marks=pytest.mark.docs),
         pytest.param("docs/gnc.md", 4, GNC_CHECKS, id="gnc", marks=pytest.mark.docs),
         pytest.param("docs/deployment.md", 1, DEPLOYMENT_CHECKS, id="deployment", marks=pytest.mark.docs),
+        pytest.param("docs/tutorials/elastic_arm.md", 5, ELASTIC_ARM, id="elastic_arm", marks=pytest.mark.docs),
+        pytest.param("docs/tutorials/urdf_arm.md", 4, URDF_ARM, id="urdf_arm", marks=pytest.mark.docs),
+        pytest.param("docs/tutorials/slew_stability.md", 4, SLEW, id="slew_stability", marks=pytest.mark.docs),
+        pytest.param("docs/tutorials/train_a_policy.md", 3, TRAINED, id="train_a_policy", marks=pytest.mark.docs),
+        pytest.param("docs/tutorials/cluster.md", 2, CLUSTER, id="cluster", marks=pytest.mark.docs),
+        pytest.param("docs/undecided.md", 4, UNDECIDED, id="undecided", marks=pytest.mark.docs),
     ],
 )
 def test_blocks_run_in_order(page, least, checks, alone, tmp_path_factory) -> None:

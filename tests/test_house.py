@@ -20,6 +20,14 @@ def check(monkeypatch):
         sys.modules.pop(name, None)
 
 
+@pytest.fixture
+def browser(monkeypatch):
+    """docs/house/browser.py, the same way."""
+    monkeypatch.syspath_prepend(str(HOUSE))
+    yield importlib.import_module("browser")
+    sys.modules.pop("browser", None)
+
+
 RULES = """
 [limits]
 files = 3
@@ -145,3 +153,24 @@ def test_contributing_lists_the_rooms(check):
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     sys.modules.pop("rooms_list")
     assert listed.written(text) == text
+
+
+@pytest.mark.docs
+def test_a_page_that_does_not_fit_is_told(browser, tmp_path):
+    """A wide box, a clipped line, a lost picture and grey on black; not a table in a box that scrolls."""
+    program = browser.browser()
+    if program is None:
+        pytest.skip("no browser")
+    box = '<p style="overflow:hidden;width:200px;white-space:nowrap">a line that goes on for ever and ever</p>'
+    dark = "<style>@media (prefers-color-scheme: dark) {body {background: #111; color: #222}}</style>"
+    (tmp_path / "a.html").write_text(
+        f'<!doctype html>{dark}<p style="width:700px">wide</p>{box}<img src="no.png" width="9" height="9">'
+        '<div style="overflow:auto"><table style="width:2000px"><tr><td>scrolls</td></tr></table></div>',
+        encoding="utf-8",
+    )
+    told = list(browser.faults(tmp_path, program))
+    kinds = {(line.split()[2], line.split()[4].rstrip(":"), line.split()[5]) for line in told}
+    layout = {"cut", "broken"}
+    wanted = {(width, "light", kind) for width in ("360", "800", "1400") for kind in layout}
+    assert kinds == wanted | {("360", "light", "wide")} | {("800", "dark", kind) for kind in (*layout, "faint")}
+    assert not any("scrolls" in line and "faint" not in line for line in told)

@@ -49,8 +49,12 @@ class MarginsAlong(OwnsArrays):
 
     Example
     -------
-    >>> found = margins_along(arm, motion, law)
-    >>> print(found.frozen_disk.min(), found.words)
+    >>> gains = np.tile(law.K, (len(motion.t), 1, 1))
+    >>> found = margins_along(arm.linearize_along(motion), gains, outputs=["tip_deflection"])
+    >>> round(float(found.frozen_disk.min()), 2)
+    1.15
+    >>> found.words[:6]
+    'Frozen'
     """
 
     limit: float
@@ -94,8 +98,12 @@ def margins_along(
 
     Example
     -------
-    >>> found = margins_along(arm.linearize_along(motion), gains, outputs=["tip_y"])
+    >>> gains = np.tile(law.K, (len(motion.t), 1, 1))
+    >>> found = margins_along(arm.linearize_along(motion), gains, outputs=["tip_deflection"])
     >>> print(found.words)
+    Frozen, the loop is at worst at 0.14 s: disk 1.15, gain 0 to 9.25, phase 63.7 deg, delay 0.0338 s. Along
+    the motion no output is pushed more than 2 times as far with a gain of 0.0785 to 7.41, a phase of 56 deg
+    or a delay of 0.0319 s.
     """
     ltv = require_instance("margins_along.ltv", ltv, LTVModel)
     n, nu = len(ltv.states), len(ltv.inputs)

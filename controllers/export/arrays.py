@@ -31,8 +31,8 @@ def arrays_of(what: Any) -> dict[str, Any]:
 
     Example
     -------
-    >>> arrays_of(LQR.for_scene(scene))["K"].shape
-    (2, 12)
+    >>> arrays_of(law)["K"].shape
+    (1, 6)
     """
     found: dict[str, Any] = {}
     if isinstance(what, LinearModel):
@@ -71,7 +71,8 @@ def export_arrays(what: Any, path: str | Path) -> Path:
 
     Example
     -------
-    >>> export_arrays(plant.linearize(x0, u0), "craft.mat")
+    >>> print(export_arrays(arm.linearize(*scene.target), "arm.mat"))
+    arm.mat
     """
     target = require_path("export_arrays.path", path)
     if target.suffix not in (".mat", ".npz"):

@@ -52,7 +52,8 @@ def export_c(what: Any, path: str | Path, *, dt: float | None = None, precision:
 
     Example
     -------
-    >>> export_c(LQR.for_scene(scene), "flight/pointing.c", precision="single")
+    >>> print(*export_c(law, "pointing.c", precision="single"))
+    pointing.c pointing.h
     """
     target = require_path("export_c.path", path)
     if target.suffix != ".c":

@@ -54,9 +54,10 @@ class MultiModelLQR(OwnsArrays):
 
     Example
     -------
-    >>> law = MultiModelLQR.for_scene(scene, reads="sensors")
-    >>> law.reset()
-    >>> u = law.act(0.0, y)
+    >>> many = MultiModelLQR.for_scene(scene)
+    >>> many.reset()
+    >>> many.act(0.0, np.zeros(len(many.reads))).shape
+    (1,)
     """
 
     K: Array  # (nu, ny history + nu past)
@@ -97,8 +98,7 @@ class MultiModelLQR(OwnsArrays):
 
         Example
         -------
-        >>> law = MultiModelLQR.for_scene(scenes.get("two-link-reach"), reads="sensors")
-        >>> law.radius < 1
+        >>> MultiModelLQR.for_scene(scene).radius < 1
         True
         """
         require_scene("MultiModelLQR.for_scene", scene)

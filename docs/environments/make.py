@@ -43,6 +43,12 @@ the reward "cost" from the scene's own start. Learners with their defaults: [lea
 | scene | environment | states | actions | episode |
 | --- | --- | ---: | ---: | --- |
 """
+MOVING = """![{name}, played](../figures/moving/{name}.webp)
+
+Played under LQR, or in open loop where there is none (`docs/figures/moving.py`). Deformations are as large as they
+are, or magnified by the number that stands in the picture.
+
+## Facts"""
 
 
 def draw(scene, path: Path) -> None:
@@ -59,7 +65,8 @@ lines = []
 for name in (*SCENES, *VARIANTS):
     scene = scenes.get(name)
     draw(scene, HERE / f"{name}.png")
-    (HERE / f"{name}.md").write_text(markdown(scene, returns(scene, kept), picture=f"{name}.png"), encoding="utf-8")
+    text = markdown(scene, returns(scene, kept), picture=f"{name}.png")
+    (HERE / f"{name}.md").write_text(text.replace("## Facts", MOVING.format(name=name), 1), encoding="utf-8")
     lines.append(
         f"| [{name}]({name}.md) | {environment_id(name)} | {scene.plant.nx} | {scene.plant.nu} "
         f"| {scene.duration:g} s of {scene.dt:g} s |"

@@ -1,7 +1,7 @@
 """MkDocs hook: the pages that are written once elsewhere, and the API page from the public `__all__`s.
 
 README.md becomes the start page, CONTRIBUTING.md the page of the house, SECURITY.md its own, with links set right;
-`api.md` gets an entry for each name that the four packages export.
+`api.md` gets an entry for each name that the four packages export, `theory.md` the table of one paper's misprints.
 """
 
 from __future__ import annotations
@@ -31,9 +31,21 @@ def on_page_markdown(markdown: str, *, page: Any, config: Any, files: Any) -> st
     page.meta["hide"] = ["navigation"]  # the tabs do
     if place in COPIED:
         return relinked((ROOT / COPIED[place]).read_text(encoding="utf-8"))
+    if place == "theory.md":
+        return markdown.replace("<!-- remarks -->", remarks())
     if place == "api.md":
         return re.sub(r"<!-- pliant\.(\w+) -->", lambda found: entries(found[1]), markdown)
     return markdown
+
+
+def remarks() -> str:
+    """A table of the spacecraft paper's blocks that differ in print, from where they are found."""
+    source = ROOT / "plants" / "spacecraft_perturbation" / "printed_equations.py"
+    for node in ast.parse(source.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "REMARKS":
+            told: dict[str, str] = ast.literal_eval(node.value)
+            return "\n".join(["| block | in print |", "|---|---|", *(f"| {k} | {v} |" for k, v in told.items())])
+    raise LookupError(f"{source}: no REMARKS")
 
 
 def relinked(text: str) -> str:

@@ -25,7 +25,14 @@ def check_scene(scene: Scene) -> Checked:
 
     ContractError, which lists every fault in words. The plant's own word is `pliant.plants.check`'s.
 
-    >>> print(check_scene(scenes.get("two-link-reach")))
+    >>> print(check_scene(scene))
+    scene 'single-link-slew'
+      start        at rest without inputs
+      goal         at rest without inputs
+      rungs        start and goal on 10 of 10
+      nominal      inputs within the limits
+      open loop    runs, within the bounds
+      environment  4 observations, one step runs
     """
     require_instance("check_scene.scene", scene, Scene)
     faults: list[str] = []

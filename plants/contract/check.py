@@ -43,7 +43,8 @@ def check(plant: Plant, *, points: int = 4, seed: int = 0) -> Checked:
 
     ContractError, which lists every fault in words. What holds at some points is not shown to hold at others.
 
-    >>> print(plants.check(Crane()))
+    >>> print(str(check(arm)).splitlines()[0])
+    SingleLinkArm (stiffened, payload 2)
     """
     require_instance("check.plant", plant, Plant)
     count = require_count("check", "points", points, 1, 1000)

@@ -199,8 +199,8 @@ class Declaration(PlantTable, ABC):
         spacecraft x holds a unit quaternion: dx keeps its length, and y holds twice its vector part.
 
         >>> f = arm.casadi()
-        >>> x = opti.variable(arm.nx)  # of a casadi.Opti
-        >>> opti.subject_to(f(x=x, u=u)["dx"] == 0)
+        >>> f(x=scene.initial[0], u=0.0)["dx"].shape
+        (6, 1)
         """
         return self._function
 

@@ -163,7 +163,7 @@ class Plant(PlantContract):
     def left_ranges(self, motion: Trajectory, *, p: Any = None) -> tuple[Left, ...]:
         """Where a motion in this plant's signals leaves the ranges of `validity`, judged at its times; () where not.
 
-        >>> for left in arm.left_ranges(motion): print(left.words)
+        >>> assert not arm.left_ranges(motion)  # of each: print(left.words)
         """
         return left(self, motion, p)
 

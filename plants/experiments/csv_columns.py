@@ -33,7 +33,10 @@ def read_experiment(
 
     Inputs that have no column are zero. start, unknown, hold and name are those of `Experiment`.
 
-    >>> motion = read_experiment(arm, "run1.csv", unknown="all")
+    >>> write_experiment(arm, Experiment.of(motion, noise={"hub_angle": 2.4e-5}), "run1.csv")
+    >>> read = read_experiment(arm, "run1.csv", unknown="all")
+    >>> read.t.shape == motion.t.shape
+    True
     """
     plant = is_plant("read_experiment", plant)
     place = require_path("read_experiment.path", path)
@@ -72,7 +75,7 @@ def read_experiment(
 def write_experiment(plant: Plant, motion: Experiment | Trajectory, path: str | Path) -> None:
     """Write a motion of a plant as such a file; missing samples become empty cells.
 
-    >>> write_experiment(arm, Experiment.of(motion, noise={"theta1": 2.4e-5}), "run1.csv")
+    >>> write_experiment(arm, Experiment.of(motion, noise={"hub_angle": 2.4e-5}), "run1.csv")
     """
     one = checked(is_plant("write_experiment", plant), motion, "write_experiment.motion")
     known = {s.name: s for s in plant.states + plant.outputs}

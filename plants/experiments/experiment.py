@@ -42,7 +42,10 @@ class Experiment(OwnsArrays):
     w         (nw,) constant disturbances, None: zero
     hold      what the input does between two samples: "zero-order" keeps the earlier row, "linear" joins the rows
 
-    >>> Experiment(t=t, u={"torque": torque}, measured={"hub_angle": encoder, "root_curvature": gauge}, unknown="all")
+    >>> torque, encoder = motion["hub_torque"], motion["hub_angle"]
+    >>> run = Experiment(t=motion.t, u={"hub_torque": torque}, measured={"hub_angle": encoder}, unknown="all")
+    >>> list(run.measured)
+    ['hub_angle']
     """
 
     t: Any

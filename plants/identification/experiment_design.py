@@ -89,8 +89,10 @@ def rank_motions(
 
     Raises IntegrationError where a motion is not finite.
 
-    >>> ranking = rank_motions(arm.vary("link1.E", "payload.mass"), [slow, fast], noise={"theta1": 2.4e-5})
-    >>> ranking.best.name, ranking.best.standard_errors["link1.E"]
+    >>> noise = {s.name: 1e-3 for s in arm.outputs}  # standard deviations, each in its unit
+    >>> ranking = rank_motions(arm.vary("link.E"), [motion], noise=noise)
+    >>> sorted(ranking.best.standard_errors)
+    ['link.E']
     """
     owner = "rank_motions"
     require_choice(owner, "criterion", criterion, CRITERIA)

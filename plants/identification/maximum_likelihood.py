@@ -61,8 +61,10 @@ def identify(
 
     Raises IntegrationError where no search has a start whose motion is finite. See `Identification` for the result.
 
-    >>> found = identify(arm.vary("link1.E", "payload.mass"), motions, noise={"theta1": 2.4e-5})
-    >>> found.values["link1.E"], found.intervals["link1.E"], found.unidentifiable, found.doubts
+    >>> found = identify(arm.vary("link.E"), [motion], noise={"hub_angle": 2.4e-5})
+    >>> low, high = found.intervals["link.E"]
+    >>> low < found.values["link.E"] < high, found.unidentifiable
+    (True, ())
     """
     began, owner = clock.perf_counter(), "identify"
     problem, levels = stated(owner, plant, motions, noise, bounds, start)

@@ -165,6 +165,9 @@ class ModalData(ModalFields):
         recovery matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and
         frequencies are exact; `craig_bampton` says what the matrices do not hold.
 
-        >>> ModalData.from_craig_bampton(mxx, kxx, boundary=[[0.0, 0.0, 0.0]], modes=6, damping=0.01)
+        >>> mxx, kxx = np.diag([2.0, 2.0, 2.0, 0.5, 0.5, 0.5, 1.0]), np.diag([0.0] * 6 + [400.0])
+        >>> mxx[2, 6] = mxx[6, 2] = 0.9  # the mode and the boundary's z
+        >>> ModalData.from_craig_bampton(mxx, kxx, boundary=[[0.0, 0.0, 0.0]], modes=1, damping=0.01).mass
+        2.0
         """
         return cls(**craig_bampton(mass, stiffness, boundary, axes, freedoms, origin, modes, damping, nodes))

@@ -31,7 +31,8 @@ class ModalNode(OwnsArrays):
     `turns` None: nothing is known of them, and what hangs there does not turn with it. `shortening` g_kl there, None
     where it is not known.
 
-    >>> ModalNode("tip", position=(5.0, 0.0, 0.0), shapes=[[0.0, 0.0, 2.0]], turns=[[0.0, -0.55, 0.0]])
+    >>> ModalNode("tip", position=(5.0, 0.0, 0.0), shapes=[[0.0, 0.0, 2.0]], turns=[[0.0, -0.55, 0.0]]).name
+    'tip'
     """
 
     name: str

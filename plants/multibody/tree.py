@@ -61,7 +61,10 @@ class FlexibleTree(TreeDynamics):
     `base`: "fixed", "free" (of inertia `platform`, its offset from the base's origin), or "driven" in `base_freedoms`,
     whose accelerations are inputs. `state` makes states by name, with unit quaternions.
 
-    >>> arm = FlexibleTree.serial([TreeBody(name="link", joint=Joint(name="hub"), beam=strip)], gravity=(0, 0, 0))
+    >>> from pliant.plants import Joint
+    >>> link = TreeBody(name="link", joint=Joint(name="hub"), beam=arm.link)
+    >>> FlexibleTree.serial([link], gravity=(0, 0, 0)).nx
+    10
     """
 
     @classmethod

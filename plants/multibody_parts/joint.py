@@ -43,7 +43,8 @@ class ElasticJoint:
     that of its own spin alone, J theta'^2/2: of a large ratio the rest is small (Spong, "Modeling and control of
     elastic joint robots", 1987). The input is the motor's torque at its own shaft.
 
-    >>> ElasticJoint(stiffness=1e4, damping=2.0, ratio=100.0, rotor_inertia=2e-5)
+    >>> ElasticJoint(stiffness=1e4, damping=2.0, ratio=100.0, rotor_inertia=2e-5).ratio
+    100.0
     """
 
     stiffness: Any = quantity("N m/rad", "positive", uncertain=True)
@@ -67,7 +68,8 @@ class Sliding:
     """What holds the shifts of a "planar" or "free" joint: a spring to zero, damping, dry friction, and stops where
     each of them reaches `lower` and `upper`; as those of `Joint`, in metres.
 
-    >>> Sliding(stiffness=200.0, damping=3.0)
+    >>> Sliding(stiffness=200.0, damping=3.0).stiffness
+    200.0
     """
 
     stiffness: Any = quantity("N/m", "nonnegative", 0.0)
@@ -106,7 +108,8 @@ class Joint:
     reaction), or there is "none". Limits are told, and held where `stop_stiffness` > 0: by the spring k d^2/2 with
     d = (z + sqrt(z^2 + stop_width^2))/2, z beyond them.
 
-    >>> Joint(name="shoulder", axis=(0, 0, 1), damping=0.1)
+    >>> Joint(name="shoulder", axis=(0, 0, 1), damping=0.1).kind
+    'revolute'
     """
 
     name: str = field(metadata={"gate": name_gate})
@@ -191,7 +194,8 @@ class Joint:
 class Frame:
     """A named place on a body, or on the base: a tool, a sensor. Placed as a joint is.
 
-    >>> Frame(name="camera", body="hand", position=(0.0, 0.0, 0.1))
+    >>> Frame(name="camera", body="hand", position=(0.0, 0.0, 0.1)).body
+    'hand'
     """
 
     name: str = field(metadata={"gate": name_gate})
@@ -211,7 +215,8 @@ class Frame:
 class FrameThruster:
     """A thruster at a named frame of any body: it pushes along `direction`, in the frame's axes; its input is [N].
 
-    >>> FrameThruster(frame="nozzle", direction=(0.0, 0.0, 1.0))
+    >>> FrameThruster(frame="nozzle", direction=(0.0, 0.0, 1.0)).frame
+    'nozzle'
     """
 
     frame: str = field(metadata={"gate": name_gate})

@@ -44,7 +44,10 @@ class TreeBody:
     (None: all), their stiffness times `stiffness_factor`, and `damping_ratio` besides their own damping; what hangs on
     the body hangs on its named nodes.
 
-    >>> TreeBody(name="forearm", joint=Joint(name="elbow"), beam=strip, modes=(2, 2, 1, 0))
+    >>> from pliant.plants import Beam, beams
+    >>> strip = Beam.rectangular(1.0, 0.05, 0.003, beams.ALUMINIUM)
+    >>> TreeBody(name="forearm", joint=Joint(name="elbow"), beam=strip, modes=(2, 2, 1, 0)).modes
+    (2, 2, 1, 0)
     """
 
     name: str = field(metadata={"gate": name_gate})
@@ -90,7 +93,8 @@ class TreeBody:
         Its input `name`_torque is the motor's on the wheel [N m], the negative on the body; `friction` is the bearing's
         [N m s/rad]. What carries it does not count the wheel, unlike `Wheel` of a spacecraft's hub.
 
-        >>> TreeBody.wheel("spinner", "hub", inertia=0.02, axis=(1.0, 0.0, 0.0))
+        >>> TreeBody.wheel("spinner", "hub", inertia=0.02, axis=(1.0, 0.0, 0.0)).name
+        'spinner'
         """
         friction = require_number("TreeBody.wheel.friction", friction, "nonnegative", "N m s/rad")
         joint = Joint(name=name, axis=axis, position=position, damping=friction)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,7 +15,7 @@ import typer
 
 from pliant.envs.scenes.registry import get
 from pliant.plants import PliantError
-from pliant.studies.closed_loop.contestants import CONTESTANTS, Maker
+from pliant.studies.closed_loop.contestants import CONTESTANTS, Maker, OfSeed
 from pliant.studies.scoreboard.own_laws import OwnLaw
 from pliant.studies.scoreboard.raw_runs import RawRuns
 from pliant.studies.scoreboard.scoreboard import BOUNDS, Scoreboard
@@ -44,6 +45,10 @@ def scoreboard(
         list[str] | None,
         typer.Option(metavar="FILE.py:NAME", help="Your own law, played alone or beside --controllers."),
     ] = None,
+    policies: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Training runs SCENE-SEED in it: the policy of each seed plays too."),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Of everything drawn at random.")] = 0,
     jobs: Annotated[int | None, typer.Option(help="Processes; as many as cores if not given.")] = None,
     bounds: Annotated[int | None, typer.Option(help="Runs of each case with a bound; 16 if not given.")] = None,
@@ -55,19 +60,21 @@ def scoreboard(
     as_json: AsJson = False,
 ) -> None:
     """Score every controller on every scene: cost, and its ratio to the least that is possible."""
-    own = _own(law)
+    own = _own(law) | _seeds(policies)
     if scenes and scenes[0] == VERIFY:
         _verify(scenes[1:], cells_again, seed, own, as_json)
         return
     runs, found = QUICK if quick else (seeds, BOUNDS if bounds is None else bounds)
     words = ["pliant", "scoreboard", *(scenes or ()), *(["--quick"] if quick else [])]
     given: dict[str, Any] = {"--seeds": None if quick or seeds == 64 else seeds, "--controllers": controllers}
-    given |= {"--bounds": bounds, "--seed": seed or None, "--out": out}
+    given |= {"--bounds": bounds, "--policies": policies, "--seed": seed or None, "--out": out}
     laws = [w for text in law or () for w in ("--law", text)]
     command = shlex.join(
         [*words, *laws, *(w for key, value in given.items() if value is not None for w in (key, str(value)))]
     )
     chosen: Any = [name.strip() for name in controllers.split(",")] if controllers is not None else None
+    if policies is not None and chosen is None:
+        chosen = list(CONTESTANTS)
     if own:
         unknown = [name for name in chosen or () if name not in CONTESTANTS]
         chosen = chosen if unknown else {**{name: CONTESTANTS[name] for name in chosen or ()}, **own}
@@ -127,6 +134,16 @@ def _require_controllers(own: Mapping[str, Maker], names: list[str] | None) -> N
         else:
             if refused is not None:
                 raise refused
+
+
+def _seeds(folder: Path | None) -> dict[str, Maker]:
+    """A maker a seed that any scene's training has in `folder`."""
+    if folder is None:
+        return {}
+    seeds = {int(found[1]) for found in (re.fullmatch(r".*-(\d+)", one.name) for one in folder.glob("*/")) if found}
+    if not seeds:
+        raise ValueError(f"--policies {str(folder)!r} must hold folders SCENE-SEED with a policy in each")
+    return {f"trained policy, seed {seed}": OfSeed(str(folder), seed) for seed in sorted(seeds)}
 
 
 def _verify(words: list[str], cells_again: int, seed: int, own: Mapping[str, Maker], as_json: bool) -> None:

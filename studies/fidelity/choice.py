@@ -104,8 +104,9 @@ def choose(
 
     Example
     -------
-    >>> found = choose(scenes.get("two-link-reach"), 1e-3)
-    >>> found.plant.label, found.met, [(r.variant, r.bound) for r in found.rungs]
+    >>> found = choose(scene, 3e-3)
+    >>> found.plant.label, found.met
+    ('rigid', True)
     """
     require_instance("choose.scene", scene, Scene)
     tolerance = scene.tolerance if tolerance is None else tolerance

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from .choice import Choice
 
 
-def words(choice: Choice) -> str:
-    """Which variant, how far it is from physics and how well that is known, what it leaves out and what is missing."""
+def headline(choice: Choice) -> str:
+    """Which variant and how far it is from physics, in one sentence."""
     rung = next((r for r in choice.rungs if r.chosen), None)
     outputs = listed(choice.compare)
 
@@ -21,26 +21,34 @@ def words(choice: Choice) -> str:
 
     everywhere = f" on all {choice.motions} motions" if choice.motions > 1 else ""
     if rung is None:
-        parts = [
+        return (
             f"No variant is chosen: how far any of them is from physics{everywhere} is not known. "
             f"{choice.plant.label} ({choice.plant.nx} states) is returned unchecked."
-        ]
-    elif choice.met and len(choice.rungs) == 1 and choice.physics.startswith(f"{rung.variant},"):
-        parts = [
+        )
+    if choice.met and len(choice.rungs) == 1 and choice.physics.startswith(f"{rung.variant},"):
+        return (
             f"{rung.variant} ({rung.states} states) is the plant's only variant, and physics as far as it is modelled "
             f"here: it keeps {outputs} within {said(choice.tolerance)}{everywhere}."
-        ]
-    elif choice.met:
-        parts = [
+        )
+    if choice.met:
+        return (
             f"{rung.variant} ({rung.states} states) is the cheapest variant that keeps {outputs} within "
             f"{said(choice.tolerance)} of physics{everywhere}: it is {said(rung.error or 0.0)} away."
-        ]
-    else:
-        nearest = "" if rung.error is None or rung.error == float("inf") else f", {said(rung.error)} away"
-        parts = [
-            f"No variant is shown to keep {outputs} within {said(choice.tolerance)} of physics{everywhere}; "
-            f"the nearest, {rung.variant}{nearest}, is returned."
-        ]
+        )
+    nearest = "" if rung.error is None or rung.error == float("inf") else f", {said(rung.error)} away"
+    return (
+        f"No variant is shown to keep {outputs} within {said(choice.tolerance)} of physics{everywhere}; "
+        f"the nearest, {rung.variant}{nearest}, is returned."
+    )
+
+
+def words(choice: Choice) -> str:
+    """The headline, how well physics is known, what the variant leaves out and what is missing."""
+
+    def said(value: float) -> str:
+        return measured(value, choice.unit)
+
+    parts = [headline(choice)]
     if choice.convergence < float("inf"):
         parts.append(f"Physics is {choice.physics}, known to {said(choice.convergence)}.")
     else:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from pliant.plants.core.argument_gates import require_path
 from pliant.plants.files.atomic_files import Together, replacing
+from pliant.studies.common.compact_svg import compact
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -139,7 +140,7 @@ def inline(figure: Figure) -> str:
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r' xmlns(:\w+)?="[^"]*"', "", text)
     text = re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"|(<svg[^>]*?) height="[^"]*" width="[^"]*"', _bare, text)
-    return text.replace(INK, "currentColor").replace("xlink:href", "href")
+    return compact(text.replace(INK, "currentColor").replace("xlink:href", "href"))
 
 
 def _bare(match: re.Match[str]) -> str:

@@ -25,10 +25,14 @@ def verdict(found: Findings) -> str:
     return f"{told.sentence} {found.judgement.over_ranges}".strip()
 
 
+def played(found: Findings) -> list[Contest]:
+    """The controllers that were played on the scene's own plant."""
+    return [c for c in found.contests if c.plant == found.scene.plant.label and c.cost is not None]
+
+
 def contest(found: Findings) -> str:
     """What the controllers cost on the scene's plant in one sentence; "" where none was played to the end."""
-    label = found.scene.plant.label
-    own = [c for c in found.contests if c.plant == label and c.cost is not None]
+    own = played(found)
     if not any(c.controller != "LQR" for c in own):
         return ""
     costs = ", ".join(f"{c.controller} {number(c.cost)}{' (ended early)' if c.failure else ''}" for c in own)
@@ -50,7 +54,7 @@ def stability(found: Findings) -> str:
     if told is None:
         text += paragraph(f"No verdict: {judged.reason}.", "warning")
     else:
-        rows += [("verdict", told.verdict), ("decided by", _words(told.method) if told.method else "no method")]
+        rows += [("verdict", told.verdict), ("decided by", called(told.method) if told.method else "no method")]
         rows.append(("margin", f"{number(told.margin)} 1/s; below zero, deviations grow on average"))
         if told.horizon is None:
             rows.append(("numbers of the motion", f"none: {told.no_horizon}"))
@@ -72,7 +76,7 @@ def stability(found: Findings) -> str:
         text += paragraph(pushed) + table(columns, told.horizon.rows())
     if told is not None:
         marked = [i for i, (_, role, _) in enumerate(told.rows()) if role == "decides"]
-        methods = [(_words(name), role, words) for name, role, words in told.rows()]
+        methods = [(called(name), role, words) for name, role, words in told.rows()]
         text += table(("method", "role", "what it says, or why it was not used"), methods, marked=marked)
         if told.critical_times:
             text += paragraph(
@@ -117,7 +121,11 @@ def loops(found: Findings) -> str:
     told = driven_to_goal(scene)
     units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in told))
     head = ("run on", "states", "cost", f"end error [{units}]", "at a limit", "about the goal", "least damped mode")
-    return text + table(head, rows)
+    text += table(head, rows)
+    for loop in found.loops:
+        if loop.failure and loop.stable is not None:
+            text += paragraph(f"No run on {loop.name}. {loop.failure}.", "warning")
+    return text
 
 
 def controllers(found: Findings) -> str:
@@ -144,12 +152,10 @@ def controllers(found: Findings) -> str:
     head = ["on", "controller", "cost", f"end error [{units}]", peak, "at a limit", "predicted violations"]
     keep = [i for i in range(len(head)) if i != PEAK or bent]
     rows = [_row(c) for c in contests]
-    failed = any(c.failure for c in contests)
-    if failed:
-        head.append("failure")
-        keep.append(len(head) - 1)
-    picked = [[(*row, c.failure)[i] for i in keep] for row, c in zip(rows, contests, strict=True)]
-    text += table([head[i] for i in keep], picked)
+    text += table([head[i] for i in keep], [[row[i] for i in keep] for row in rows])
+    for c in contests:
+        if c.failure:
+            text += paragraph(f"{c.controller} on {c.plant}: {c.failure.removesuffix('.')}.", "warning")
     text += paragraph(
         "At a limit: share of the control periods with an input at its limit. Predicted violations: acts of the MPC "
         "whose plan exceeds a bound of the scene, which it may at a price, by its own record. Lines that coincide hide "
@@ -179,5 +185,6 @@ def _reduced(found: Findings) -> str:
     )
 
 
-def _words(method: str) -> str:
+def called(method: str) -> str:
+    """What a method of stability is called."""
     return {"floquet": "Floquet multipliers", "lyapunov": "Lyapunov certificate"}.get(method, method.replace("_", " "))

@@ -42,7 +42,7 @@ def front(found: Findings) -> str:
 def choice(found: Findings) -> str:
     """The ladder and what each effect is worth."""
     choice = found.choice
-    text = paragraph(
+    text = paragraph(choice.text) + paragraph(
         "The cheapest rung whose difference from physics, with what physics is known to, keeps the tolerance is taken; "
         "that rungs agree with each other shows nothing, as they may lack the same effect."
     )

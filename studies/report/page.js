@@ -24,7 +24,7 @@
     const paint = { fill: "none", stroke: colours[i], "stroke-linecap": "round", "stroke-linejoin": "round" };
     const label = document.createElement("span");
     label.textContent = arm.name;
-    label.style.color = colours[i];
+    label.style.borderColor = colours[i];
     key.appendChild(label);
     return {
       arm: arm,

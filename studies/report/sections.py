@@ -16,7 +16,7 @@ from pliant.studies.common.formatting import counted, measured, paragraph, pictu
 from pliant.studies.figures import arm_outline
 from pliant.studies.figures.motion import still
 
-from . import control_sections, fidelity_sections
+from . import answer, control_sections, fidelity_sections
 from .findings import Findings
 
 KINDS = {"N m": "torques", "N": "forces", "rad/s^2": "accelerations", "m/s^2": "accelerations"}  # inputs by unit
@@ -36,9 +36,9 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
         return fidelity_sections.chart(found) + interactive + fidelity_sections.front(found) + drawn("settings")
 
     parts: list[tuple[str, Callable[[], str]]] = [
-        ("The answer", lambda: _answer(found)),
+        ("The answer", lambda: answer.answer(found)),
         ("The motion", lambda: _motion(found) + drawn("motion", "shapes", "tip_path")),
-        ("Modes and frequencies", lambda: told(found, "The modes", lambda: _modes(found)) + _frequencies(found)),
+        ("Modes and frequencies", lambda: answer.told(found, "The modes", lambda: _modes(found)) + _frequencies(found)),
         ("The linear model at the goal", lambda: _goal(found) + drawn("eigenvalues")),
         ("The linear model along the motion", lambda: _along(found) + drawn("frozen_eigenvalues")),
         ("Stability along the motion", lambda: control_sections.stability(found) + drawn("stability")),
@@ -48,59 +48,11 @@ def all_of(found: Findings, inlined: dict[str, str]) -> list[tuple[str, str]]:
         ("The smallest model", lambda: fidelity_sections.choice(found) + drawn("ladder", "effects")),
         ("Versions and machine", lambda: table(("what", "value"), list(found.machine.items()))),
     ]
-    made = [(title, told(found, title, part)) for title, part in parts]
+    made = [(title, answer.told(found, title, part)) for title, part in parts]
     undrawn = [f"{name}: {why}" for name, why in found.lost.items() if name.startswith(("figure ", "table "))]
     if undrawn:
         made[-1] = (made[-1][0], made[-1][1] + "".join(paragraph(f"Not made: {line}.", "warning") for line in undrawn))
     return made
-
-
-def told(found: Findings, name: str, part: Callable[[], str]) -> str:
-    """What a part of the page says; where it fails, in its place why."""
-    text: str | None = found.attempt(name, part)
-    if text is None:
-        return paragraph(f"{name}: nothing to tell. {_sentence(found.lost[name])}", "warning")
-    return text
-
-
-def _sentence(text: str) -> str:
-    return text if text.endswith((".", "!", "?")) else f"{text}."
-
-
-def _answer(found: Findings) -> str:
-    return "".join(
-        (
-            told(found, "Stability in words", lambda: paragraph(control_sections.verdict(found))),
-            told(found, "The smallest model in words", lambda: paragraph(found.choice.text)),
-            told(found, "The scene's own plant against physics", lambda: _own_error(found)),
-            told(found, "Closed loop in words", lambda: _regulated(found)),
-        )
-    )
-
-
-def _own_error(found: Findings) -> str:
-    scene, tolerance = found.scene, measured(found.scene.tolerance, found.scene.unit)
-    away = measured(found.scene_error, scene.unit)
-    own = f"The scene's own plant, {scene.plant.label}, is {away} from the finest variant"
-    if found.scene_error > scene.tolerance:
-        more = f"{own}: more than the tolerance of {tolerance}. Positions on this page carry that error."
-        return paragraph(more, "warning")
-    return paragraph(f"{own}, within the tolerance of {tolerance}.")
-
-
-def _regulated(found: Findings) -> str:
-    costs = paragraph(control_sections.contest(found)) if control_sections.contest(found) else ""
-    if found.law is None:
-        return paragraph(f"There is no LQR about the goal. {_sentence(found.no_law)}", "warning") + costs
-    stable = [loop for loop in found.loops if loop.stable]
-    words = f"The LQR designed on it is stable on {len(stable)} of {counted(len(found.loops), 'plant')}"
-    if found.loops[0].cost is not None and not costs:
-        words += f"; on the design plant it costs {found.loops[0].cost:.4g}"
-    text = paragraph(f"{words}.")
-    for loop in found.loops:
-        if not loop.stable:
-            text += paragraph(f"On {loop.name}: {loop.verdict}.", "warning")
-    return text + costs
 
 
 def _motion(found: Findings) -> str:
@@ -115,7 +67,7 @@ def _motion(found: Findings) -> str:
     if beyond := largest_beyond(scene, found.open_loop.t, found.open_loop.u):
         text += paragraph(f"They are beyond the limits, which controllers keep: {beyond}.", "warning")
     motions = [("Open loop", found.nominal)]
-    motions += [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
+    motions += [(f"LQR on {loop.name}", loop.motion) for loop in found.loops if loop.motion is not None]
     for name, motion in motions:
         for entry in motion.stats.get("validity", ()):
             text += paragraph(f"{name}, the motion leaves the range of its kinematics: {in_words(entry)}.", "warning")
@@ -190,7 +142,7 @@ def _frequencies(found: Findings) -> str:
         marked = [i for i, (label, _) in enumerate(found.frequencies) if label == found.scene.plant.label]
         text += table(("variant", *(f"{i + 1}" for i in range(count))), locked, marked=marked)
     for label, why in found.unheld:
-        text += paragraph(f"{label} has none: {_sentence(why)}", "warning")
+        text += paragraph(f"{label} has none: {answer.sentence(why)}", "warning")
     return text
 
 
