@@ -9,10 +9,11 @@ from users_plants import LIFT, LOAD, ROPE, TROLLEY, TURN, Crane, Tables
 
 from pliant.controllers import PD, sensors_of
 from pliant.controllers.base.joint_reference import Joints, joints
+from pliant.controllers.joint_control.pd import fastest_decay
 from pliant.controllers.optimal_control.plan import rigid_motion
 from pliant.envs import PlantEnv
 from pliant.envs.rendering.planar import renderer
-from pliant.plants import Plant, Signal
+from pliant.plants import Plant, PliantError, Signal
 from pliant.plants.core.signals import Joint
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.native.batch_kernels import random_points
@@ -146,3 +147,10 @@ def test_a_plan_needs_no_order_of_states():
     middle = (np.arange(steps) + 0.5) / steps
     assert u[:, 0] == pytest.approx(2.5 * 3.0 * minimum_jerk(middle)[2] / 2.0**2, rel=1e-9)
     assert x[-1] == pytest.approx([0.0, 3.0]) and x[steps // 2] == pytest.approx([3.0 * 1.875 / 2.0, 1.5])
+
+
+def test_a_pd_at_what_no_motor_drives_is_refused_in_words():
+    sled = Sled().linearize(np.zeros(4))
+    with pytest.raises(PliantError, match="PD: no input accelerates each of place, must be one that a motor drives"):
+        fastest_decay(sled, Joints(("place",), ("speed",)), 0.02)
+    assert (fastest_decay(sled, Joints(("winch",), ("winch_speed",)), 0.02)[0] > 0).all()
