@@ -244,10 +244,10 @@ def fastest_decay(
     one_each = np.eye(n) if inputs is None else inputs
     sampled, S = model.discretize(dt), rows(model, at.positions + at.rates)
     reach = rows(model, at.rates) @ model.B @ one_each
-    if np.linalg.matrix_rank(reach) < n:
-        raise PliantError(
-            f"PD: no input accelerates each of {', '.join(at.positions)}, must be one that a motor drives"
-        )
+    largest = np.maximum(np.abs(reach).max(axis=1, keepdims=True), np.finfo(float).tiny)  # each of its own unit
+    if np.linalg.matrix_rank(reach / largest) < n:
+        places = ", ".join(at.positions)
+        raise PliantError(f"PD: no input accelerates each of {places}, must be one that a motor drives")
     hub = np.abs(np.diag(np.linalg.inv(reach)))
 
     def gains(logs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
