@@ -30,8 +30,8 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.stability.floquet import floquet
 from pliant.plants.stability.frozen_time import model_states
 from pliant.plants.stability.transition_growth import chain
-from pliant.plants.stability.verdict import rounding
 from pliant.plants.transitions.eigenvalue_bounds import bounds
+from pliant.plants.transitions.matrix_rounding import rounding
 from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, kept, scaling
 
 from .long_run import Spectrum, from_intervals

@@ -15,6 +15,7 @@ from pliant.plants.finite_horizon.asked import Asked, listed
 from pliant.plants.finite_horizon.horizon import FiniteHorizon, numbers
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.transitions.eigenvalue_bounds import EPS, bounds
+from pliant.plants.transitions.matrix_rounding import cancelled, rounding
 from pliant.plants.transitions.state_matrix_path import CLEAR, kept, scaling, unfelt
 
 from .floquet import Floquet
@@ -22,7 +23,6 @@ from .frozen_time import said_coordinates
 
 METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time", "exponents")
 ROUNDED = 1e-9  # of |A|, of a multiplier: an error so small is told as what it is
-CANCELLED = 16  # times the rounding of a term: sums of as many
 GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
 
@@ -86,7 +86,7 @@ class Verdict(OwnsArrays, VerdictTable):
             at = "at an estimated" if self.provided and not np.isfinite(bound) else "at"
             what = "die out" if self.verdict == "stable" else "grow"
             later = f" in the long run, provided that {self.provided}" if self.provided else ""
-            return f"deviations {what} {at} {abs(decay):.3g} 1/s{known}{later}"
+            return f"deviations {what} {at} {abs(decay):.3g} 1/s{known}{later}{self._first}"
         drift = f"drift of {listed(self.drifting)}, which nothing else feels" if self.drifting else ""
         if self.verdict == "marginal":
             if self.growth == "polynomial":
@@ -95,6 +95,14 @@ class Verdict(OwnsArrays, VerdictTable):
         if self.verdict in ("drift", "bounded"):
             return f"{drift}; {self.why.split('; ')[-1]}" if self.verdict == "drift" else self.why
         return f"whether deviations die out is not shown: {self.why.split(', ')[0]}"
+
+    @property
+    def _first(self) -> str:
+        """What goes before a decay that slow variation shows, whose measure is not the size of a deviation."""
+        grown: Any = self.evidence.get("growth")
+        if self.method != "slow_variation" or grown is None or not grown.total > 1.0:
+            return ""
+        return f" in the measure of slow variation, though some end {grown.total:.3g} times as large as they began"
 
     def rows(self) -> list[tuple[str, str, str]]:
         """Method, role ("decides", "beside", "not used") and words: the verdict's table."""
@@ -261,24 +269,6 @@ def made(
         kind,
         drifting,
     )
-
-
-def rounding(A: np.ndarray) -> np.ndarray:
-    """What rounding leaves open (n, n) in a matrix that came out of a computation; zeros are taken as meant."""
-    size = np.abs(A)
-    row, column = size.sum(axis=1, keepdims=True), size.sum(axis=0, keepdims=True)
-    return EPS * (2 * len(A) * size + 4 * np.minimum(row, column)) * (size > 0)
-
-
-def cancelled(A: np.ndarray, units: Sequence[str]) -> np.ndarray:
-    """What is open (n, n) in entries that are left where larger ones cancel: rounding of the largest entry of their row
-    among states of the same unit, which no choice of units changes. Zeros, and states without a unit, leave nothing.
-    """
-    size, D = np.abs(A), np.zeros(A.shape)
-    for unit in {unit for unit in units if unit}:
-        own = [k for k, name in enumerate(units) if name == unit]
-        D[:, own] = CANCELLED * EPS * size[:, own].max(axis=1, keepdims=True)
-    return D * (size > 0)
 
 
 def degree(M: np.ndarray, values: np.ndarray, errors: np.ndarray, near: np.ndarray) -> int:

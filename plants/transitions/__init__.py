@@ -3,5 +3,6 @@
 interpolation      entries of A(t) between the nodes, with a bound on what is missed
 state_matrix_path  A(t) as a function of time in scaled coordinates; which states may be judged alone
 transition_error   the transition matrix and its error, entry by entry
+matrix_rounding    what rounding leaves open in the entries of a matrix
 eigenvalue_bounds  eigenvalues of every matrix within such an error
 """

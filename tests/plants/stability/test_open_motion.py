@@ -75,3 +75,14 @@ def test_a_root_that_leaves_zero_at_the_start_has_no_critical_time_there():
     A = np.zeros((201, 2, 2))
     A[:, 0, 1], A[:, 1, 0] = 1.0, t
     assert min(assess(ltv(t, A), periodic=False).critical_times, default=1.0) > 0.01
+
+
+def test_a_decay_by_slow_variation_says_that_deviations_end_larger():
+    """Far from normal and slow to change: on so short a record they have grown, and the roots are believed all the
+    same."""
+    t = np.linspace(0.0, 1.0, 201)
+    A = np.repeat(np.array([[-1.0, 8.0, 0.0], [0.0, -1.0, 8.0], [0.0, 0.0, -1.0]])[None], 201, axis=0)
+    A[:, 0, 0] -= 1e-3 * np.sin(t)
+    told = assess(ltv(t, A), periodic=False)
+    assert (told.verdict, told.method) == ("stable", "slow_variation") and told.evidence["growth"].total > 1
+    assert "times as large as they began" in told.sentence
