@@ -53,6 +53,8 @@ class MarginsAlong(OwnsArrays):
     >>> found = margins_along(arm.linearize_along(motion), gains, outputs=["tip_deflection"])
     >>> round(float(found.frozen_disk.min()), 2)
     1.15
+    >>> found.words[:6]
+    'Frozen'
     """
 
     limit: float

@@ -58,6 +58,8 @@ class MissOverBox(OwnsArrays):
     >>> found = miss_over_box(arm, motion, {"payload.mass": (0.09, 0.11)}, ["tip_deflection"])["tip_deflection"]
     >>> found.lower <= found.upper
     True
+    >>> found.words[:18]
+    'For all of the box'
     """
 
     output: str
