@@ -6,7 +6,7 @@ SCENE  ?= two-link-reach
 STEP   := $(PYTHON) .ci/step.py
 PIP    := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: report test bench campaign check check-types check-types-user check-house docs architecture clean
+.PHONY: report test bench campaign check check-types check-types-user check-house docs architecture dist clean
 
 $(VENV)/ready: pyproject.toml setup.py constraints.txt
 	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Pliant needs Python >= 3.11; set PYTHON=')"
@@ -75,6 +75,15 @@ docs: $(VENV)/docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet --site-dir build/site
 	$(BIN)/python docs/house/browser.py build/site
 	@echo "build/site/index.html" >&2
+
+# The archive and the wheel, checked and tried in an empty environment. DIST=--contents needs no network.
+$(VENV)/dist: $(VENV)/ready
+	@$(STEP) "twine" build/set-up-dist.log $(PIP) ".[dev,dist]" \
+	  || echo "twine does not install here: its check is left out" >&2
+	@touch $@
+
+dist: $(VENV)/dist
+	$(BIN)/python .ci/dist.py $(DIST)
 
 clean:
 	rm -rf $(VENV) .editable build dist reports

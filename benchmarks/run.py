@@ -53,7 +53,8 @@ PARTS: dict[str, Callable[[], Sequence[sampling.Case]]] = {
     "stability": lambda: list(stability.cases()),
     "spacecraft": lambda: list(spacecraft.cases()),
     "controllers": lambda: list(controller_acts.cases()),
-    "trees": lambda: [*trees.cases(), *tree_growth.cases()],
+    "trees": lambda: list(trees.cases()),
+    "tree growth": lambda: list(tree_growth.cases()),
 }
 PACKAGES = (
     "pliant",
@@ -97,6 +98,11 @@ def notes(part: str | None, rows: Sequence[sampling.Row], soak: soaking.Soak | N
         said.append(
             f"**Disturbed run**: other processes used {mean(others):.2f} processors on average. Ratios hold roughly, "
             "rates and times are worse than the machine's own; repeat it on an idle machine."
+        )
+    if sampling.BUSY in os.environ:
+        said.append(
+            "Times are of the processor, over the threads of a row, not of the wall: others kept the machine busy, "
+            "which still slows what shares a core's units and caches with them."
         )
     if part in (None, "physics", "environments"):
         said.append(
@@ -156,9 +162,12 @@ def main() -> int:
     parser.add_argument(
         "--against", metavar="PYTHON", help="interpreter of another checkout: its start, in turn with ours"
     )
+    parser.add_argument("--processor-time", action="store_true", help="for a machine that others keep busy: see notes")
     parser.add_argument("--out", type=Path, help="folder for the results")
     given = parser.parse_args()
     rounds = given.rounds or (3 if given.quick else 9)
+    if given.processor_time:
+        sampling.by_processor_time()
     if rounds < 1:
         parser.error(f"--rounds {rounds} must be at least 1")
     whole = not (given.quick or given.only)

@@ -39,7 +39,9 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.robust_analysis.robust_gain import RobustGain, UncertainLTV, robust_gain
     from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box, robust_stability, stands
     from pliant.controllers.robust_analysis.worst_parameters import WorstParameters, worst_parameters
+    from pliant.controllers.robust_design.led import Led
     from pliant.controllers.robust_design.many_model_lqr import MultiModelLQR
+    from pliant.controllers.robust_design.robust_lqg import RobustLQG, robust_lqg
 
 __all__ = [
     "LQG",
@@ -54,6 +56,7 @@ __all__ = [
     "Filter",
     "Filtered",
     "Kalman",
+    "Led",
     "Margins",
     "MarginsAlong",
     "MissOverBox",
@@ -64,6 +67,7 @@ __all__ = [
     "Policy",
     "Predictive",
     "RobustGain",
+    "RobustLQG",
     "RobustStability",
     "Sensor",
     "Shaper",
@@ -86,6 +90,7 @@ __all__ = [
     "riccati",
     "rl",
     "robust_gain",
+    "robust_lqg",
     "robust_stability",
     "roll_off",
     "sensors",
@@ -128,7 +133,9 @@ imports.offer(
         "robust_analysis.robust_gain": "RobustGain UncertainLTV robust_gain",
         "robust_analysis.robust_stability": "RobustStability over_box robust_stability stands",
         "robust_analysis.worst_parameters": "WorstParameters worst_parameters",
+        "robust_design.led": "Led",
         "robust_design.many_model_lqr": "MultiModelLQR",
+        "robust_design.robust_lqg": "RobustLQG robust_lqg",
     },
 )
 imports.serve(

@@ -166,7 +166,8 @@ imports.serve(
         "large_deflection": "large_beam strain=tangent_field spatial_strain=spatial_tangent_field "
         "substructure=sub_beam_chain spatial_chain=spatial_sub_beam_chain sections=cross_sections "
         "transfer=transfer_matrices",
-        "stability": "assessment verdict floquet period=periodicity path=state_matrix_path frozen=frozen_time "
+        "transitions": "path=state_matrix_path",
+        "stability": "assessment verdict floquet period=periodicity frozen=frozen_time "
         "growth=transition_growth certificate=lyapunov_certificate",
         "slider_crank": "slider_crank_rigid=rigid_kinematics cycles=steady_cycles",
         "modal_data": "structural=component_modes",

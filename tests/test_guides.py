@@ -21,7 +21,7 @@ assert abs(free / (9.81 / 3.0 * (1 + 8.0 / 20.0)) ** 0.5 - 1) < 1e-3
 assert tree.nx == 8
 """,
     "integrators.md": "assert off < 1e-6 and 1e-4 < limit < 0.02 and coarse.stats['steps'] > 50\n",
-    "choose_controller.md": "assert found.holds in (True, False)\n",
+    "choose_controller.md": "assert found.holds in (True, False)\nassert reach.cost(played) < 6.0\n",
     "limits.md": "assert arm.unmodelled\n",
     "own_scene.md": "assert observation.shape == (8,) and scene.duration == 4.0\n",
 }

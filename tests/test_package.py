@@ -1,7 +1,9 @@
 """The package: folders that install under one name, a wheel that holds the tree, imports that stay light."""
 
 import importlib
+import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -62,6 +64,46 @@ def test_the_version_is_the_packages(installed):
     for path in (str(installed), ""):
         done = python("-c", code, cwd=ROOT / "tests", env=os.environ | {"PYTHONPATH": path})
         assert done.stdout.split() == [wanted, "False", "False"], done.stderr
+
+
+def test_every_place_has_the_one_version_and_the_readme_names_every_extra():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert f"\nversion: {project['version']}\n" in (ROOT / "CITATION.cff").read_text()
+    heading = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1].rstrip(",")
+    assert heading == project["version"]
+    short = ".".join(project["version"].split(".")[:2])
+    breaking = (ROOT / "docs" / "breaking.md").read_text()
+    assert f"\n## {short} (since" in breaking and f"warns in {short} works in every {short}.x" in breaking
+    table = re.findall(r"^\| (`.*`) \|", (ROOT / "README.md").read_text(), re.MULTILINE)
+    told = {name for row in table for name in re.findall(r"`(\w+)`", row)}
+    assert set(project["optional-dependencies"]) <= told
+
+
+def test_a_wheel_or_an_archive_that_is_not_the_tree_is_told(wheel_file):
+    """`make dist` looks at both; here at the wheel as it is, and with faults planted."""
+    path = ROOT / ".ci" / "dist.py"
+    spec = importlib.util.spec_from_file_location("dist", path)
+    dist = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(dist)
+    with zipfile.ZipFile(wheel_file) as archive:
+        names = archive.namelist()
+        (told,) = (name for name in names if name.endswith("/METADATA"))
+        words = archive.read(told)
+    assert dist.wrong_wheel(names, words) == []
+    assert dist.wrong_wheel([n for n in names if not n.endswith("cli.py")], words) == [
+        "the wheel lacks pliant/studies/commands/cli.py"
+    ]
+    assert dist.wrong_wheel([*names, "pliant/left.pyc"], words) == [
+        "the wheel has pliant/left.pyc, which is not in the tree"
+    ]
+    wrong = dist.wrong_wheel(names, words.replace(b"\nVersion: ", b"\nVersion: 9"))
+    assert any("must be " in line for line in wrong)
+    whole = ["p/" + n.removeprefix("pliant/") for n in dist.tree()] + ["p/" + n for n in dist.MUST]
+    assert dist.wrong_archive(whole) == []
+    assert dist.wrong_archive([*whole[:-1], "p/build/x"]) == [
+        "the archive lacks tests/conftest.py",
+        "the archive has build/x",
+    ]
 
 
 def test_an_editable_install_lays_the_package_out_where_checkers_look(tmp_path):

@@ -24,6 +24,12 @@ ENDS = {"endswith", "startswith", "removesuffix", "removeprefix"}
 TEXTS = {  # what is no name of a signal: {file: the expressions whose beginnings and ends are looked at}
     "plants/stability/assessment.py": {"str(refusal)"},  # the method's own words
     "plants/stability/verdict.py": {"str(refusal)"},
+    "plants/stability/open_motion.py": {"str(refusal)"},  # the method's own words
+    "plants/files/toml_text.py": {"content.decode()"},  # a file's first character
+    "envs/scene_files/plant_scene.py": {"line", "line.removeprefix('[')"},  # of a file
+    "envs/scene_files/starts.py": {"line"},  # of a file
+    "studies/report/answer.py": {"text"},  # sentences
+    "studies/report/control_sections.py": {"c.failure"},
     "plants/tables/plant_tables.py": {"str(refused)"},  # the words of an error
     "envs/scenes/registry.py": {"name"},  # files
     "plants/core/imports.py": {"attribute"},  # of a module

@@ -12,6 +12,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,15 +42,16 @@ ACTS = {
 }
 MPC_SIX, NMPC_SIX, NMPC_THREE = (list(ACTS)[k] for k in (1, 2, 5))
 COLD_CODE = """
-import time
-import numpy as np
+import sys
+sys.path.insert(0, sys.argv[1])
+from harness.sampling import clock
 from pliant.envs import scenes
 from pliant.envs.environments.vector_env import PlantVectorEnv
 scene = scenes.get("six-axis-pick")
-begin = time.perf_counter()
+begin = clock()
 scene.plant.stepper(1e-3, batch=1024)
 PlantVectorEnv(scene, 1024).reset(seed=0)
-print(time.perf_counter() - begin)
+print(clock() - begin)
 """
 
 
@@ -113,7 +115,7 @@ def environment() -> Sampler:
         turn += 1
         return LANES
 
-    return rate_of(run)
+    return rate_of(run, threads=2)
 
 
 def cold() -> Sampler:
@@ -122,7 +124,7 @@ def cold() -> Sampler:
     def sample(seconds: float) -> float:
         with tempfile.TemporaryDirectory() as folder:
             told = subprocess.run(
-                [sys.executable, "-W", "ignore", "-c", COLD_CODE],
+                [sys.executable, "-W", "ignore", "-c", COLD_CODE, str(Path(__file__).parents[1])],
                 env=os.environ | {"PLIANT_CACHE": folder}, capture_output=True, text=True, check=True,
             )  # fmt: skip
         return float(told.stdout.splitlines()[-1])

@@ -1,6 +1,7 @@
 """Timing: cases are sampled in turns, round after round, so that what slows the machine slows all of them.
 
-On Linux a sample during which other processes used the processors is taken again, a few times.
+On Linux a sample during which other processes used the processors is taken again, a few times. On a machine that is
+always busy `by_processor_time` tells what this process itself worked, over its threads.
 """
 
 from __future__ import annotations
@@ -21,6 +22,20 @@ Progress = Callable[[float, str], None]
 RATE, TIME, SHARE = "steps/s", "s", "share"  # units of a row
 DISTURBED = 0.2  # processors that others used; a sample with more is taken again ..
 RETAKES = 3  # .. at most so often
+BUSY = "PLIANT_BENCH_PROCESSOR_TIME"  # set in the environment where processor time is told, for processes of cases too
+
+
+def by_processor_time() -> None:
+    """From now on, here and in processes that cases start."""
+    os.environ[BUSY] = "1"
+
+
+def clock(threads: int = 1) -> float:
+    """[s] by the wall, or what this process and those that it waited for have worked, over its threads."""
+    if BUSY not in os.environ:
+        return time.perf_counter()
+    took = os.times()
+    return (time.process_time() + took.children_user + took.children_system) / threads
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,12 +83,12 @@ class Row:
         return median(self.tails) if self.tails else None
 
 
-def rate_of(work: Callable[[], int]) -> Sampler:
-    """Steps a second of work(), which returns how many steps it made."""
+def rate_of(work: Callable[[], int], threads: int = 1) -> Sampler:
+    """Steps a second of work(), which returns how many steps it made in so many threads."""
 
     def sample(seconds: float) -> float:
-        done, begin = 0, time.perf_counter()
-        while (spent := time.perf_counter() - begin) < seconds:
+        done, begin = 0, clock(threads)
+        while (spent := clock(threads) - begin) < seconds:
             done += work()
         return done / spent
 
@@ -85,8 +100,8 @@ def time_of(work: Callable[[], object]) -> Sampler:
     """Seconds that one call of work() takes, on average over a sample."""
 
     def sample(seconds: float) -> float:
-        calls, begin = 0, time.perf_counter()
-        while (spent := time.perf_counter() - begin) < seconds:
+        calls, begin = 0, clock()
+        while (spent := clock() - begin) < seconds:
             work()
             calls += 1
         return spent / calls
@@ -102,14 +117,15 @@ def acts_of(controller: Any, episodes: Sequence[Sequence[tuple[float, Any, bool]
 
     def sample(seconds: float) -> tuple[float, float]:
         spent: list[int] = []
-        clock, act, begin = time.perf_counter_ns, controller.act, time.perf_counter()
-        while not spent or time.perf_counter() - begin < seconds:
+        now = time.process_time_ns if BUSY in os.environ else time.perf_counter_ns
+        act, begin = controller.act, clock()
+        while not spent or clock() - begin < seconds:
             for episode in episodes:
                 controller.reset()
                 for t, y, counts in episode:
-                    start = clock()
+                    start = now()
                     act(t, y)
-                    end = clock()
+                    end = now()
                     if counts:
                         spent.append(end - start)
         return 1e-9 * float(np.median(spent)), 1e-9 * float(np.percentile(spent, 99))
@@ -150,7 +166,7 @@ def undisturbed(sampler: Sampler, seconds: float) -> tuple[Any, float | None]:
         before, begin = busy(), time.perf_counter()
         value = sampler(seconds)
         spent, after = time.perf_counter() - begin, busy()
-        if before is None or after is None:
+        if before is None or after is None or BUSY in os.environ:
             return value, None
         others = max(0.0, (after[0] - before[0] - after[1] + before[1]) / spent)
         if best is None or best[1] is None or others < best[1]:

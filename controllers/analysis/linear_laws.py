@@ -12,6 +12,7 @@ import numpy as np
 
 from pliant.controllers.base.controller import Controller
 from pliant.controllers.linear_quadratic.lqg import LQG
+from pliant.controllers.riccati.late_inputs import past_of
 from pliant.plants.core.argument_gates import (
     require_count,
     require_finite,
@@ -71,6 +72,10 @@ def law_of(controller: Any) -> LinearLaw:
     if K is None or np.ndim(K) != 2:  # none, or one for each time
         raise PliantError(f"{type(controller).__name__}: {NO_LIMIT}")
     K = require_finite(f"{type(controller).__name__}.K", K, (-1, -1))
+    if (late := getattr(controller, "K_past", None)) is not None:  # inputs on their way, the oldest first
+        m, nu = late.shape[1], len(K)
+        last = np.eye(m)[:, -nu:]
+        return LinearLaw(np.eye(m, k=nu) - last @ late, -last @ K, late, K, tuple(controller.reads), controller.dt)
     reads, dt = tuple(controller.reads), controller.dt
     picks = np.asarray(getattr(controller, "picks", ()), dtype=int)
     n, ny = len(picks), len(reads)
@@ -85,26 +90,34 @@ def law_of(controller: Any) -> LinearLaw:
 
 
 def _lqg(controller: LQG) -> LinearLaw:
-    """States: the prediction before each sample, then the input held before it."""
+    """States: the prediction before each sample, then the inputs asked for before it, the oldest first."""
     step, L = controller.filter.steps[-1], controller.filter.gains[-1].L
-    K = _state_gain(controller)
-    n, nu = len(step.A), len(K)
-    wide = np.zeros((nu, n))
-    wide[:, : K.shape[1]] = K
-    keep = np.eye(n) - L @ step.C
-    estimate = np.hstack([keep, -L @ step.D])  # of [prediction; held input], then L y
-    go = step.A - step.B @ wide
-    A = np.vstack([go @ estimate, -wide @ estimate])
-    B = np.vstack([go @ L, -wide @ L])
-    return LinearLaw(A, B, wide @ estimate, wide @ L, controller.reads, controller.dt, controller.filter.delay)
+    K, late = _state_gain(controller)
+    n, nu, acting = len(step.A), len(K), step.B.shape[1]
+    count = max(past_of(controller.filter.input_delay) + 1, late.shape[1] // nu) * nu
+    wide = np.hstack([K, np.zeros((nu, n - K.shape[1] + count - late.shape[1])), late])  # of [estimate; asked]
+    acts = np.zeros((acting, count))  # what acts, of the inputs asked for
+    first = count - (past_of(controller.filter.input_delay) + 1) * nu
+    acts[:, first : first + acting] = np.eye(acting)
+    seen = np.block([[np.eye(n) - L @ step.C, -L @ step.D @ acts], [np.zeros((count, n)), np.eye(count)]])
+    take = np.vstack([L, np.zeros((count, L.shape[1]))])
+    later = np.eye(count, k=nu)
+    last = np.eye(count)[:, -nu:]
+    go = np.block([[step.A, step.B @ acts @ later], [np.zeros((count, n)), later]])
+    go -= np.vstack([step.B @ acts @ last, last]) @ wide
+    return LinearLaw(
+        go @ seen, go @ take, wide @ seen, wide @ take, controller.reads, controller.dt, controller.filter.delay
+    )
 
 
-def _state_gain(controller: LQG) -> Array:
-    """K (nu, nx) of the estimate, where the law inside has no states of its own."""
+def _state_gain(controller: LQG) -> tuple[Array, Array]:
+    """K (nu, nx) of the estimate and that of the inputs on their way, where the law inside has no other states."""
     law = law_of(controller.law)
-    if len(law.A):
+    late = getattr(controller.law, "K_past", None)
+    if len(law.A) and late is None:
         raise PliantError("the law inside an LQG has integrals: its loop is not given in linear form")
-    return law.D if controller._rows is None else law.D @ controller._rows[0]
+    D = law.D if controller._rows is None else law.D @ controller._rows[0]
+    return D, np.zeros((len(D), 0)) if late is None else late
 
 
 def readings_under_way(A: Array, B: Array, C: Array, periods: int) -> tuple[Array, Array, Array]:

@@ -2,7 +2,8 @@
 
     net(z) = W3 tanh(W2 tanh(W1 z + b1) + b2) + b3
 
-All its numbers are one vector theta, of which W1, b1, .. are views in this order.
+All its numbers are one vector theta, of which W1, b1, .. are views in this order. The first ny units of both layers
+begin as SMALL z, where tanh is straight: the last layer can be a linear law of the inputs, however large they are.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ GAIN, BIAS = (
     0.3,
 )  # of the first weights: inputs of size 1 stay where tanh is nearly straight, and no two units alike
 RIDGE = 1e-6  # of the least squares, per row, against the units' squares of at most 1
+SMALL = 0.05  # what the straight units make of an input: at 3 they bend by 0.7 %
+ROUNDS = 60  # of least squares where outputs are cut off
 
 
 class Layers(NamedTuple):
@@ -72,13 +75,17 @@ class Network:
         return Layers(*(part.reshape(shape) for part, shape in zip(np.split(theta, ends), self.shapes)))
 
     def start(self, rng: np.random.Generator) -> Array:
-        """Theta (size,) whose output is zero: units drawn at random, the last layer empty."""
+        """Theta (size,) whose output is zero: units drawn at random but the straight ones, the last layer empty."""
         theta = np.zeros(self.size)
         at = self.layers(theta)
         at.W1[:] = GAIN * rng.standard_normal(at.W1.shape) / np.sqrt(max(self.ny, 1))
         at.W2[:] = rng.standard_normal(at.W2.shape) / np.sqrt(self.width)
         for bias in (at.b1, at.b2):
             bias[:] = rng.uniform(-BIAS, BIAS, self.width)
+        straight = min(self.ny, self.width // 2)
+        for W, b, gain in ((at.W1, at.b1, SMALL), (at.W2, at.b2, 1.0)):
+            W[:straight], b[:straight] = 0.0, 0.0
+            W[range(straight), range(straight)] = gain
         return theta
 
     @staticmethod
@@ -110,10 +117,22 @@ class Network:
         return found
 
     def fit_output(self, theta: Array, z: Array, wanted: Array) -> None:
-        """Set the last layer so that the output at z (n, ny) is nearest to `wanted` (n, nu) in least squares."""
+        """Set the last layer so that the output at z (n, ny), cut off at 1, is nearest to `wanted` (n, nu).
+
+        Where what is wanted is 1 or beyond, any output beyond 1 will do: round by round of least squares, what is
+        wanted there is what the output already is, at least 1.
+        """
         at = self.layers(theta)
         h2 = self.forward(at, z).h2
         columns = np.hstack([h2, np.ones((len(h2), 1))])
+        scale = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-3)  # the straight units are small
+        columns /= scale
         normal = columns.T @ columns + RIDGE * len(columns) * np.eye(columns.shape[1])
-        found = np.linalg.solve(normal, columns.T @ wanted)
+        solve = np.linalg.solve(normal, columns.T)
+        beyond, side = np.abs(wanted) >= 1.0, np.sign(wanted)
+        found = solve @ wanted
+        for _ in range(ROUNDS if beyond.any() else 0):
+            now = columns @ found
+            found = solve @ np.where(beyond, side * np.maximum(side * now, 1.0), wanted)
+        found /= scale[:, None]
         at.W3[:], at.b3[:] = found[:-1].T, found[-1]

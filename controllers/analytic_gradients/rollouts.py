@@ -77,7 +77,15 @@ class Rollouts:
     def cost(self, theta: Array, episodes: Episodes) -> tuple[Array, Array]:
         """(the scene's cost (lanes,), what nearness to bounds adds (lanes,)) of every lane."""
         played = self.play(theta, episodes)
-        flat = (played.x.reshape(-1, self.plant.nx), played.u.reshape(-1, self.plant.nu), self._rows(episodes.p))
+        return self._sums(played.x, played.u, episodes.p)
+
+    def charged(self, x: Array, u: Array, p: Array) -> Array:
+        """What lanes are charged (lanes,), nearness to bounds counted, of states (steps, lanes, nx) and inputs."""
+        cost, near = self._sums(x, u, p)
+        return cost + near
+
+    def _sums(self, x: Array, u: Array, p: Array) -> tuple[Array, Array]:
+        flat = (x.reshape(-1, self.plant.nx), u.reshape(-1, self.plant.nu), self._rows(p))
         _, _, cost, near = self.functions.cost_slopes(*flat)
         return cost.reshape(self.steps, -1).sum(0), near.reshape(self.steps, -1).sum(0)
 
@@ -188,7 +196,8 @@ class Rollouts:
     def _mean(self, played: Played, dv: Array, d1: Array, d2: Array) -> Array:
         """The mean over lanes of their gradients, none counted for more than FAR medians, what diverged for nothing."""
         with np.errstate(over="ignore", invalid="ignore"):
-            size = np.sqrt((dv**2).sum(axis=(0, 2)))
+            read = 1.0 + np.mean(played.seen.z**2, axis=2)  # the straight units' weights feel how large it is
+            size = np.sqrt(((dv**2).sum(axis=2) * read).sum(axis=0))
         sound = np.isfinite(size) & (np.abs(played.x).max(axis=(0, 2)) < LARGEST)
         if not sound.any():
             return np.zeros(self.network.size)

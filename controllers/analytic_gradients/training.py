@@ -1,8 +1,9 @@
 """A run of analytic policy gradients: `rl.train(scene, "apg")`.
 
 It begins with a network that does what the scene's LQR does, and follows the gradient of the mean cost of episodes,
-whose starts, parameters, delays and noise are drawn anew each time. Deterministic by its seed where `steps` are given,
-also over a kill: the checkpoint holds all that it goes on from.
+whose starts, parameters, delays and noise are drawn anew each time. Where no network comes within a permille of that
+law on the scene as it is, the law itself is what is found. Deterministic by its seed where `steps` are given, also over
+a kill: the checkpoint holds all that it goes on from.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ from typing import Any
 
 import numpy as np
 
+from pliant.controllers.base.controller import Controller
 from pliant.controllers.learning.evaluation import Evaluation, Training, evaluate
 from pliant.controllers.learning.policy import Policy
 from pliant.controllers.learning.settings import CURVE, CURVE_FORMAT, FLOOR, POLICY, APGSettings, Progress
 from pliant.plants.files import sealed_json
 
-from . import run_files, warm_start
+from . import kept_law, run_files, warm_start
 from .adam import Adam
 from .rollouts import Episodes, Rollouts
 
@@ -54,17 +56,21 @@ def learn(
         if not resume and run_files.exists(folder):
             raise ValueError(f"train: folder = {str(folder)!r} holds a run: go on with resume=True, or name another")
     run = Run(scene, settings, seed, folder, (seconds, steps), command, begin)
+    progress(0.0, "playing the scene's law")
+    law = warm_start.law_of(scene)
+    run.judge_law(law)
     if resume:
         run.resume()
     else:
-        progress(0.0, "playing the scene's law")
-        run.begin_from_law()
+        run.begin_from(law)
         run.judge()
     run.go_on(progress)
     run.judge()
     progress(1.0, f"cost {run.best_cost:.4g}")
     assert run.best is not None
-    return Training(run.best, run.best_cost, tuple(run.curve), run.stamp, run.spent, run.rate, NO_TORCH)
+    words = kept_law.words(bool(run.best.made.get("law")), run.best_cost, run.law_cost)
+    told = tuple(run.curve), run.stamp, run.spent, run.rate, NO_TORCH
+    return Training(run.best, run.best_cost, *told, law_cost=run.law_cost, words=words)
 
 
 class Run:
@@ -100,6 +106,7 @@ class Run:
         self.curve: list[Evaluation] = []
         self.best: Policy | None = None
         self.best_score = self.best_cost = np.inf
+        self.law_cost: float | None = None
         self.stamp, self.former, self.rate = 0, 0.0, 0.0
         self._judge = scene.vector_env(1, threads=1)
 
@@ -121,11 +128,23 @@ class Run:
         """Whether lanes meet more than the scene's own start and parameters."""
         return bool(self.settings.delay or self.settings.noise)
 
-    def begin_from_law(self) -> None:
+    def judge_law(self, law: Controller | None) -> None:
+        """What the law costs on the scene as it is; there it is the first that a network has to beat."""
+        policy = kept_law.as_policy(law, self.scene, {**self.made, "law": "lqr"})
+        if policy is None:
+            return
+        cost = evaluate(policy, self.scene, self._judge)
+        self.law_cost = cost
+        if not self.suffers:
+            made = {**policy.made, **dataclasses.asdict(Evaluation(0, round(self.spent, 2), cost))}
+            self.best, self.best_cost = dataclasses.replace(policy, made=made), cost
+            self.best_score = kept_law.CLOSE * cost
+
+    def begin_from(self, law: Controller | None) -> None:
         """A network that does what the scene's law does on undelayed episodes."""
         lanes = self.settings.num_envs
         calm = Episodes(self.pool_x[:lanes], self.pool_p[:lanes], np.zeros(lanes, dtype=int))
-        theta = warm_start.begin(self.rollouts, warm_start.law_of(self.scene), calm, self.rng)
+        theta = warm_start.begin(self.rollouts, law, calm, self.rng)
         self.adam = Adam.start(theta)
 
     def go_on(self, progress: Progress) -> None:
@@ -166,7 +185,7 @@ class Run:
             return
         assert self.best is not None
         run_files.save(self.folder, self._kept(), self.adam, self.rng, self.rollouts.std, self.best)
-        if better:
+        if better or len(self.curve) == 1:
             self.best.save(self.folder / POLICY)
         sealed_json.save(self.folder / CURVE, {"format": CURVE_FORMAT, **self._told()})
 

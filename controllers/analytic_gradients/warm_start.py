@@ -1,8 +1,8 @@
 """Where training starts: a network that does what a law of the scene does, by least squares in its last layer.
 
-First the law plays all lanes; then, ROUNDS times, the network plays them and the law says what it would have done there
-(Ross, Gordon, Bagnell, "A reduction of imitation learning and structured prediction to no-regret online learning",
-DAgger): what the network itself runs into is learned too.
+First the law plays all lanes; then the network plays them and the law says what it would have done there (Ross, Gordon,
+Bagnell, "A reduction of imitation learning and structured prediction to no-regret online learning", DAgger): what the
+network itself runs into is learned too, until it costs hardly more than the law, or ROUNDS times. The cheapest is kept.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from pliant.plants import PliantError
 from .rollouts import Episodes, Rollouts
 
 Array = np.ndarray
-ROUNDS = 2
+ROUNDS = 8  # at most
+ENOUGH = 1.002  # of the law's own mean cost: no more rounds then
 POINTS = 200  # times of an episode that the law is asked at
 OUT = 10.0  # largest reading over std that is learned from
 LEAST = 0.2  # of the largest spread of readings in the same unit: a reading that hardly moves is not blown up
@@ -40,24 +41,31 @@ def begin(rollouts: Rollouts, law: Controller | None, episodes: Episodes, rng: n
     scene, network = rollouts.scene, rollouts.network
     theta = network.start(rng)
     network.layers(theta).b3[:] = scene.target[1] / rollouts.limits
-    _, read, u = _played(rollouts, law, episodes)
+    x, read, u = _played(rollouts, law, episodes)
     rollouts.std = _spreads(read, _units(scene))
     if law is None:
         return theta
     z, wanted = rollouts.frames(read / rollouts.std, u / rollouts.limits), u / rollouts.limits
     inputs, outputs = z.reshape(-1, network.ny), wanted.reshape(-1, network.nu)
-    network.fit_output(theta, inputs, outputs)
+    enough = ENOUGH * float(np.mean(rollouts.charged(x, u, episodes.p)))
     every = max(1, rollouts.steps // POINTS)
-    for _ in range(ROUNDS):
+    best, least = theta, np.inf
+    for left in reversed(range(ROUNDS)):
+        network.fit_output(theta, inputs, outputs)
         played = rollouts.play(theta, episodes)
+        with np.errstate(over="ignore", invalid="ignore"):
+            cost = float(np.mean(rollouts.charged(played.x, played.u, episodes.p)))
+        if cost < least:
+            best, least = theta.copy(), cost
+        if not left or least <= enough:
+            break
         for k in range(0, rollouts.steps, every):
             z = played.seen.z[k]
             near = np.abs(z).max(axis=1) < OUT
             if near.any():
                 asked = _asked(law, scene, played.x[k][near], k) / rollouts.limits
                 inputs, outputs = np.vstack([inputs, z[near]]), np.vstack([outputs, asked])
-        network.fit_output(theta, inputs, outputs)
-    return theta
+    return best
 
 
 def _played(rollouts: Rollouts, law: Controller | None, episodes: Episodes) -> tuple[Array, Array, Array]:

@@ -4,7 +4,8 @@
     correct   dx = dx- + L (y - y0 - C dx- - D du)
 
 The feedthrough D is that of the input held until the sample is taken, since a controller acts after it has read.
-Samples may arrive `delay` periods late: the model then carries the outputs on their way as states.
+Samples may arrive `delay` periods late: the model then carries the outputs on their way as states. Inputs may act
+`input_delay` periods late, whole ones and a part: the filter keeps those on their way, and u is what was asked for.
 
 Process noise   what the model does not know, as white noise of density W [unit^2 s] on a disturbance, an input or the
                 rate of a state, by name, integrated over the period; or held over each period (noise="held"): a
@@ -24,9 +25,11 @@ import numpy as np
 
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import reading
+from pliant.controllers.base.inputs_on_their_way import OnTheirWay
 from pliant.controllers.base.scene_protocol import require_scene
 from pliant.controllers.riccati.checks import weight_matrix
-from pliant.plants.core.argument_gates import require_all, require_instance
+from pliant.controllers.riccati.late_inputs import delay_range, past_of
+from pliant.plants.core.argument_gates import require_all, require_instance, require_number
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.parameters import require_choice, require_count, require_finite, require_seconds
@@ -35,7 +38,7 @@ from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 
 from . import kalman_gains, square_root
-from .process_noise import process_noise
+from .process_noise import scene_noise
 from .sensors import Sensor, covariance, sensors_of
 
 if TYPE_CHECKING:
@@ -65,6 +68,8 @@ class Kalman(OwnsArrays):
     u0: np.ndarray = field(repr=False)  # (n, nu) nominal input of the step that ends there
     y0: np.ndarray = field(repr=False)  # (n, ns) nominal reading under that input
     start: np.ndarray | None = field(default=None, repr=False)  # (nx,) first estimate, the nominal where None
+    input_delay: float = 0.0  # periods from asking for an input to its acting
+    before: np.ndarray | None = field(default=None, repr=False)  # (nu,) what acts until the first one does
 
     def __post_init__(self) -> None:
         self.reset()
@@ -80,6 +85,7 @@ class Kalman(OwnsArrays):
         delay: int = 0,
         P0: Any = None,
         noise: str = "white",
+        input_delay: float = 0.0,
     ) -> Self:
         """About the point of a continuous-time linear model; the gain is the steady one.
 
@@ -92,23 +98,17 @@ class Kalman(OwnsArrays):
         if model.dt is not None:
             raise ValueError(f"Kalman.design: model.dt = {model.dt} must be None (a continuous-time model)")
         dt, delay = require_seconds("Kalman.dt", dt), require_count("Kalman", "delay", delay, 0, MOST_DELAY)
+        late, _ = delay_range("Kalman", require_number("Kalman.input_delay", input_delay, "nonnegative"))
         sensors = _some(sensors)
         require_choice("Kalman", "noise", noise, NOISES)
-        wide, density = kalman_gains.driven_by(model, W)
-        held, picked = wide.discretize(dt), tuple(s.output for s in sensors)
-        C, D, F = kalman_gains.rows(wide, picked)
-        G, H, w = held.E, F, density / dt
-        if noise == "white":
-            G, rest, w = square_root.white(wide.A, wide.E, density, dt)
-            G, H, w = kalman_gains.with_rest(G, F, w, rest)
-        step = kalman_gains.Sampled(held.A, held.B, G, C, D, H, w, covariance(sensors, dt), held.f0)
-        late = kalman_gains.delayed(step, delay)
-        limit = kalman_gains.steady(late, model.state_names, dt)
-        gains = (limit,) if P0 is None else _until(late, limit, _first(step, delay, P0))
+        step, picked = _period(model, sensors, W, dt, noise, late), tuple(s.output for s in sensors)
+        whole = kalman_gains.delayed(step, delay)
+        limit = kalman_gains.steady(whole, model.state_names, dt)
+        gains = (limit,) if P0 is None else _until(whole, limit, _first(step, delay, P0))
         y0 = np.concatenate([model.x0, model.y0])[_places(model, picked)]
         n = len(gains)
-        nominal = {"x0": np.tile(model.x0, (n, 1)), "u0": np.tile(model.u0, (n, 1)), "y0": np.tile(y0, (n, 1))}
-        return cls(model, tuple(sensors), float(dt), delay, (late,) * n, gains, **nominal)
+        nominal = {name: np.tile(value, (n, 1)) for name, value in (("x0", model.x0), ("u0", model.u0), ("y0", y0))}
+        return cls(model, tuple(sensors), float(dt), delay, (whole,) * n, gains, **nominal, input_delay=late)
 
     @classmethod
     def along(
@@ -161,12 +161,15 @@ class Kalman(OwnsArrays):
         sensors: Sequence[Sensor] | None = None,
         W: Mapping[str, float] | None = None,
         delay: int = 0,
+        input_delay: float = 0.0,
+        recovery: float = 0.0,
     ) -> Self:
         """About the scene's goal, moving or not; the first estimate is the scene's start.
 
         sensors None: those that its plant carries and whose outputs are in the model. W None: `process_noise(scene)`,
         held over each period; else densities of white noise.
-        W: densities by name, each in its own unit squared times seconds; delay: periods.
+        W: densities by name, each in its own unit squared times seconds; delay, input_delay: periods. recovery: of
+        LQG, standard deviation of noise besides on each input, in its limits.
         """
         require_scene("Kalman.for_scene", scene)
         plant = scene.plant
@@ -174,10 +177,10 @@ class Kalman(OwnsArrays):
         if sensors is None:
             modelled = names(model.states + model.outputs)
             sensors = [s for s in sensors_of(plant) if s.output in modelled]
-        noise = "held" if W is None else "white"
-        W = process_noise(scene) if W is None else W
-        made = cls.design(model, sensors, W, dt=scene.dt, delay=delay, noise=noise)
+        W, noise = scene_noise(scene, W, recovery)
+        made = cls.design(model, sensors, W, dt=scene.dt, delay=delay, noise=noise, input_delay=input_delay)
         x, u = scene.initial
+        made.before = np.clip(u, -np.array(scene.limits), scene.limits)
         values = dict(zip(known, np.concatenate([x, plant.measure(x, u)])))
         made.start = np.array([values[name] for name in model.state_names])
         made.reset()
@@ -220,14 +223,16 @@ class Kalman(OwnsArrays):
         nx, x0 = self.x0.shape[1], self.start if x0 is None else x0
         dx = np.zeros(nx) if x0 is None else require_finite("Kalman.x0", x0, (nx,)) - self.x0[0]
         C = kalman_gains.rows(self.model, self.reads)[0]
-        self._x = kalman_gains.resting(C[0] if C.ndim == 3 else C, self.delay) @ dx
+        self._x = self.begun = kalman_gains.resting(C[0] if C.ndim == 3 else C, self.delay) @ dx  # before a sample
+        first = np.zeros(self.u0.shape[1]) if self.before is None else self.before - self.u0[0]
+        self._asked = OnTheirWay(np.tile(first, past_of(self.input_delay) + 1), len(first))  # less u0
         self.k = -1  # number of the last sample
         self.innovation = np.zeros(len(self.sensors))
 
     def step(self, y: np.ndarray, u: np.ndarray | None = None) -> np.ndarray:
-        """The estimate (nx,) after the sample y (ns,). u (nu,): the input held since the last one, nominal where None.
+        """The estimate (nx,) after the sample y (ns,). u (nu,): the input asked for since the last, nominal where None.
 
-        With the first sample only the feedthrough of u counts.
+        With the first sample only the feedthrough of u counts; with an `input_delay`, of what acts `before`.
         """
         y, nu = reading("Kalman.y", y, len(self.sensors)), self.u0.shape[1]
         given = None if u is None else reading("Kalman.u", u, nu)
@@ -235,12 +240,31 @@ class Kalman(OwnsArrays):
         i = self._entry
         step, x = self.steps[i], self._x
         du = np.zeros(nu) if given is None else given - self.u0[i]
+        if self.input_delay:
+            if given is not None:
+                self._asked.push(du)
+            du = self._asked.values[: step.B.shape[1]]
         if self.k:
             x = step.A @ x + step.B @ du + step.c
         base = self.y0[min(max(self.k - self.delay, 0), len(self.y0) - 1)] if self.delay else self.y0[i]
         self.innovation = y - base - step.C @ x - step.D @ du
         self._x = x + self.gains[i].L @ self.innovation
         return self.estimate
+
+
+def _period(
+    model: LinearModel, sensors: Sequence[Sensor], W: Mapping[str, float], dt: float, noise: str, late: float
+) -> kalman_gains.Sampled:
+    """One step of the filter's model about a point."""
+    wide, density = kalman_gains.driven_by(model, W)
+    held = wide.discretize(dt)
+    C, D, F = kalman_gains.rows(wide, tuple(s.output for s in sensors))
+    G, H, w = held.E, F, density / dt
+    if noise == "white":
+        G, rest, w = square_root.white(wide.A, wide.E, density, dt)
+        G, H, w = kalman_gains.with_rest(G, F, w, rest)
+    B, D = kalman_gains.split_period(model.A, model.B, D, dt, late) if late else (held.B, D)
+    return kalman_gains.Sampled(held.A, B, G, C, D, H, w, covariance(sensors, dt), held.f0)
 
 
 def _some(sensors: Sequence[Sensor]) -> tuple[Sensor, ...]:

@@ -22,6 +22,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from pliant.controllers.riccati.algebraic import filter_gain
+from pliant.controllers.riccati.late_inputs import late_period, periods_of
 from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.matrix_roots import semidefinite_root
 from pliant.plants.core.signals import Signal, index, names, rows_by_name
@@ -121,6 +122,15 @@ def delayed(step: Sampled, samples: int) -> Sampled:
 
     B, G, c = pushed(step.B, step.D), pushed(step.G, step.H), pushed(step.c, np.zeros(ns))
     return Sampled(A, B, G, C, np.zeros_like(step.D), np.zeros_like(step.H), step.W, step.V, c)
+
+
+def split_period(A: Array, B: Array, D: Array, dt: float, late: float) -> tuple[Array, Array]:
+    """B (nx, w nu), D (ns, w nu) of the inputs that act in a period, the older first: two where `late` [periods] has a
+    part of one, in which the older goes on acting. A, B of continuous time, D of what acts when the sample is taken."""
+    (nx, nu), (_, part) = B.shape, periods_of(late)
+    zero = np.zeros((nx, nx)), np.eye(nu), np.zeros((nx, nu))
+    step = late_period(A, B, *zero, dt, part, int(part > 0)).step[:nx, nx:]
+    return step, np.hstack([np.zeros((len(D), step.shape[1] - nu)), D])
 
 
 def resting(C: Array, samples: int) -> Array:

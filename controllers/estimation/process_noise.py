@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
+from pliant.plants.core.argument_gates import require_number
 
 ACTUATOR = 0.01  # of an input's limit: standard deviation of what its actuator is off by in a period
 
@@ -27,3 +30,17 @@ def process_noise(scene: CostedScene) -> dict[str, float]:
         if deviation:
             found[signal.name] = deviation**2 * scene.dt
     return found
+
+
+def recovering(W: Mapping[str, float], size: Mapping[str, float], recovery: float, dt: float) -> Mapping[str, float]:
+    """W with noise besides of standard deviation recovery * size on each input, by name (loop transfer recovery)."""
+    q = require_number("LQG.recovery", recovery, "nonnegative")
+    return {**W, **{name: W.get(name, 0.0) + (q * one) ** 2 * dt for name, one in size.items()}} if q else W
+
+
+def scene_noise(scene: CostedScene, W: Mapping[str, float] | None, recovery: float) -> tuple[Mapping[str, float], str]:
+    """Densities by name and how they are meant, "held" or "white": those given, or `process_noise`; with `recovering`,
+    `recovery` in limits of the inputs."""
+    limits = {s.name: limit for s, limit in zip(scene.plant.inputs, scene.limits)}
+    given = process_noise(scene) if W is None else W
+    return recovering(given, limits, recovery, scene.dt), "held" if W is None else "white"

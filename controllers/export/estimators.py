@@ -21,6 +21,8 @@ def kalman(filter: Kalman, p: str) -> Law:
         raise ValueError(
             f"export_c: the Kalman filter has {len(filter.gains)} gains, must have the steady one: P0 = None, `design`"
         )
+    if filter.input_delay:
+        raise ValueError(f"export_c: Kalman.input_delay = {filter.input_delay} must be 0")
     step, L = filter.steps[-1], filter.gains[-1].L
     n, ns, nu, nx = len(step.A), len(step.C), step.B.shape[1], filter.x0.shape[1]
     fresh = copy(filter)

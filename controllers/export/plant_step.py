@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.controllers.linear_quadratic.delay import Predictive
+from pliant.controllers.riccati.late_inputs import periods_of
 from pliant.plants.core.argument_gates import require_seconds
 from pliant.plants.core.signals import names
 from pliant.plants.dynamics.plant import Plant
@@ -104,10 +105,13 @@ def plant_step(plant: Plant, name: str, dt: float) -> tuple[str, str, str, str]:
 
 def predictive(law: Predictive, inside: Law, p: str) -> Law:
     """The law on the state that its input will meet, by the plant's own steps over the inputs on their way."""
-    plant, nu, nx, wait, picks = law.plant, inside.inputs, law.plant.nx, law.delay, law._picks
-    found = step_functions(plant, f"{p}__plant", law.dt / law._substeps, "static ")
+    plant, nu, nx, picks = law.plant, inside.inputs, law.plant.nx, law._picks
+    wait, part = periods_of(law.delay)
+    if part:
+        raise ValueError(f"export_c: Predictive.delay = {law.delay} must be whole periods")
+    found = step_functions(plant, f"{p}__plant", law.dt / law._ahead.substeps, "static ")
     limited, clip = clipped(p, nu, law._low, law._high)
-    constants = array(f"{p}_start", law._start) + limited
+    constants = array(f"{p}_start", law._ahead.first) + limited
     constants += f"static const int {p}_picks[{len(picks)}] = {{{', '.join(map(str, picks))}}};\n"
     more = ""
     for letter, values in (("w", np.zeros(plant.nw)), ("p", np.asarray(plant.nominal_parameters, dtype=float).ravel())):
@@ -116,7 +120,7 @@ def predictive(law: Predictive, inside: Law, p: str) -> Law:
             more += f", {p}_{letter}"
     late = f"s->waiting + ((s->first + k) % {wait}) * {nu}"
     act = f"int i, j, k;\nREAL x[{nx}], z[{nx + plant.ny}], seen[{len(picks)}], *v;\n" + each("i", nx, "x[i] = y[i];")
-    act += f"for (k = 0; k < {wait}; k++)\n    for (j = 0; j < {law._substeps}; j++)"
+    act += f"for (k = 0; k < {wait}; k++)\n    for (j = 0; j < {law._ahead.substeps}; j++)"
     act += f" {p}__plant_step(0, x, {late}{more});\n" + each("i", nx, "z[i] = x[i];")
     if law._outputs:
         act += f"{p}__plant_outputs(0, x, s->waiting + ((s->first + {wait - 1}) % {wait}) * {nu}{more}, z + {nx});\n"

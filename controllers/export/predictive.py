@@ -29,6 +29,8 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
     step, nodes = steps[0], len(steps)
     (m, nz), nu, size = step.solver.M.shape, len(step.u), step.G.shape[1]
     _require_small(law, single)
+    if law.delay[1]:
+        raise ValueError(f"export_c: MPC.delay = {law.delay} must be 0")
     tracked = offset_free(law, p, single) if law.tracked else Parts(rows=0, unknowns=0)
     limited, clip = clipped(p, nu, limits.low, limits.high)
     constants = _each_node(p, "G", [s.G[m:] for s in steps]) + _each_node(p, "u0", [s.u for s in steps]) + limited

@@ -46,6 +46,8 @@ def lqr(law: LQR, p: str) -> Law:
     """u = u0 - K_x (x - x0) - K_i xi, within the limits; xi stands still where it would push further past one."""
     nx, ni, nu = len(law.x0), len(law.target), len(law.u0)
     what = "u = u0 - K_x (x - x0 - drift t) - K_i xi within the limits; xi integrates"
+    if law.K_past is not None:
+        raise ValueError(f"export_c: LQR.delay = {law.delay} must be 0: export law_of(law), which knows no limits")
     if ni and law.dt is None:
         raise ValueError("export_c: an LQR with integrals needs dt, the period at which the C code is called")
     if not ni and law.drift is None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pliant.controllers.base.joint_reference import values_of
 from pliant.controllers.base.scene_protocol import TrainableScene, require_scene
 from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.files import sealed_json
@@ -25,7 +26,12 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Training:
-    """What a run made: `policy` is the one that did best of those evaluated. `seconds` is what it took [s]."""
+    """What a run made: `policy` is the one that did best of those evaluated. `seconds` is what it took [s].
+
+    A run of "apg" never ends more than a permille above the law that it began from, on the scene as it is and without
+    delay and noise in training: where no network does better, `policy` is that law, as one layer that reads the plant's
+    states, and `words` say so.
+    """
 
     policy: Policy
     cost: float  # of `policy`
@@ -34,6 +40,8 @@ class Training:
     seconds: float  # since `train` was called, and what former runs took where this one went on
     rate: float  # environment steps a second of this run, learning and evaluations included
     threads: str  # how many torch used, and why
+    law_cost: float | None = None  # of the scene's LQR, played in the same way; None where none was asked
+    words: str = ""  # what a reader must know of the policy; empty where it did better than the law
 
 
 def read_curve(path: str | Path) -> tuple[Evaluation, ...]:
@@ -62,7 +70,8 @@ def read_curve(path: str | Path) -> tuple[Evaluation, ...]:
 def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
     """The scene's cost under the policy, by its environment: RK4 and the charge for an early end.
 
-    env: one lane of the scene that may be used again, made where not given. The cost is in the scene's own unit.
+    env: one lane of the scene that may be used again, made where not given. The cost is in the scene's own unit. A
+    policy that reads other signals than the scene shows is given the plant's own.
 
     Example
     -------
@@ -76,10 +85,12 @@ def evaluate(policy: Policy, scene: TrainableScene, env: Any = None) -> float:
     env = scene.vector_env(1, threads=1) if env is None else env
     goal = scene.goal_values(scene.observe)
     obs, _ = env.reset()
-    cost = 0.0
+    cost, u = 0.0, scene.initial[1]
     policy.reset()
     for k in range(scene.steps):
-        u = policy.act(k * scene.dt, obs[0] + goal)
+        observed = policy.reads == scene.observe
+        y = obs[0] + goal if observed else values_of(scene.plant, env.states[0], u, policy.reads)
+        u = policy.act(k * scene.dt, y)
         obs, reward, terminated, truncated, _ = env.step((u / policy.limits)[None])
         cost -= float(reward[0])
         if terminated[0] or truncated[0]:

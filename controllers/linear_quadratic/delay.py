@@ -13,13 +13,13 @@ Guarantee   for a linear plant, the model's, and the delay that was given, the l
 from __future__ import annotations
 
 import dataclasses
-from collections import deque
 from typing import Any, Self, final
 
 import numpy as np
 
 from pliant.controllers.base.controller import Controller, moment, reading, saturation
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
+from pliant.controllers.riccati.late_inputs import delay_range
 from pliant.plants.core.argument_gates import require_count, require_finite, require_instance, require_seconds
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.signals import OwnsArrays, Signal, index
@@ -27,6 +27,7 @@ from pliant.plants.dynamics.plant import Plant
 from pliant.plants.linear.lti import LinearModel
 
 from .lqr import LQR
+from .state_ahead import StateAhead
 
 MOST = 1000  # periods of delay
 
@@ -104,7 +105,7 @@ class Predictive(OwnsArrays):
         self,
         law: Controller,
         plant: Plant,
-        delay: int,
+        delay: float,
         *,
         dt: float,
         substeps: int = 10,
@@ -113,10 +114,12 @@ class Predictive(OwnsArrays):
     ) -> None:
         """law: reads states or outputs of `plant`, the model that predicts, by RK4 in `substeps` steps a period.
 
-        start (nu,): what acts until the law's first input does; zero where None. limits: (lowest, highest) (nu,), what
-        the actuator makes of an input.
+        delay: periods, whole ones or with a part of one. start (nu,): what acts until the law's first input does; zero
+        where None. limits: (lowest, highest) (nu,), what the actuator makes of an input.
         """
-        delay, dt = require_count("Predictive", "delay", delay, 1, MOST), require_seconds("Predictive.dt", dt)
+        delay, dt = delay_range("Predictive", delay)[0], require_seconds("Predictive.dt", dt)
+        if not delay:
+            raise ValueError(f"Predictive.delay = {delay!r} must be > 0 periods")
         substeps = require_count("Predictive", "substeps", substeps, 1, 100_000)
         require_instance("Predictive.law", law, Controller)
         require_instance("Predictive.plant", plant, Plant)
@@ -128,14 +131,15 @@ class Predictive(OwnsArrays):
         self._picks = [index(known, name, "Predictive: law reads") for name in law.reads]
         self._outputs = max(self._picks, default=0) >= plant.nx
         self._low, self._high = saturation("Predictive", limits, [s.name for s in plant.inputs])
-        self._substeps, self._step = substeps, plant.stepper(dt, substeps=substeps)
         held = np.zeros(plant.nu) if start is None else start
-        self._start = require_finite("Predictive.start", held, (plant.nu,)).copy()
+        start = require_finite("Predictive.start", held, (plant.nu,)).copy()
+        self._ahead = StateAhead(plant, dt, delay, substeps, start)
         self.reset()
 
     @classmethod
-    def for_scene(cls, scene: CostedScene, delay: int = 1, law: Controller | None = None) -> Self:
-        """The scene's LQR, or another `law`, on the scene's plant; the input of the scene's start acts first."""
+    def for_scene(cls, scene: CostedScene, delay: float = 1, law: Controller | None = None) -> Self:
+        """The scene's LQR, or another `law`, on the scene's plant, for inputs `delay` [periods] late; the input of the
+        scene's start acts first."""
         require_scene("Predictive.for_scene", scene)
         law = LQR.for_scene(scene) if law is None else law
         high = np.array(scene.limits, dtype=float)
@@ -145,14 +149,11 @@ class Predictive(OwnsArrays):
     def reset(self) -> None:
         """Forget the inputs on their way."""
         self.law.reset()
-        self._waiting = deque([self._start] * self.delay, maxlen=self.delay)
+        self._ahead.reset()
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from the states y (nx,) at time t [s]; it acts `delay` periods later."""
-        x, t = reading("Predictive.y", y, len(self.reads))[None], moment("Predictive", t)
-        for u in self._waiting:
-            x = self._step(x, u)
-        seen = x[0]
+        seen, t = self._ahead(reading("Predictive.y", y, len(self.reads))), moment("Predictive", t)
         if not np.isfinite(seen).all():
             raise IntegrationError(
                 f"Predictive: the model diverges within {self.delay} periods from {y}; the state is out of its reach",
@@ -161,14 +162,7 @@ class Predictive(OwnsArrays):
                 self.dt,
             )
         if self._outputs:
-            seen = np.append(seen, self.plant.measure(seen, u))
+            seen = np.append(seen, self.plant.measure(seen, self._ahead.last()))
         wanted = self.law.act(t + self.delay * self.dt, seen[self._picks])
-        self._waiting.append(np.minimum(np.maximum(wanted, self._low), self._high))
+        self._ahead.remember(np.minimum(np.maximum(wanted, self._low), self._high))
         return wanted
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name != "_step"}  # compiled code
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        super().__setstate__(state)
-        self._step = self.plant.stepper(self.dt, substeps=self._substeps)

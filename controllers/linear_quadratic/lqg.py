@@ -5,7 +5,8 @@
 
 Without limits the poles of the loop are those of the regulator and those of the estimation error (separation;
 Anderson and Moore, "Optimal Control: Linear Quadratic Methods" (1990), Section 8.2). It has no guaranteed margins
-(Doyle 1978): read them with `margins`, and close the loop around dearer plants with `spillover`.
+(Doyle 1978): read them with `margins`, and close the loop around dearer plants with `spillover`. `recovery` brings the
+state feedback's back, where the plant allows it (loop transfer recovery).
 
 Guarantee   the loop of the linear model is stable. None on margins, other parameters, delay and limits.
 """
@@ -20,8 +21,9 @@ import numpy as np
 
 from pliant.controllers.base.controller import Controller, reading
 from pliant.controllers.estimation.kalman import Kalman
+from pliant.controllers.estimation.process_noise import recovering
 from pliant.controllers.estimation.sensors import Sensor
-from pliant.plants.core.argument_gates import require_instance, require_seconds
+from pliant.plants.core.argument_gates import require_instance, require_number, require_seconds
 from pliant.plants.core.signals import OwnsArrays, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -61,14 +63,22 @@ class LQG(OwnsArrays):
         limits: Any = None,
         delay: int = 0,
         noise: str = "white",
+        input_delay: float = 0.0,
+        recovery: float = 0.0,
     ) -> Self:
         """LQR.design and Kalman.design on one continuous-time model: Q, R, limits, W, delay, noise as there.
 
-        dt: period [s].
+        dt: period [s]. delay: of the readings, input_delay: of the inputs, which
+        is taken for known [periods]. recovery: standard deviation of noise besides on
+        each input, in its unit, that counts as process noise: the larger, the nearer the loop at the inputs comes to
+        that of the state feedback, where no zero of the plant, sampled, is outside the unit circle (Doyle and Stein
+        1979; Maciejowski 1985 for samples).
         """
         dt = require_seconds("LQG.dt", dt)
-        law = LQR.design(model, Q, R, dt=dt, limits=limits)
-        return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay, noise=noise))
+        late = require_number("LQG.input_delay", input_delay, "nonnegative", unit="periods")
+        law = LQR.design(model, Q, R, dt=dt, limits=limits, delay=late)
+        W = recovering(W, dict.fromkeys(model.input_names, 1.0), recovery, dt)
+        return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay, noise=noise, input_delay=late))
 
     @classmethod
     def for_scene(
@@ -79,9 +89,17 @@ class LQG(OwnsArrays):
         W: Mapping[str, float] | None = None,
         delay: int = 0,
         effort: float = 1.0,
+        input_delay: float = 0.0,
+        recovery: float = 0.0,
     ) -> Self:
-        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost. It is dimensionless."""
-        return cls(LQR.for_scene(scene, effort=effort), Kalman.for_scene(scene, sensors=sensors, W=W, delay=delay))
+        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost. It is dimensionless.
+
+        input_delay: as in `design`; recovery: as there, in limits of the inputs.
+        """
+        late = require_number("LQG.input_delay", input_delay, "nonnegative", unit="periods")
+        law = LQR.for_scene(scene, effort=effort, delay=late)
+        options: dict[str, Any] = {"delay": delay, "input_delay": late, "recovery": recovery}
+        return cls(law, Kalman.for_scene(scene, sensors=sensors, W=W, **options))
 
     @property
     def dt(self) -> float:

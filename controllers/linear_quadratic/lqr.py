@@ -3,10 +3,14 @@
 Cost   J = int (x - x0)' Q (x - x0) + (u - u0)' R (u - u0) [+ sum of weight_i (int y_i - y0_i)^2] dt
 Law    u = u0 - K_x (x - x0) - K_i xi, within the limits; xi integrates the named outputs' errors
        and stands still while a limit is reached and going on would push further past it.
+Delay  inputs that act late join the states, exactly, whole periods and parts of one: u = .. - K_past [u_{k-M} - u0; ..;
+       u_{k-1} - u0], see `riccati.late_inputs`
 
 Guarantee   where dt is None, without limits and with all states read, the loop of the linear model is stable, with
             gain margins of 1/2 to infinity and 60 degrees of phase at each input (Safonov and Athans 1977). Sampled:
-            stable in the model, no margins. Against delay, other parameters and limits: none.
+            stable in the model, no margins. With a delay that is known: as without. With a range: stable in the
+            model at each of 17 delays of it that stay, else there is no law. Against other parameters, limits and
+            delays that were not told: none.
 """
 
 from __future__ import annotations
@@ -20,10 +24,12 @@ import numpy as np
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import moment, reading, saturation
 from pliant.controllers.base.goal_model import goal_model, require_held, unmoved
+from pliant.controllers.base.inputs_on_their_way import OnTheirWay
 from pliant.controllers.base.joint_reference import values_of
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.riccati.algebraic import with_integrals
+from pliant.controllers.riccati.late_inputs import delay_range
 from pliant.controllers.riccati.steerable import Steerable, steerable
 from pliant.plants.core.argument_gates import (
     require_by_name,
@@ -58,6 +64,9 @@ class LQR(OwnsArrays):
     conserved: tuple[str, ...] = ()  # what no input changes, as the momentum of a craft with wheels: not in the poles
     free: tuple[str, ...] = ()  # what only inputs change and neither cost nor plant feels: left as it is, no pole
     part: Steerable | None = None  # what of the states is steered
+    K_past: np.ndarray | None = None  # (nu, M nu) of the inputs on their way, the oldest first; P then holds them too
+    before: np.ndarray | None = None  # (nu,) what acts until the first act's input does; u0 where None
+    delay: tuple[float, float] = (0.0, 0.0)  # shortest and longest [periods]
     xi: np.ndarray = field(init=False)  # (ni,) integrals since `reset` [unit s]
 
     def __post_init__(self) -> None:
@@ -75,6 +84,8 @@ class LQR(OwnsArrays):
         integral: Mapping[str, float] | None = None,
         limits: Any = None,
         start: Any = None,
+        delay: Any = 0.0,
+        before: Any = None,
     ) -> LQR:
         """Design on a continuous-time linear model, taken to be about an equilibrium.
 
@@ -85,6 +96,8 @@ class LQR(OwnsArrays):
         integrated exactly. integral: weights by name of the outputs (or states) to integrate, each at most
         as many as can be steered. limits: (lowest, highest), or {input: (lowest, highest)}.
         start: states (nx,) where the motion begins; what is conserved and weighed must have the goal's value there.
+        delay: after how many periods an input acts, 1.5 say, or (shortest, longest) where only a range is known: then
+        one law for all of it, PliantError where none was found. before (nu,): what acts until the first one does.
         UncontrollableError names modes that do not decay and are not reached, or not seen by the cost; what is
         conserved and not weighed is none of them (see `controllers.riccati.steerable`).
         """
@@ -92,6 +105,9 @@ class LQR(OwnsArrays):
         dt = None if dt is None else require_seconds("LQR.dt", dt)
         if model.dt is not None:
             raise ValueError(f"LQR.design: model.dt = {model.dt} must be None; riccati.dlqr takes sampled ones")
+        late = delay_range("LQR", delay)
+        if late[1] and (dt is None or integral):
+            raise ValueError(f"LQR.delay = {delay!r} must be 0 without dt, and with integral: they count on time")
         Q, R, N = weight_matrices("LQR", model, Q, R)
         known = model.state_names + model.output_names
         given = {} if integral is None else integral
@@ -100,26 +116,12 @@ class LQR(OwnsArrays):
         weight = np.diag(list(wanted.values())) if wanted else np.zeros((0, 0))
         off = None if start is None else require_finite("LQR.start", start, model.x0.shape) - model.x0
         part = steerable(model.A, model.B, Q, N, model.state_names, seen=Ci, start=off)
-        known = part.names + tuple(f"integral of {name}" for name in wanted)
-        ni, nx = len(wanted), len(part.names)
-        (A, B), (Q, N), Ci = part.system(model.A, model.B), part.weights(Q, N), Ci @ part.up
-        if dt is not None:
-            A, B, Q, R, N = riccati.sampled(A, B, Q, R, N, dt=dt)
-            weight = dt * weight
-        A, B = with_integrals(A, B, Ci, Di, dt)
-        N = np.vstack([N, np.zeros((ni, B.shape[1]))])
-        Q = np.block([[Q, np.zeros((nx, ni))], [np.zeros((ni, nx)), weight]])
-        if dt is None:
-            found = riccati.lqr(A, B, Q, R, N, names=known)
-        else:
-            found = riccati.dlqr(A, B, Q, R, N, names=known, dt=dt)
+        found, K_past = _regulator(part, (model.A, model.B, Q, R, N), (Ci, Di, weight), dt, tuple(wanted), late)
         own = require_names("LQR.reads", reads) if reads is not None else model.state_names
         if len(own) != len(model.states):
             raise ValueError(f"LQR.reads = {own} must be {len(model.states)} names, one for each state of the model")
         return cls(
-            part.gain(found.K),
-            part.cost(found.P),
-            found.poles,
+            *found,
             x0=model.x0,
             u0=model.u0,
             target=target,
@@ -130,6 +132,9 @@ class LQR(OwnsArrays):
             conserved=part.conserved,
             free=part.free,
             part=part,
+            K_past=K_past,
+            before=None if before is None else require_finite("LQR.before", before, model.u0.shape),
+            delay=late,
         )
 
     @classmethod
@@ -154,11 +159,18 @@ class LQR(OwnsArrays):
         return cls.design(model, Q, R, reads=reads, dt=dt, integral=integral, limits=limits)
 
     @classmethod
-    def for_scene(cls, scene: CostedScene, *, effort: float = 1.0, integral: Mapping[str, float] | None = None) -> LQR:
+    def for_scene(
+        cls,
+        scene: CostedScene,
+        *,
+        effort: float = 1.0,
+        integral: Mapping[str, float] | None = None,
+        delay: float | tuple[float, float] = 0.0,
+    ) -> LQR:
         """`design` about a scene's goal, moving or not, with its cost, limits and control period.
 
-        effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held.
-        Integrals have the unit of what they integrate, times s.
+        delay [periods]: as in `design`; what acts first is the input of the scene's start.
+        effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held. Integrals: [unit s].
         """
         require_scene("LQR.for_scene", scene)
         effort = require_number("LQR.for_scene.effort", effort, "positive")
@@ -166,15 +178,17 @@ class LQR(OwnsArrays):
         R, high = {name: effort * value for name, value in scene.effort}, np.array(scene.limits, dtype=float)
         start = values_of(scene.plant, *scene.initial, model.state_names)
         options: dict[str, Any] = {"dt": scene.dt, "integral": integral, "limits": (-high, high), "start": start}
+        options |= {"delay": delay, "before": np.clip(scene.initial[1], -high, high)}
         made = cls.design(model, dict(scene.weights), R, **options)
         made.conserved, made.free = unmoved(scene)
         made.drift = drift if drift.any() else None
         return made
 
     def reset(self) -> None:
-        """Set the integrals to zero."""
+        """Set the integrals to zero, and forget the inputs on their way."""
         self.xi = np.zeros(len(self.target))
         self._last: float | None = None
+        self._past = OnTheirWay(self._begun(), len(self.u0))
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]; the integrals move on by dt, or by the time passed.
@@ -185,6 +199,11 @@ class LQR(OwnsArrays):
         if self.drift is not None:
             y = y.copy()
             y[: len(self.x0)] -= self.drift * moment("LQR", t)
+        if self.K_past is not None:
+            u = self.u0 - self.K.dot(y - self.x0) - self.K_past.dot(self._past.values)
+            u = np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
+            self._past.push(u - self.u0)
+            return u
         if not len(self.target):
             u = self.u0 - self.K.dot(y - self.x0)
             return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
@@ -202,14 +221,19 @@ class LQR(OwnsArrays):
         return np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
 
     def cost_to_go(self, x: Any, xi: Any = None) -> float:
-        """The cost from x (nx,) and integrals xi (ni,) (None: zero) on, linear and without limits."""
+        """The cost from x (nx,) and integrals xi (ni,) (None: zero) at the start on, linear and without limits."""
         x = require_finite("LQR.x", x, self.x0.shape)
         xi = np.zeros(len(self.target)) if xi is None else require_finite("LQR.xi", xi, self.target.shape)
         off = x - self.x0
         if self.part is not None and not self.part.same(off):
             return np.inf  # what is conserved and weighed has not the goal's value
-        error = np.concatenate([off, xi])
+        error = np.concatenate([off, xi, self._begun()])
         return float(error @ self.P @ error)
+
+    def _begun(self) -> np.ndarray:
+        """(M nu,) inputs on their way before the first act, less u0."""
+        first = np.zeros(len(self.u0)) if self.before is None else self.before - self.u0
+        return np.tile(first, 0 if self.K_past is None else self.K_past.shape[1] // len(self.u0))
 
     def _free(self, y: np.ndarray) -> np.ndarray:
         """u without limits."""
@@ -222,6 +246,41 @@ class LQR(OwnsArrays):
         u = self._free(y) + push.sum(axis=1)
         excess = u - np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
         self.xi = self.xi + np.where(excess @ push > 0, 0.0, change)
+
+
+def _regulator(
+    part: Steerable,
+    whole: tuple[np.ndarray, ...],
+    integrated: tuple[np.ndarray, np.ndarray, np.ndarray],
+    dt: float | None,
+    wanted: tuple[str, ...],
+    late: tuple[float, float],
+) -> tuple[riccati.Regulator, np.ndarray | None]:
+    """K, P of all states, poles, and the gain of the inputs on their way. whole: A, B, Q, R, N of continuous time;
+    integrated: C, D of the signals `wanted` and their weights."""
+    A, B, Q, R, N = whole
+    C, D, weight = integrated
+    ni, nx, nu = len(wanted), len(part.names), B.shape[1]
+    (A, B), (Q, N), C = part.system(A, B), part.weights(Q, N), C @ part.up
+    if dt is not None:
+        A, B, Q, R, N = riccati.sampled(A, B, Q, R, N, dt=dt)
+        weight = dt * weight
+    A, B = with_integrals(A, B, C, D, dt)
+    N = np.vstack([N, np.zeros((ni, nu))])
+    Q = np.block([[Q, np.zeros((nx, ni))], [np.zeros((ni, nx)), weight]])
+    known = part.names + tuple(f"integral of {name}" for name in wanted)
+    if dt is None:
+        found = riccati.lqr(A, B, Q, R, N, names=known)
+    else:
+        found = riccati.dlqr(A, B, Q, R, N, names=known, dt=dt)
+    found = riccati.Regulator(part.gain(found.K), part.cost(found.P), found.poles)
+    if dt is None or not late[1]:
+        return found, None
+    if late[0] < late[1] and (part.conserved or part.free):
+        raise ValueError(f"LQR.delay = {late} must be one number where something is conserved or free")
+    made = riccati.late_lqr(*whole, dt=dt, delays=late, on_time=found)
+    K, K_past = np.hsplit(made.K, [len(whole[0])])
+    return riccati.Regulator(K, made.P, made.poles), K_past
 
 
 def _picks(model: LinearModel, wanted: tuple[str, ...]) -> np.ndarray:

@@ -6,15 +6,25 @@ With V_j(xi) = xi'P_j xi + 2 p_j'xi + const of the Riccati recursion and its law
 square gives J = V_0 + sum_j v_j' S_j v_j for mu_j = -K_j xi_j - k_j + v_j, S_j = R + B'P_{j+1}B (Bertsekas, Dynamic
 Programming and Optimal Control, Section 3.1). So the Hessian in the pre-stabilised inputs v is block diagonal, and the
 identity in z_j = S_j^(1/2) v_j; z = 0 is the unconstrained optimum, whatever the horizon.
+
+Inputs that act late are states while on their way. With one delay the model is exact and the law its LQR. Within a
+range the prediction is that of the middle; the law is the one for all of it (`riccati.late_inputs`), from which the
+plan departs as little as the limits ask: min sum of v_j' S v_j, as in predictive control about a stabilised loop
+("Efficient robust predictive control", Kouvaritakis, Rossiter and Schuurmans 2000).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as sla
+
+from pliant.controllers import riccati
+from pliant.controllers.riccati.late_inputs import delay_range, past_of
+from pliant.plants.core.argument_gates import require_finite
+from pliant.plants.linear.lti import LinearModel
 
 
 class Laws(NamedTuple):
@@ -101,3 +111,63 @@ def _blocked(U: np.ndarray, nx: int, nu: int, blocks: Sequence[int]) -> np.ndarr
     change[nx : nx + size, :nx], change[nx : nx + size, -1] = left[:, :nx], left[:, nx]
     change[nx : nx + size, nx : nx + few] = Y
     return change
+
+
+class LatePrediction(NamedTuple):
+    """z+ = A z + B u, z = [x; the last `past` inputs, the oldest first], all less the model's point."""
+
+    A: np.ndarray
+    B: np.ndarray
+    found: Laws
+    past: int
+    acts: int  # how many samples ago the input was given that acts at a sample
+
+    def rows(self, C: np.ndarray, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """C (nb, nz), D (nb, nu) of signals C x + D u."""
+        nu = D.shape[1]
+        wide = np.hstack([C, np.zeros((len(C), self.past * nu))])
+        if not self.acts:
+            return wide, D
+        first = C.shape[1] + (self.past - self.acts) * nu
+        wide[:, first : first + nu] = D
+        return wide, np.zeros_like(D)
+
+
+def delayed_inputs(
+    model: LinearModel, late: tuple[Any, Any], P: Any, track: Sequence[str]
+) -> tuple[tuple[float, float] | None, np.ndarray | None]:
+    """(shortest, longest) delay, None without one, and what acts before the first input does (nu,)."""
+    delay, before = delay_range("MPC", late[0]), late[1]
+    if before is not None:
+        before = require_finite("MPC.before", before, model.u0.shape)
+    if not delay[1]:
+        return None, before
+    if model.dt is not None or P is not None or len(track):
+        raise ValueError(f"MPC.delay = {late[0]!r} must be 0 with a sampled model, with P and with track")
+    return delay, before
+
+
+def late_prediction(
+    model: LinearModel,
+    on_time: tuple[np.ndarray, ...],
+    rates: tuple[np.ndarray, np.ndarray, np.ndarray],
+    dt: float,
+    delay: tuple[float, float],
+    n: int,
+) -> LatePrediction:
+    """on_time: A, B, Q, R, N, P of the sampled problem without delay; rates: Q, R, N of continuous time."""
+    A, B, _, R, N, P = on_time
+    K = np.linalg.solve(R + B.T @ P @ B, N.T + B.T @ P @ A)
+    without = riccati.Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))
+    made = riccati.late_lqr(model.A, model.B, *rates, dt=dt, delays=delay, on_time=without)
+    nz, nu = len(made.P), B.shape[1]
+    root = sla.cholesky((made.S + made.S.T) / 2)
+    found = Laws(
+        np.tile(made.K, (n, 1, 1)),
+        np.zeros((n, nu)),
+        np.tile(root, (n, 1, 1)),
+        np.tile(made.P, (n + 1, 1, 1)),
+        np.zeros((n + 1, nz)),
+    )
+    step = made.middle.step
+    return LatePrediction(step[:, :nz], step[:, nz:], found, past_of(delay[1]), past_of(sum(delay) / 2))

@@ -111,6 +111,8 @@ def assemble(motion: Prediction, window: Window, limits: Limits, horizon: int) -
                 signal = window.C[at, i] @ motion.X[at]
             seen = none_d if window.seen is None else window.seen[i]
             ends = limits.floor[i], limits.ceiling[i]
+            if not signal[motion.X.shape[1] : -1].any():
+                ends = -np.inf, np.inf  # inputs on their way move it, and no plan does
             Du = window.D[at, i] if at == j else none_u
             rows.append(_Row(i, signal, window.C[at, i], Du, seen, none_u, window.z[at, i], *ends))
     return rows

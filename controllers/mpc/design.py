@@ -10,6 +10,7 @@ import numpy as np
 from pliant.controllers import riccati
 from pliant.controllers.base.controller import each, ends, saturation
 from pliant.controllers.riccati.checks import weight_matrix
+from pliant.controllers.riccati.late_inputs import past_of
 from pliant.plants.core.argument_gates import (
     as_tuple,
     require_by_name,
@@ -25,7 +26,7 @@ from pliant.plants.core.argument_gates import (
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.quadratic_cost import signal_rows
 
-from .condensed_prediction import laws, predict
+from .condensed_prediction import delayed_inputs, late_prediction, laws, predict
 from .constraints import Limits, Step, Window, build, soft_names
 from .exact_penalty import sufficient_penalty
 from .offset_free import KINDS, Estimator, Sizes
@@ -48,9 +49,12 @@ def regulator(
     reads: Sequence[str] | None,
     free_of_offset: tuple[Sequence[str], str | None, float, Any],
     start: Any = None,
+    late: tuple[Any, Any] = (0.0, None),
 ) -> dict[str, Any]:
-    """What `MPC.design` says, as the arguments of MPC: weights (Q, R, N, P), (track, disturbance, time, noise)."""
+    """What `MPC.design` says, as the arguments of MPC: weights (Q, R, N, P), (track, disturbance, time, noise), late
+    (delay, before)."""
     Q, R, N, P = weights
+    delay, before = delayed_inputs(model, late, P, track=free_of_offset[0])
     left: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
     limits, rates, bounds, terminal, penalty = limited
     track, disturbance, time, noise = free_of_offset
@@ -61,18 +65,27 @@ def regulator(
     time = require_seconds("MPC.time", time)
     if P is None and model.dt is None:
         Q, R, N, P, left = steered_weights(model, Q, R, N, dt, start)
+    rates_of_cost = None if delay is None else step_weights(model, Q, R, N)
     A, B, Q, R, N, dt = _sampled(model, Q, R, N, dt)
     nx, nu = B.shape
     n = horizon + terminal
     if P is None:
         P = riccati.dlqr(A, B, Q, R, N, names=model.state_names, dt=dt).P
     P = check_weights(Q, R, N, P)
-    As, Bs, cs, Qs, Rs, Ns = (np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(nx), Q, R, N))
-    found = laws(As, Bs, cs, Qs, Rs, Ns, P)
-    motion = predict(As, Bs, cs, found, horizon, blocks)
     bounded = limits_of(model, limits, rates, bounds, dt)
     _require_rest(model, A, B, dt, bounded)
     C, D, z0 = signal_rows(model, bounded.bounded, "MPC.bounds: state or output")
+    x0 = model.x0
+    if delay is not None and rates_of_cost is not None:
+        if delay[0] < delay[1] and any(left):
+            raise ValueError(f"MPC.delay = {delay} must be one number where something is conserved or free")
+        whole = late_prediction(model, (A, B, Q, R, N, P), rates_of_cost, dt, delay, n)
+        A, B, found, C, D = whole.A, whole.B, whole.found, *whole.rows(C, D)
+        x0 = np.concatenate([x0, np.tile(model.u0, whole.past)])
+    else:
+        found = laws(*(np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(nx), Q, R, N)), P)
+    As, Bs, cs = (np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(len(A))))
+    motion = predict(As, Bs, cs, found, horizon, blocks)
     extra: dict[str, Any] = {}
     seen, y0 = None, model.x0
     if track:
@@ -85,7 +98,7 @@ def regulator(
         raise ValueError(f"MPC.reads = {reads} must be {nx} names, one for each state of the model")
     window = Window(
         np.broadcast_to(model.u0, (n, nu)),
-        model.x0,
+        x0,
         np.broadcast_to(z0, (n + 1, len(z0))),
         np.broadcast_to(C, (n + 1, *C.shape)),
         np.broadcast_to(D, (n + 1, *D.shape)),
@@ -107,6 +120,7 @@ def regulator(
         "names": soft_names(bounded, horizon, n),
         "exact": exact,
         "left": left,
+        "late": None if delay is None else (delay, np.tile(model.u0 if before is None else before, past_of(delay[1]))),
         **extra,
     }
 

@@ -1,5 +1,6 @@
 """What an optimisation starts from, p = [x, x_s, u_s, d, u_-1]: the state as it is read, or what is estimated, its
-steady target under the estimated disturbance, and the last input where its change is limited.
+steady target under the estimated disturbance, and the last input where its change is limited. Of inputs that act late,
+those on their way are part of x.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from typing import final
 
 import numpy as np
 
+from pliant.controllers.base.inputs_on_their_way import OnTheirWay
 from pliant.plants.core.signals import OwnsArrays
 
 from .constraints import Limits
@@ -28,14 +30,18 @@ class Knowledge(OwnsArrays):
         estimator: Estimator | None,
         target: Target | None,
         tracked: Mapping[str, float],
+        waiting: np.ndarray | None = None,
     ) -> None:
-        """origin: the model's x0 (nx,), u0 (nu,) and the readings there; tracked: signals and their values there."""
+        """origin: the model's x0 (nx,), u0 (nu,) and the readings there; tracked: signals and their values there;
+        waiting (M nu,): inputs on their way at the start, the oldest first, which target and estimator do without."""
         self._x0, self._u0, self._y0 = origin
         self._limits, self._estimator, self._target = limits, estimator, target
         self._low, self._high, self._change = limits.low, limits.high, limits.change
         self.tracked, self.reference = dict(tracked), np.zeros(len(tracked))  # what `aim` asks beyond their values
         nx, nu = len(self._x0), len(self._u0)
         self._p = np.zeros(size)
+        self._way = OnTheirWay(np.zeros(0) if waiting is None else waiting, nu)
+        self._waiting = self._p[nx : nx + len(self._way.first)]
         self._state, self._origin = self._p[:nx], np.concatenate([self._x0, self._u0])
         self._steady = self._p[nx : 2 * nx + nu]
         self.last = self._p[size - nu :] if limits.remembers else None  # (nu,) the last input
@@ -44,23 +50,27 @@ class Knowledge(OwnsArrays):
         self.reset()
 
     def reset(self) -> None:
-        """No disturbance, and the last input u0, or the limit next to it."""
+        """No disturbance, the inputs on their way of the start, and the last input u0, or the limit next to it."""
+        self._way.reset()
+        self._waiting[:] = self._way.values
         if self._estimator is not None:
             self._estimator.reset()
         if self.last is not None:
             self.last[:] = np.minimum(np.maximum(self._u0, self._low), self._high)
 
     @property
-    def state(self) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None, bool, bool]:
-        """What it has learnt: goals, the last input, the estimate, whether there is one, whether goals are missed."""
+    def state(self) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None, bool, bool, np.ndarray]:
+        """What it has learnt: goals, the last input, the estimate, whether there is one, whether goals are missed, and
+        the inputs on their way."""
         last = None if self.last is None else self.last.copy()
         estimate = None if self._estimator is None else self._estimator.s.copy()
         begun = self._estimator is not None and self._estimator.known
-        return self.reference.copy(), last, estimate, begun, self.missed
+        return self.reference.copy(), last, estimate, begun, self.missed, self._way.values.copy()
 
     @state.setter
-    def state(self, found: tuple[np.ndarray, np.ndarray | None, np.ndarray | None, bool, bool]) -> None:
-        self.reference[:], last, estimate, begun, self.missed = found
+    def state(self, found: tuple[np.ndarray, np.ndarray | None, np.ndarray | None, bool, bool, np.ndarray]) -> None:
+        self.reference[:], last, estimate, begun, self.missed, self._way.values = found
+        self._waiting[:] = self._way.values
         if self.last is not None:
             self.last[:] = last
         if self._estimator is not None:
@@ -93,4 +103,6 @@ class Knowledge(OwnsArrays):
             self.last[:] = u
         if self._estimator is not None:
             self._estimator.go_on(u - self._u0)
+        self._way.push(u)
+        self._waiting[:] = self._way.values
         return u

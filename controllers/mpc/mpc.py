@@ -9,7 +9,8 @@ exactly; the limits of signals are soft, so that there always is a plan, and wha
 Should the solver fail, that is recorded, and the last plan goes on; past its end, the unlimited law within the limits.
 `design` and `ltv_design` build everything; an act is one product, and a solve where the unlimited plan breaks one.
 
-Guarantee   where no limit is active, that of the LQR of its model; none with other parameters or delay.
+Guarantee   where no limit is active, that of the LQR of its model and of the delay that it was told; none with other
+            parameters or delays.
 """
 
 from __future__ import annotations
@@ -62,12 +63,15 @@ class MPC:
         tracked: Mapping[str, float] | None = None,
         exact: bool = False,
         left: tuple[tuple[str, ...], tuple[str, ...]] = ((), ()),
+        late: tuple[tuple[float, float], np.ndarray] | None = None,
     ) -> None:
         """steps: one, or one for each time from `start` [s] on, the last of which stays. origin: the model's x0, u0,
         and the readings there. tracked: signals, and their values at the origin, which are brought to `aim`. exact:
-        whether a plan that exceeds a soft limit is made again with hard ones.
+        whether a plan that exceeds a soft limit is made again with hard ones. late: the inputs' (shortest, longest)
+        delay [periods], and those on their way at the start (M nu,).
         """
-        self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked, exact, left
+        self._made = steps, limits, reads, dt, start, origin, names, estimator, target, tracked, exact, left, late
+        self.delay = (0.0, 0.0) if late is None else late[0]
         self.conserved, self.free = left  # in words: what no input changes, what only inputs do and nothing feels
         self.dt, self.reads, self.limits, self.record = dt, reads, limits, Record(names)
         self.tracked, self.horizon = dict(tracked or {}), len(steps[0].plan[0])
@@ -78,10 +82,10 @@ class MPC:
         self._ny, m, size = len(reads), len(steps[0].low), steps[0].G.shape[1]
         self._d, self._lower, self._upper = np.empty(m + len(limits.low)), np.empty(m), np.empty(m)
         self._rows, self._free, self._limits = self._d[:m], self._d[m:], m > 0
-        wanted = estimator is not None or limits.remembers  # else the reading is all there is to know
-        self._knowledge = Knowledge(size, origin, limits, estimator, target, self.tracked) if wanted else None
-        self._low, self._high = limits.low, limits.high
-        self._clips = bool(np.isfinite([self._low, self._high]).any())
+        wanted = estimator is not None or limits.remembers or late is not None  # else a reading is all there is to know
+        known = origin, limits, estimator, target, self.tracked, None if late is None else late[1]
+        self._knowledge = Knowledge(size, *known) if wanted else None
+        self._low, self._high, self._clips = limits.low, limits.high, bool(np.isfinite([limits.low, limits.high]).any())
         self.plan, self._shift = LastPlan(self.horizon, size), np.zeros(m)
         self.reset()
 
@@ -108,6 +112,8 @@ class MPC:
         time: float = 0.2,
         noise: float | Mapping[str, float] = 1e-2,
         start: Any = None,
+        delay: Any = 0.0,
+        before: Any = None,
     ) -> Self:
         """On a linear model about an equilibrium.
 
@@ -126,9 +132,13 @@ class MPC:
         `reads` names the states or, for the last two, measured outputs. time [s] of the estimate; noise: deviation of
         readings where that of inputs, and of drifts over `time`, is one unit; or by name (see `offset_free.Sizes`).
         What is conserved or free is left as in LQR.design, `start` (nx,) as there (of a continuous model, P None).
+        delay [periods] of the inputs, or (shortest, longest), and before (nu,): as there; a continuous model, P and
+        track left out.
         """
         weights, limited, offset = (Q, R, N, P), (limits, rates, bounds, terminal, penalty), (track, disturbance, time)
-        return cls(**regulator(model, weights, horizon, dt, limited, blocks, reads, (*offset, noise), start))
+        return cls(
+            **regulator(model, weights, horizon, dt, limited, blocks, reads, (*offset, noise), start, (delay, before))
+        )
 
     @classmethod
     def along(
@@ -165,31 +175,21 @@ class MPC:
         if nominal is not None:
             require_instance("MPC.for_scene: nominal", nominal, Trajectory)
             return cls.along(scene.plant.linearize_along(nominal), Q, R, **given)
-        model, drift, given["bounds"], start = about_goal(scene, given["bounds"])
-        made = cls.design(model, Q, R, dt=scene.dt, **{"start": start, **given})
-        made.conserved, made.free = unmoved(scene)
-        if drift is not None and len(made.reads) != len(drift):
-            raise ValueError(f"MPC.for_scene: the goal of {scene.name!r} moves, MPC must read the states, not outputs")
-        made._drift = drift
-        return made
+        return _about_goal(cls, scene, Q, R, given)
 
     def reset(self) -> None:
         """Forget the last input (then u0, or the limit next to it), the plan, the disturbance and the record."""
         self.record.clear()
-        for step in self._steps:
-            step.solver.forget()
-        if self._firm is not None:
-            self._firm.forget()
+        for one in (*(step.solver for step in self._steps), self.plan, *([self._firm] if self._firm else [])):
+            one.forget()
         if self._knowledge is not None:
             self._knowledge.reset()
-        self.plan.forget()
         self._at, self._multipliers = NEVER, np.zeros(len(self._shift))
 
     def aim(self, values: Mapping[str, float]) -> None:
         """Bring tracked signals to other values, each in its own unit; they start at the model's point."""
-        named = require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal")
-        if self._knowledge is not None:
-            self._knowledge.aim(named)
+        if (known := self._knowledge) is not None:
+            known.aim(require_by_name("MPC.aim: values", values, tuple(self.tracked), "tracked signal"))
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) from y (len(reads),) at time t [s]."""
@@ -243,7 +243,7 @@ class MPC:
 
     def __reduce__(self) -> tuple[Any, ...]:  # a copy goes on as the original would, and apart from it
         known = None if self._knowledge is None else self._knowledge.state
-        made = *self._made[:-1], (self.conserved, self.free)
+        made = *self._made[:-2], (self.conserved, self.free), self._made[-1]
         return _again, sealed((made, self._drift, self.record, self.plan, known, self._at, self._multipliers))
 
 
@@ -251,6 +251,18 @@ def _both(limits: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest inputs of a scene's limits."""
     high = np.array(limits, dtype=float)
     return -high, high
+
+
+def _about_goal(cls: type[MPC], scene: CostedScene, Q: Any, R: Any, given: dict[str, Any]) -> MPC:
+    """`design` about a scene's goal, moving or not."""
+    model, drift, given["bounds"], start = about_goal(scene, given["bounds"])
+    first = {"start": start, "before": np.clip(scene.initial[1], *_both(scene.limits))}
+    made = cls.design(model, Q, R, dt=scene.dt, **{**first, **given})
+    made.conserved, made.free = unmoved(scene)
+    if drift is not None and len(made.reads) != len(drift):
+        raise ValueError(f"MPC.for_scene: the goal of {scene.name!r} moves, MPC must read the states, not outputs")
+    made._drift = drift
+    return made
 
 
 def _again(*state: Any) -> MPC:

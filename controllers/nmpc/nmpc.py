@@ -13,7 +13,7 @@ of it after the measurement, where HPIPM takes 0.6 ms on the stages as they are.
 Of more than 150 inputs (`condensing.LONG`) it is condensed only where a limit or a bound binds, else solved stage by
 stage: the published arm of three joints over 125 periods takes 5.3 ms of processor time a period so, in place of 8.3.
 
-Guarantee   none: one iteration a period, no terminal set.
+Guarantee   none: one iteration a period, no terminal set; a delay is taken for known.
 """
 
 from __future__ import annotations
@@ -29,8 +29,10 @@ from pliant.controllers.base.controller import moment, reading
 from pliant.controllers.base.objective import Objective
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.base.solver_record import Record
+from pliant.controllers.linear_quadratic.state_ahead import StateAhead
+from pliant.controllers.riccati.late_inputs import delay_range
 from pliant.plants.core.argument_gates import as_tuple, require_count, require_finite, require_instance, require_number
-from pliant.plants.core.errors import PliantError
+from pliant.plants.core.errors import IntegrationError, PliantError
 from pliant.plants.core.signals import owned, sealed
 
 from .gauss_newton import converge
@@ -87,13 +89,17 @@ class NMPC:
         starts: tuple[Array, ...] = (),
         first_steps: int = 20,
         iteration_limit: int = 1000,
+        delay: float = 0.0,
+        before: Any = None,
     ) -> None:
         """horizon: control periods; substeps: RK4 steps in each, None for the fewest that are stable and fine enough.
 
         terminal: "riccati", the cost-to-go of the regulator about the goal; a matrix P (nx, nx) >= 0; or None, which
         warns where the horizon is short. penalty: cost of leaving a bound by half its range at one node, linear.
         starts: states (nx,) that the choice of substeps is to serve. first_steps: Gauss-Newton steps, at most, on the
-        first plan after `reset`. iteration_limit: of the quadratic program's active-set changes.
+        first plan after `reset`. iteration_limit: of the quadratic program's active-set changes. delay: after how many
+        periods an input acts, 1.5 say; the plan begins at the state that the plant's own steps take the reading to by
+        then. before (nu,): what acts until the first input does; the goal's where None.
         """
         require_instance("NMPC.objective", objective, Objective)
         horizon = require_count("NMPC", "horizon", horizon, 1, 10_000)
@@ -106,7 +112,9 @@ class NMPC:
         )
         states = (objective.plant.nx,)
         starts = tuple(require_finite(f"NMPC.starts[{i}]", x, states) for i, x in enumerate(listed))
-        self._made = (substeps, terminal, penalty, starts, first_steps, iteration_limit)
+        late, _ = delay_range("NMPC", require_number("NMPC.delay", delay, "nonnegative", unit="periods"))
+        first = objective.u_goal if before is None else require_finite("NMPC.before", before, (objective.plant.nu,))
+        self._made = (substeps, terminal, penalty, starts, first_steps, iteration_limit, late, first)
         if not np.linalg.eigvalsh(objective.quadratic()[1]).min() > 0:
             names = ", ".join(s.name for s in objective.plant.inputs)
             raise ValueError(f"NMPC.objective.effort = {dict(objective.effort)} must price every input: {names}")
@@ -116,13 +124,17 @@ class NMPC:
         P, self.law = end_of(objective, terminal, self.substeps, horizon)
         self.horizon = Horizon(objective, horizon, self.substeps, P, self.law)
         self._program = HorizonProgram(self.horizon, penalty, iteration_limit)
+        self.delay = late
+        self._ahead = StateAhead(objective.plant, objective.dt, late, self.substeps, first) if late else None
         self.reset()
 
     @classmethod
     def for_scene(cls, scene: CostedScene, horizon: int = 30, **options: Any) -> Self:
         """On the scene's plant, cost, limits and bounds; its start decides on the substeps. Options as above."""
         require_scene("NMPC.for_scene", scene)
-        return cls(Objective.of(scene), horizon, **{"starts": (scene.initial[0],), **options})
+        high = np.array(scene.limits, dtype=float)
+        given = {"starts": (scene.initial[0],), "before": np.clip(scene.initial[1], -high, high)}
+        return cls(Objective.of(scene), horizon, **{**given, **options})
 
     @property
     def dt(self) -> float:
@@ -139,6 +151,8 @@ class NMPC:
         self.record.clear()
         self._program.solver.forget()
         self.horizon.forget()
+        if self._ahead is not None:
+            self._ahead.reset()
         self._ready = False
         self._taken: tuple[Array, Array, Array] | None = None  # (y, e, d) of the last feedback
 
@@ -155,9 +169,9 @@ class NMPC:
 
         May be called before the first measurement, with the state that is expected.
         """
-        y = reading("NMPC.y", y, self.objective.plant.nx)
+        y = self._met(y)
         plan = self.horizon
-        plan.t = moment("NMPC", t)
+        plan.t = moment("NMPC", t) + self.delay * self.dt
         self._line(y)
         _, change = converge(self._program, y, self.first_steps, 1e-6)
         plan.hold(change > FIRST)
@@ -169,7 +183,7 @@ class NMPC:
         begin = perf_counter()
         if not self._ready:
             raise PliantError("NMPC.feedback has no plan yet: start(t, y) makes the first")
-        y = reading("NMPC.y", y, self.objective.plant.nx)
+        y = self._met(y)
         plan, program, record = self.horizon, self._program, self.record
         e = y - plan.x[0]
         d = program.solve(e)
@@ -188,6 +202,8 @@ class NMPC:
         self._taken = y.copy(), e, d
         u = plan.u[0] + d[: len(plan.u[0])]
         np.minimum(np.maximum(u, program.lowest, out=u), program.highest, out=u)
+        if self._ahead is not None:
+            self._ahead.remember(u.copy())
         record.feedback = perf_counter() - begin
         return u
 
@@ -232,6 +248,14 @@ class NMPC:
             )
         return Converged(plan.x.copy(), plan.u.copy(), plan.cost(), steps, change)
 
+    def _met(self, y: Array) -> Array:
+        """The state (nx,) that the next input meets. IntegrationError where the plant diverges on the way."""
+        y = reading("NMPC.y", y, self.objective.plant.nx)
+        x = y if self._ahead is None else self._ahead(y)
+        if not np.isfinite(x).all():
+            raise IntegrationError(f"NMPC: the model diverges within {self.delay:g} periods from {y}", 0.0, y, self.dt)
+        return x
+
     def _line(self, x: Array) -> None:
         """A first guess: the straight line from x to the goal, under the goal's input."""
         plan, goal = self.horizon, self.objective
@@ -245,6 +269,7 @@ class NMPC:
         """A copy goes on as the original would, and apart from it."""
         plan = self.horizon
         state = plan.t, plan.x, plan.u, plan.damped, plan.damping, self._program.solver.near, self._ready, self._taken
+        state += (self._ahead,)
         return _remade, sealed((self.objective, plan.N, self._made, self.record, state))
 
 
@@ -253,10 +278,13 @@ def _remade(
 ) -> NMPC:
     """Another with the same design and state: its plan is linearised again."""
     made, state = owned((made, state))
-    names = ("substeps", "terminal", "penalty", "starts", "first_steps", "iteration_limit")
+    names = ("substeps", "terminal", "penalty", "starts", "first_steps", "iteration_limit", "delay", "before")
     found = NMPC(objective, horizon, **dict(zip(names, made)))
     plan, found.record = found.horizon, record
-    plan.t, plan.x[:], plan.u[:], plan.damping, damping, found._program.solver.near, found._ready, found._taken = state
+    plan.t, plan.x[:], plan.u[:], plan.damping, damping, found._program.solver.near, found._ready, found._taken = state[
+        :8
+    ]
+    found._ahead = state[8]
     if found._ready:
         found._program.linearize()
         plan.damping = damping

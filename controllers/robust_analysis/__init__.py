@@ -1,1 +1,1 @@
-"""Boxes of parameters and uncertain blocks: structured singular values, robust gains of motions that end."""
+"""What a loop or a motion stands over a box of a plant's parameters, and robust gains of motions that end."""

@@ -51,12 +51,12 @@ def nearest(
             found = _climb(rate, k * np.clip(start, -1, 1), k)
             if rate(found) <= 0:
                 break
-            best = _first(rate, found)
+            best = first_along(rate, found)
             start, k = best[1] / best[0], best[0] * SHRINK
     return best
 
 
-def _first(rate: Callable[[Array], float], delta: Array) -> tuple[float, Array]:
+def first_along(rate: Callable[[Array], float], delta: Array) -> tuple[float, Array]:
     """The first instability on the ray to delta."""
     shares = np.linspace(0, 1, ALONG + 1)
     at = next(i for i, s in enumerate(shares) if rate(s * delta) > 0 or i == ALONG)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from typing import Any
 
 from pliant.envs.scenes import registry
 from pliant.plants.core.argument_gates import shown
+from pliant.plants.dynamics.plant import Plant
 from pliant.plants.files import toml_text
+from pliant.plants.tables import plant_types
 
+from . import plant_scene
 from .scene_tables import to_tables
 
 PLANT = '''"""A crane: a trolley on a rail, and a load that hangs from it on a stiff rope. Change it into your machine.
@@ -121,10 +125,21 @@ def plant_start(name: str) -> dict[str, str]:
 
 
 def scene_start(name: str, base: str = "two-link-reach") -> dict[str, str]:
-    """{file: text} of a scene that changes `base`, all that the base says in comments. ValueError for bad names."""
+    """{file: text} of a scene that changes `base`, all that the base says in comments. ValueError for bad names.
+
+    base: a scene's name; a type of plants, of which a first scene is made; or a scene's file, which is written anew.
+    """
     registry.require_name("new scene: NAME", name)
+    if registry.is_file(base):
+        copied = dataclasses.replace(registry.get(base), name=name)
+        return {f"{name}.toml": toml_text.dumps(to_tables(copied), f"{name}: as {base} was")}
+    if base in plant_types.names():
+        return {f"{name}.toml": plant_scene.written(plant_scene.first_scene(name, _made(base)))}
     if base not in registry.names():
-        raise ValueError(f"new scene: --base {shown(base)} must be one of {', '.join(registry.names())}")
+        raise ValueError(
+            f"new scene: --base {shown(base)} must be one of {', '.join(registry.names())}; or a scene's file, "
+            f"or a type of plants, {', '.join(plant_types.names())}"
+        )
     scene = registry.get(base)
     units = {s.name: s.unit for s in (*scene.plant.states, *scene.plant.outputs, *scene.plant.inputs)}
     own: dict[str, Any] = {
@@ -137,11 +152,23 @@ def scene_start(name: str, base: str = "two-link-reach") -> dict[str, str]:
         f'about = "{scene.about}"',
         f'base = "{base}"  # all that this file does not say is as there',
     ]
+    heading = ""
     for line in toml_text.dumps(own).splitlines():
+        heading = line if line.startswith("[") else heading
         unit = units.get(line.split(" = ")[0], "") if " = " in line else ""
-        lines.append(f"# {line}" + (f"  # [{unit}]" if unit else "") if line else "")
+        said = f"of its square [({unit})^2]" if heading in ("[weights]", "[effort]") else f"[{unit}]"
+        lines.append(f"# {line}" + (f"  # {said}" if unit else "") if line else "")
     lines += ["", "# [parameters]  # of the plant, by dotted names", *_numbers(plant)]
     return {f"{name}.toml": "\n".join(lines) + "\n"}
+
+
+def _made(kind: str) -> Plant:
+    """A plant of this type with its own defaults, or its textbook's."""
+    of = plant_types.named("new scene: --base", kind)
+    try:
+        return getattr(of, "textbook", of)()
+    except TypeError as missing:
+        raise ValueError(f"new scene: --base {kind} must have a default for every field: {missing}") from None
 
 
 def _numbers(table: dict[str, Any], path: str = "") -> list[str]:

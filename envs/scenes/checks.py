@@ -56,7 +56,7 @@ def checked(scene: Scene) -> dict[str, Any]:
     found["substeps"] = _substeps(owner, scene.substeps)
     if not scene.duration < LARGEST * scene.dt:
         raise ValueError(f"{owner}: duration = {scene.duration} s must be less than {LARGEST:,} dt = {scene.dt} s")
-    if scene.steps < 1:
+    if scene.duration < scene.dt * (1 - 1e-9):
         raise ValueError(f"{owner}: duration = {scene.duration} s must be at least dt = {scene.dt} s")
     for name in ("start_at_rest", "goal_at_rest"):
         found[name] = require_flag(f"Scene.{name}", getattr(scene, name))

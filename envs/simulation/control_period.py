@@ -105,9 +105,9 @@ def observe_function(scene: Scene) -> ca.Function:
     signals = ca.vertcat(x, output(0.0, x, u, w, p))
     n, m = len(scene.observe), len(scene.weights)
     obs = signals[scene.positions(scene.observe)] - ref[:n]
-    errors = signals[scene.positions(scene.weighted)] - ref[n : n + m]
-    excess = u[scene.priced_inputs] - ref[n + m :]
-    rate = scene.cost_rate(ca.vertsplit(errors), ca.vertsplit(excess))
+    errors = [signals[i] - ref[n + k] for k, i in enumerate(scene.positions(scene.weighted))]  # none, maybe
+    excess = [u[i] - ref[n + m + k] for k, i in enumerate(scene.priced_inputs)]
+    rate = scene.cost_rate(errors, excess)
     margin = ca.SX(1.0)
     for name, bound in scene.bounds:
         value = signals[scene.positions([name])]

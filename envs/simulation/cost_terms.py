@@ -29,15 +29,13 @@ def cost_terms(scene: Scene) -> Rows:
     """
     plant = scene.varied_plant
     _, x, u, w, p = plant.symbols
-    n, m = len(scene.observe), len(scene.weights)
+    n = len(scene.observe)
     ref = ca.SX.sym("ref", len(reference(scene)))
     output = ca.Function("output", list(plant.symbols), [plant.expressions[1]])
     signals = ca.vertcat(x, output(0.0, x, u, w, p))
-    deviations = ca.vertcat(
-        signals[scene.positions(scene.weighted)] - ref[n : n + m], u[scene.priced_inputs] - ref[n + m :]
-    )
-    weights = ca.DM([weight for _, weight in (*scene.weights, *scene.effort)])
-    terms = scene.dt * weights * deviations**2
+    now = [signals[i] for i in scene.positions(scene.weighted)] + [u[i] for i in scene.priced_inputs]
+    priced = zip((*scene.weights, *scene.effort), now)
+    terms = ca.vertcat(ca.SX(0, 1), *(scene.dt * c * (z - ref[n + k]) ** 2 for k, ((_, c), z) in enumerate(priced)))
     return Rows(ca.Function("terms", [x, u, ref, w, p], ca.cse([ca.densify(terms)])), partial(_points, scene))
 
 

@@ -6,7 +6,8 @@ States   x = [q; v]; one coordinate more than speeds for each quaternion
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,6 +17,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import require_by_name
 from pliant.plants.core.casadi_functions import NumericFunction, built_once
+from pliant.plants.core.errors import EquilibriumError
 from pliant.plants.core.quaternions import rates
 from pliant.plants.core.signals import Signal, Unfelt, names
 from pliant.plants.dynamics.equilibrium import RestConditions
@@ -118,13 +120,29 @@ class TurningPlant(AttitudePlant, LagrangianPlant):
         p: Any = None,
         **named: float,
     ) -> tuple[Array, Array]:
-        """A rest point as in Plant.equilibrium. The search begins with nothing turned; place and attitude of a free
-        base are held, at zero where they are not named. The state (nx,) and the inputs (nu,).
+        """A rest point as in Plant.equilibrium. The search begins with nothing turned, and where that finds none with
+        one joint that turns in space turned a quarter; place and attitude of a free base are held, at zero where they
+        are not named. The state (nx,) and the inputs (nu,).
         """
         first = {self.states[a.q].name: 1.0 for a in self.attitudes}
         given = first | ({} if guess is None else dict(require_by_name("equilibrium.guess", guess)))
         fixed = {} if fixed is None else require_by_name("equilibrium.fixed", fixed)
-        return super().equilibrium({**self.held, **fixed, **named}, guess=given, p=p)
+        held = {**self.held, **fixed, **named}
+        try:
+            return super().equilibrium(held, guess=given, p=p)
+        except EquilibriumError:
+            for turned in self._quarter_turns({*held, *(guess or {})}):
+                with suppress(EquilibriumError):
+                    return super().equilibrium(held, guess=given | turned, p=p)
+            raise
+
+    def _quarter_turns(self, known: set[str]) -> Iterator[dict[str, float]]:
+        """Guesses of one attitude at a time, of those that are not known: a quarter about each axis, either way."""
+        half = float(np.sqrt(0.5))
+        for attitude in self.attitudes:
+            scalar, *vector = names(self.states[attitude.quaternion])
+            if known.isdisjoint((scalar, *vector)):
+                yield from ({scalar: half, name: sign * half} for name in vector for sign in (1.0, -1.0))
 
     @built_once
     def _stiffness(self) -> NumericFunction:

@@ -70,7 +70,8 @@ def check(plant: Plant, *, points: int = 4, seed: int = 0) -> Checked:
 
     def sizes() -> Iterable[str]:
         rate, output = plant.expressions
-        if (rate.numel(), output.numel()) == (plant.nx, plant.ny):  # else no point can be drawn
+        whole = (rate.numel(), output.numel()) == (plant.nx, plant.ny)
+        if whole and equations.wrong_rest(plant) is None:  # else no point can be drawn
             at.extend(equations.points(plant, count, start))
         return equations.wrong_sizes(plant, at)
 

@@ -11,16 +11,18 @@ from typing import Any
 
 import numpy as np
 
+from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.errors import PliantError
 from pliant.plants.core.signals import names
 from pliant.plants.dynamics.plant import Plant
-from pliant.plants.native.batch_kernels import random_points
+from pliant.plants.native.batch_kernels import home, random_points
 
 Array = np.ndarray
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of a difference, in each state's own unit
 APART = 1e-5  # of the largest entry, beyond which two derivatives are not the same
 SHRINKS = 8  # halvings of a random state
 ROUNDING = 1e-15  # of a value that is differenced
+ELSEWHERE = "where the machine is never so, as a rope of no length, let `rest_state` give a state that it can have"
 BLOCKS = (  # of `jacobians`: what changes, with what
     ("A", "rate", "x"),
     ("B", "rate", "u"),
@@ -32,17 +34,18 @@ BLOCKS = (  # of `jacobians`: what changes, with what
 
 
 def points(plant: Plant, count: int, seed: int) -> list[dict[str, Any]]:
-    """[{t, x, u, w, p}] of which the plant's functions take each, nearer to zero where the equations end there."""
+    """[{t, x, u, w, p}] of which the plant's functions take each, nearer to its rest where the equations end there."""
     drawn = random_points(plant, np.random.default_rng(seed), count)
     drawn[1] = plant.consistent(drawn[1].T).T
+    about = home(plant)
     for k in range(SHRINKS):
         try:
             plant.dynamics(drawn[1].T, drawn[2].T, w=drawn[3].T, p=drawn[4].T)
             if k:  # once more, for differences are taken about them
-                drawn[1] = plant.consistent(drawn[1].T / 2).T
+                drawn[1] = plant.consistent((about + drawn[1].T) / 2).T
             break
         except PliantError:
-            drawn[1] = plant.consistent(drawn[1].T / 2).T
+            drawn[1] = plant.consistent((about + drawn[1].T) / 2).T
     found = [dict(zip("txuwp", (part[:, k] for part in drawn))) for k in range(count)]
     return [point | {"t": float(point["t"][0])} for point in found]
 
@@ -54,6 +57,9 @@ def wrong_sizes(plant: Plant, at: list[dict[str, Any]]) -> Iterator[str]:
         if expression.shape != (size, 1):
             yield f"{what} has {expression.numel()} entries, must have {size}: one for each signal"
             return
+    if wrong := wrong_rest(plant):
+        yield wrong
+        return
     for point in [{"t": 0.0, "x": plant.rest_state, "u": np.zeros(plant.nu), "w": None, "p": None}, *at]:
         for what, values, signals in (
             ("ode", plant.dynamics(**point), plant.states),
@@ -63,6 +69,21 @@ def wrong_sizes(plant: Plant, at: list[dict[str, Any]]) -> Iterator[str]:
             if bad:
                 yield f"{what} gives no number for {', '.join(bad)} at x = {point['x']}, must be finite"
                 return
+
+
+def wrong_rest(plant: Plant) -> str | None:
+    """What is wrong with `rest_state`, which stands wherever no state is given."""
+    x = np.asarray(plant.rest_state)
+    if x.shape != (plant.nx,) or x.dtype.kind not in "fiu" or not np.isfinite(x).all():
+        return f"rest_state is {shown(plant.rest_state)}, must be an array ({plant.nx},) of finite numbers"
+    try:
+        rate = plant.dynamics(x)
+    except PliantError as lost:
+        return f"equations: {type(lost).__name__}: {lost}; {ELSEWHERE}"
+    if not np.isfinite(rate).all():
+        bad = ", ".join(s.name for s, value in zip(plant.states, rate) if not np.isfinite(value))
+        return f"ode gives no number for {bad} at x = {x}, must be finite; {ELSEWHERE}"
+    return None
 
 
 def derivatives(plant: Plant, at: list[dict[str, Any]]) -> tuple[float, list[str]]:

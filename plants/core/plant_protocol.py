@@ -43,6 +43,9 @@ class PlantLike(Protocol):
     def small_states(self) -> tuple[str, ...]: ...
 
     @property
+    def attitude_states(self) -> tuple[str, ...]: ...
+
+    @property
     def nx(self) -> int: ...
 
     @property

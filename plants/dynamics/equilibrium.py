@@ -118,7 +118,7 @@ def find(
     """Solve f(x, u) = 0 with the named signals held. Unknown: every other state, and the inputs when enough is held."""
     names = tuple(s.name for s in plant.states + plant.inputs)
     signals = plant.states + plant.inputs
-    z = np.zeros(len(names))
+    z = np.append(plant.rest_state, np.zeros(plant.nu))
     held = np.zeros(len(names), dtype=bool)
     for kind, source in (("guess", guess), ("fixed", fixed), ("named", named)):
         for name, value in require_by_name(f"equilibrium.{kind}", source).items():
@@ -167,7 +167,7 @@ def find(
 
 
 def with_joints(plant: Plant, named: Mapping[str, float]) -> dict[str, float]:
-    """The named states, and at zero the driven coordinates that they leave open.
+    """The named states, and as in `rest_state`, at zero, the driven coordinates that they leave open.
 
     A coordinate without an input that is named (a link behind its gear) decides the driven one that it follows most.
     """
@@ -182,7 +182,8 @@ def with_joints(plant: Plant, named: Mapping[str, float]) -> dict[str, float]:
             most = max(left, key=lambda one: float(row[driven.index(one)]), default=None)
             if most is not None and row[driven.index(most)] > FOLLOWS * row.max():
                 left.remove(most)
-    return {**dict.fromkeys(left, 0.0), **named}
+    at_rest = dict(zip((s.name for s in plant.states), np.asarray(plant.rest_state).tolist()))
+    return {**{name: at_rest[name] for name in left}, **named}
 
 
 def _follows(plant: Plant, driven: list[str], others: list[str]) -> Array:

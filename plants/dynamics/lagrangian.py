@@ -25,7 +25,7 @@ from . import arguments
 from .declaration import Array
 from .equilibrium import ForcesAtRest, RestConditions, forces_at_rest
 from .mechanical import BalancedPlant
-from .residual_jacobians import Differentiated
+from .residual_jacobians import Differentiated, from_energies
 from .symbolic_ldl import ldl, ldl_solve
 
 
@@ -97,6 +97,16 @@ class LagrangianPlant(BalancedPlant):
         r = self.generalized_force(t, q, v, u, w) + ca.gradient(T - V, q) - ca.gradient(D, v)
         return M, r - ca.jtimes(momentum, q, v), T, V
 
+    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+        """r - M a (n,) at accelerations a (n,); from the energies M is never written out."""
+        if not self._written_out:
+            return from_energies(self, t, x, u, w, a)
+        M, r, _, _ = self.equations(t, x, u, w)
+        return r - M @ a
+
+    def _written_mass(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX | None:
+        return self.equations(t, x, u, w)[0] if self._written_out else None
+
     def elimination(self, n: int) -> Sequence[int]:
         """Rows of M (n, n) in the order in which they are eliminated; of a sparse M those with few entries first."""
         return range(n)
@@ -133,19 +143,7 @@ class LagrangianPlant(BalancedPlant):
         return ca.vertcat(self.coordinate_rates(x), a), ca.mmin(ca.vertcat(*pivots)) if pivots else ca.SX(1)
 
     def _differentiated(self) -> Differentiated:
-        """Driven accelerations are the inputs."""
-        _, x, u, w, _ = self.symbols
-        M, r, _, _ = self._terms
-        n, m, nx = len(self.coordinates), M.shape[0], self.nx
-        a, z = ca.SX.sym("a", m), ca.vertcat(x, u, w)
-        moving, change = ca.SX(a), ca.SX(m, z.shape[0])
-        for i, k in self.driven.items():
-            moving[i], change[i, nx + k] = u[k], 1
-        free = [i for i in self.elimination(m) if i not in self.driven]
-        if free:
-            lacking = (r - M @ moving)[free]
-            change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))
-        return Differentiated(a, ca.vertcat(self.coordinate_rates(x), a), change, self._motion[0][n:])
+        return _differentiated(self)
 
     def _accelerations(self, nominal: Trajectory, p: Any) -> Array:
         return nominal.derivative()[:, len(self.coordinates) :]
@@ -230,3 +228,19 @@ class LagrangianPlant(BalancedPlant):
     def _stiffness(self) -> NumericFunction:
         q = self.symbols[1][: len(self.coordinates)]
         return function("stiffness", list(self.symbols), [ca.jacobian(-self._terms[1], q)], matrices=True)
+
+
+def _differentiated(plant: LagrangianPlant) -> Differentiated:
+    """Driven accelerations are the inputs."""
+    _, x, u, w, _ = plant.symbols
+    M, r, _, _ = plant._terms
+    n, m, nx = len(plant.coordinates), M.shape[0], plant.nx
+    a, z = ca.SX.sym("a", m), ca.vertcat(x, u, w)
+    moving, change = ca.SX(a), ca.SX(m, z.shape[0])
+    for i, k in plant.driven.items():
+        moving[i], change[i, nx + k] = u[k], 1
+    free = [i for i in plant.elimination(m) if i not in plant.driven]
+    if free:
+        lacking = (r - M @ moving)[free]
+        change[free, :] = ldl_solve(*ldl(M[free, free]), ca.jacobian(lacking, z))
+    return Differentiated(a, ca.vertcat(plant.coordinate_rates(x), a), change, plant._motion[0][n:])

@@ -19,7 +19,7 @@ from . import arguments
 from .declaration import Array
 from .linear_models import check_signals
 from .plant import Plant
-from .residual_jacobians import Differentiated, ForceBalance, ResidualJacobians, from_energies
+from .residual_jacobians import Differentiated, ForceBalance, ResidualJacobians
 
 NEARLY_SINGULAR = 1e-3  # of the smallest eigenvalue of the scaled mass matrix at the start of a motion
 HUGE = 1e6  # root of an inertia that only a diverged state has
@@ -180,12 +180,13 @@ class MechanicalPlant(Plant):
 class BalancedPlant(MechanicalPlant):
     """A mechanical plant x = [q; v] whose forces are also known at accelerations that are given: see `ForceBalance`.
 
-    Where quaternions are among q there are fewer speeds v than coordinates, n of them.
+    Where quaternions are among q there are fewer speeds v than coordinates, n of them; momenta of wheels count as
+    speeds.
     """
 
     @abstractmethod
-    def equations(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        """(M, r, T, V): mass matrix (n, n) and right-hand side (n,) of M a = r, the energies [J]."""
+    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+        """r - M a (n,) at accelerations a (n,)."""
 
     @property
     def driven(self) -> dict[int, int]:
@@ -199,15 +200,12 @@ class BalancedPlant(MechanicalPlant):
 
     @property
     def _written_out(self) -> bool:
-        """Whether `equations` are written out in fewer operations than the energies give."""
+        """Whether equations are written out in fewer operations than the energies give."""
         return False
 
-    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
-        """r - M a (n,) at accelerations a (n,); from the energies M is never written out."""
-        if not self._written_out:
-            return from_energies(self, t, x, u, w, a)
-        M, r, _, _ = self.equations(t, x, u, w)
-        return r - M @ a
+    def _written_mass(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX | None:
+        """M (n, n) where it is written out; None: it is had from `balance`."""
+        return None
 
     def output_at(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
         """y (ny,) at accelerations a (n,), where outputs tell these. Default: `output`, whose accelerations are its
@@ -226,8 +224,8 @@ class BalancedPlant(MechanicalPlant):
         for i, k in driven.items():
             moving[i] = u[k]
         lacking = self.symbolic.balance(t, x, u, w, moving)[free]
-        M = self.symbolic.equations(t, x, u, w)[0][free, free] if self._written_out else None
-        return ForceBalance(self, lacking, a, driven, self.coordinate_rates(x), M)
+        M = self.symbolic._written_mass(t, x, u, w)
+        return ForceBalance(self, lacking, a, driven, self.coordinate_rates(x), None if M is None else M[free, free])
 
     def measure_at(self, t: Array, x: Array, u: Array, a: Array) -> Array:
         """y (B, ny) at rows of t, states, inputs and accelerations; see `output_at`."""
@@ -250,5 +248,5 @@ class BalancedPlant(MechanicalPlant):
     def state_jacobians_along(self, nominal: Trajectory, *, p: Any = None) -> Array:
         check_signals(self, nominal)
         t, x, u, w, p = self._arguments(nominal.x, nominal.u, nominal.w, p, nominal.t)[0]
-        a = self._accelerations(nominal, p)
+        a = nominal.derivative()[:, self.nx - self.speed_count :]
         return self.force_balance.state_jacobians(t[:, 0], x, u, a, w=w, p=p)

@@ -147,11 +147,15 @@ class ForceBalance:
 
     def lacking(self, t: Array, x: Array, u: Array, a: Array, *, w: Any = None, p: Any = None) -> Array:
         """r - M a of the free speeds (B, m)."""
+        if not self.free:
+            return np.zeros((len(x), 0))
         return self._lacking(*self._values(t, x, u, w, p), a[:, self.free], batch=len(x))[0]
 
     def mass(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> Array:
         """M of the free speeds (B, m, m)."""
         m = len(self.free)
+        if not m:
+            return np.zeros((len(x), 0, 0))
         if self._mass is not None:
             return self._mass(*self._values(t, x, u, w, p), batch=len(x))[0]
         assert self._weighed is not None
@@ -175,17 +179,17 @@ class ForceBalance:
         a = np.zeros((len(x), self.n))
         for i, k in self.driven.items():
             a[:, i] = u[:, k]
-        forces = self.lacking(t, x, u, a)[..., None]
-        a[:, self.free] = np.linalg.solve(M, forces)[..., 0]
+        if self.free:
+            a[:, self.free] = np.linalg.solve(M, self.lacking(t, x, u, a)[..., None])[..., 0]
         return a
 
     def state_jacobians(self, t: Array, x: Array, u: Array, a: Array, *, w: Any = None, p: Any = None) -> Array:
         """A (B, nx, nx) of dx/dt, the equations differentiated at accelerations a."""
         nx, first = self.plant.nx, self.first
-        slopes = _columns(self._changed, (*self._values(t, x, u, w, p), a[:, self.free]), nx)
         A = np.zeros((len(x), nx, nx))
         A[:, :first] = self._turning(x, batch=len(x))[0]
         if self.free:
+            slopes = _columns(self._changed, (*self._values(t, x, u, w, p), a[:, self.free]), nx)
             A[:, [first + i for i in self.free]] = np.linalg.solve(self.mass(t, x, u, w=w, p=p), slopes)
         return A
 

@@ -45,10 +45,16 @@ def readings_of(body: TreeBody) -> list[Signal]:
 
 
 def check_nodes(bodies: tuple[TreeBody, ...], frames: tuple[Frame, ...]) -> None:
-    """ValueError where something hangs on a node that its body's modal data do not have."""
+    """ValueError where something hangs on a node that its body's modal data do not have, or of a body without any."""
     modal = {body.name: body.modal for body in bodies if body.modal is not None}
     hung: list[tuple[str, Joint | Frame]] = [(body.parent, body.joint) for body in bodies]
     hung += [(frame.body, frame) for frame in frames]
     for name, part in hung:
         if name in modal:
             place_on(modal[name], name, part)
+        elif part.node:
+            kind = type(part).__name__
+            raise ValueError(
+                f"{kind}.node = {part.node!r} of {kind.lower()} {part.name!r} must be '' where body {name!r} has no "
+                "modal data: sections of a beam are named by `station`"
+            )

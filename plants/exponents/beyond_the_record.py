@@ -20,8 +20,8 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import require_choice, require_number
 from pliant.plants.linear.lti import LinearModel
-from pliant.plants.stability.state_matrix_path import Model
 from pliant.plants.stability.verdict import Verdict
+from pliant.plants.transitions.state_matrix_path import Model
 
 from .long_run import Spectrum
 from .slow_dichotomy import SlowDichotomy, slow_dichotomy

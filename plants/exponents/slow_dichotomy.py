@@ -25,7 +25,7 @@ import numpy as np
 from pliant.plants.core.argument_gates import require_count, require_number
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
-from pliant.plants.stability.state_matrix_path import Model, Path, as_pieces, kept, modal, scaling
+from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, kept, modal, scaling
 
 NEAR = 1e-8  # of the fastest root: a real part this small has no side
 HALVINGS = 32

@@ -27,12 +27,12 @@ import scipy.linalg as sla
 
 from pliant.plants.core.argument_gates import LEAST, require_choice, require_finite, require_number, require_seconds
 from pliant.plants.linear.lti import LinearModel
-from pliant.plants.stability.eigenvalue_bounds import bounds
 from pliant.plants.stability.floquet import floquet
 from pliant.plants.stability.frozen_time import model_states
-from pliant.plants.stability.state_matrix_path import Model, Path, as_pieces, kept, scaling
 from pliant.plants.stability.transition_growth import chain
 from pliant.plants.stability.verdict import rounding
+from pliant.plants.transitions.eigenvalue_bounds import bounds
+from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, kept, scaling
 
 from .long_run import Spectrum, from_intervals
 from .transient import grown, transient

@@ -14,8 +14,8 @@ import numpy as np
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
-from pliant.plants.stability.state_matrix_path import Model, kept, scaling
 from pliant.plants.stability.transition_growth import chain
+from pliant.plants.transitions.state_matrix_path import Model, kept, scaling
 
 TIMES, TURNS, DECAYED = 400, 30.0, 30.0  # of a constant model: times, slowest decays and longest periods looked at
 

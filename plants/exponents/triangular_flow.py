@@ -17,8 +17,8 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.plants.core.signals import OwnsArrays
-from pliant.plants.stability.state_matrix_path import Model, as_pieces, kept
 from pliant.plants.stability.transition_growth import chain
+from pliant.plants.transitions.state_matrix_path import Model, as_pieces, kept
 
 EPS = float(np.finfo(float).eps)
 SAMPLES = 24  # windows of a block

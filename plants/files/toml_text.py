@@ -28,7 +28,7 @@ def load(owner: str, path: Any) -> dict[str, Any]:
             raise NotOwnError(f"has {size} bytes, must have at most {LARGEST}")
         content = file.read()
         try:
-            text = content.decode()
+            text = content.decode().removeprefix("\ufeff")  # what editors of one system put before it
         except UnicodeDecodeError as error:
             line = content.count(b"\n", 0, error.start) + 1
             raise NotOwnError(f"line {line}: byte {error.start} = {content[error.start]:#x} must be UTF-8") from None

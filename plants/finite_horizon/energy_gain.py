@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pliant.plants.core.signals import OwnsArrays
+from pliant.plants.linear.even_units import even_units
 
 from .stretches import Stretches
 
@@ -25,7 +26,7 @@ CLOSE = (1.001, 1.003, 1.006, 1.0099, 1.03, 1.1, 1.3, 2.0, 4.0)  # times the low
 TURN = 1.0  # h |eigenvalue| of the Hamiltonian up to which P cannot run away and come back in a stretch: that takes pi
 LANCZOS = 1e-4  # relative tolerance of the iterations
 RESTARTS, POWERS = 40, 40
-NEGATIVE, SMALL = 1e-9, 1e-12
+NEGATIVE, SMALL = 1e-6, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,19 +98,28 @@ def _below(on: Stretches) -> tuple[float, Array]:
 
 
 def bounds(on: Stretches, gain: float) -> bool:
-    """Whether the Riccati equation at `gain` goes back to the start: the true gain is then no larger."""
+    """Whether the Riccati equation at `gain` goes back to the start: the true gain is then no larger.
+
+    In even units, in which P is about one, not negative but for the error of the transitions, and large where it has
+    come back from the other side of infinity. On its way there the matrix that is solved for has been singular.
+    """
     n, S = on.n, on.hamiltonian(gain)
-    P = np.zeros((n, n))
     if on.turn(gain) > TURN:
         return False
+    reach, sight = (np.square(M).mean(axis=(0, 1)) for M in (np.swapaxes(on.E, -1, -2), on.C))
+    unit = even_units(on.A, reach.sum(axis=0) / gain**2, sight.sum(axis=0))
+    both = np.concatenate([unit, 1 / unit])
+    S, P = S * both / both[:, None], np.zeros((n, n))
     for k in on.group[::-1]:
         part = S[k]
         below = part[:n, :n] + part[:n, n:] @ P
+        if not np.linalg.slogdet(below)[0] > 0:
+            return False
         P = np.linalg.solve(below.T, (part[n:, :n] + part[n:, n:] @ P).T).T
         P = (P + P.T) / 2
         if not np.isfinite(P).all():
             return False
         values = np.linalg.eigvalsh(P)
-        if values[0] < -NEGATIVE * max(values[-1], SMALL):  # beyond infinity it comes from the other side
+        if values[0] < -NEGATIVE * max(values[-1], SMALL):
             return False
     return True

@@ -1,7 +1,7 @@
 """Adaptive explicit integration: the Dormand-Prince pair of order 8(5,3) with one compiled function a step.
 
-SciPy's DOP853 supplies the tableau and the error norm (Hairer, Norsett and Wanner, "Solving Ordinary Differential
-Equations I", II.5 and II.10). Here all twelve stages are one CasADi function, so that Python is entered once a step
+Tableau and error norm are DOP853's (Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.5 and
+II.10). Here all twelve stages are one CasADi function, so that Python is entered once a step
 and not once a stage: five to ten times faster on the small systems that plants are. A motion of many steps is compiled
 on its way: its numbers are the same to rounding.
 """
@@ -16,8 +16,10 @@ import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.core.plant_protocol import PlantLike
+from pliant.plants.core.runge_kutta_tableaux import dop853_errors, rk8
 from pliant.plants.motions import adaptive_steps
 from pliant.plants.motions.adaptive_steps import GROW, SAFETY, SHRINK, SMALLEST_STEP
+from pliant.plants.motions.time_limit import check_time
 from pliant.plants.native.single_point import compiled, pays_after
 
 STAGES = 12
@@ -26,9 +28,7 @@ STAGES = 12
 @lru_cache(maxsize=1)
 def fractions() -> np.ndarray:
     """Where in the step each stage stands, shape (12,)."""
-    from scipy.integrate import DOP853
-
-    return np.asarray(DOP853.C, dtype=float)
+    return rk8().c
 
 
 class StepFunction:
@@ -47,18 +47,17 @@ class StepFunction:
         self.step = NumericFunction(self._all_stages(self.rate))
 
     def _all_stages(self, rate: ca.Function) -> ca.Function:
-        from scipy.integrate import DOP853
-
+        tableau, (fifth, third) = rk8(), dop853_errors()
         _, _, nu, nw, np_ = (rate.size1_in(i) for i in range(5))
         z, us, h = ca.MX.sym("z", rate.size1_out(0)), ca.MX.sym("us", nu, STAGES), ca.MX.sym("h")
         t, w, p = ca.MX.sym("t"), ca.MX.sym("w", nw), ca.MX.sym("p", np_)
         k: list[ca.MX] = []
         for i in range(STAGES):
-            at = z + h * ca.horzcat(*k) @ DOP853.A[i, :i] if i else z
-            k.append(rate(t + float(DOP853.C[i]) * h, at[: self.nx], us[:, i], w, p))
+            at = z + h * ca.horzcat(*k) @ tableau.A[i, :i] if i else z
+            k.append(rate(t + float(tableau.c[i]) * h, at[: self.nx], us[:, i], w, p))
         slopes = ca.horzcat(*k)
-        after = z + h * slopes @ DOP853.B
-        errors = (slopes @ DOP853.E5[:STAGES], slopes @ DOP853.E3[:STAGES])
+        after = z + h * slopes @ tableau.b
+        errors = (slopes @ fifth, slopes @ third)
         return ca.Function("dop853", [t, z, us, w, p, h], [after, *errors])
 
     def __call__(self, *values: np.ndarray | float) -> list[np.ndarray]:
@@ -114,6 +113,7 @@ def march(
     t = float(times[0])
     for k, end in enumerate(times[1:], start=1):
         while t < end:
+            check_time(t)
             last = t + h >= end * (1 - 1e-15) or end - t - h < 1e-3 * h
             trial = end - t if last else h
             if law is not None:

@@ -19,6 +19,7 @@ from pliant.plants.motions.compile_rule import OnDemand
 from pliant.plants.motions.held_inputs import HeldInput
 from pliant.plants.motions.motion_library import A_CALL, LONG
 from pliant.plants.motions.motion_source import PAIR
+from pliant.plants.motions.time_limit import check_time
 from pliant.plants.rosenbrock.adaptive import RosenbrockMotion, next_jumps
 from pliant.plants.rosenbrock.library import adaptive_kernel
 
@@ -81,6 +82,7 @@ class MotionRun:
         z[0] = self.z0
         try:
             while self.reached < self.intervals:
+                check_time(self.t[self.reached])
                 self.drive.decide(self.reached, z[self.reached][:nx])
                 self._look_for_library()
                 if self.library is None:
@@ -203,6 +205,7 @@ class FixedRun(MotionRun):
         with np.errstate(all="ignore"):
             for i in range(start, count):
                 at = began + i * h
+                check_time(at)
                 if law is not None:
                     held = self.drive.at(at + at_times * h)
                 after = step(at, z, held, self.w, self.p, h)[0]

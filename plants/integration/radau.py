@@ -8,6 +8,7 @@ import numpy as np
 
 from pliant.plants.core.errors import IntegrationError
 from pliant.plants.core.plant_protocol import PlantLike
+from pliant.plants.motions.time_limit import check_time
 
 
 def march(
@@ -30,8 +31,13 @@ def march(
     from scipy.integrate import solve_ivp  # 0.2 s to import, and few ask for it
 
     at = law or (lambda s: held)
+
+    def rate(s: float, z: np.ndarray) -> np.ndarray:
+        check_time(s)
+        return np.asarray(plant._dynamics(s, z, at(s), w, p)[0])
+
     solution = solve_ivp(
-        lambda s, z: plant._dynamics(s, z, at(s), w, p)[0],
+        rate,
         (times[0], times[-1]),
         x,
         method="Radau",

@@ -1,7 +1,6 @@
 """Transition matrices of dz/dt = A(t) z over many short steps at once.
 
 exponent  order four on two Gauss points (Iserles and Norsett 1999)
-expm      Taylor polynomial of degree 12 in five products (Paterson and Stockmeyer 1973), scaled and squared
 steps     Magnus expansion of order six on three Gauss points (Blanes, Casas, Oteo and Ros 2009, Eqs (252)-(257));
           where A(t) lies in a Lie algebra, such as that of Hamiltonian matrices, the step lies in its group to rounding
 """
@@ -14,32 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from pliant.plants.core.imports import linalg
-
-from .even_units import even_units
+from .even_units import even_units, stacked_expm
+from .even_units import expm as expm
 
 GAUSS3 = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])  # three-point Gauss-Legendre nodes on [0, 1]
-TAYLOR = [1.0 / math.factorial(k) for k in range(13)]
-REACH = 0.34  # one-norm up to which the Taylor polynomial is exact to rounding
-
-
-def expm(A: np.ndarray) -> np.ndarray:
-    """e^A of a stack A (m, n, n); all are scaled by the power of two that the largest needs."""
-    size = float(np.abs(A).sum(axis=-2).max(initial=0.0))
-    squarings = max(0, math.ceil(math.log2(size / REACH))) if size > 0 else 0
-    A = A * 0.5**squarings
-    A2 = A @ A
-    A3 = A2 @ A
-    one = np.eye(A.shape[-1])
-    P = TAYLOR[9] * one + TAYLOR[10] * A + TAYLOR[11] * A2 + TAYLOR[12] * A3
-    for k in (6, 3, 0):
-        P = P @ A3
-        P += TAYLOR[k] * one
-        P += TAYLOR[k + 1] * A
-        P += TAYLOR[k + 2] * A2
-    for _ in range(squarings):
-        P = P @ P
-    return P
 
 
 def steps(A: np.ndarray, h: np.ndarray) -> np.ndarray:
@@ -101,7 +78,7 @@ def with_cost(F: np.ndarray, M: np.ndarray, N: np.ndarray, j: int) -> tuple[np.n
     n = F.shape[-1]
     big = np.zeros((*F.shape[:-2], 2 * n, 2 * n))
     big[..., :n, :n], big[..., :n, n:], big[..., n:, n:] = N, M, F
-    parts = linalg.expm(big / 2**j)
+    parts = stacked_expm(big / 2**j)
     step = parts[..., n:, n:]
     cost = np.swapaxes(step, -1, -2) @ parts[..., :n, n:]
     for _ in range(j):

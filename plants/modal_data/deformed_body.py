@@ -24,7 +24,7 @@ def constant(value: Any) -> ca.SX:
     return ca.SX(ca.sparsify(ca.DM(np.asarray(value, dtype=float))))
 
 
-class _Fields(NamedTuple):
+class Fields(NamedTuple):
     """The modes and, behind them, the shortening fields g_kl of the pairs k <= l that are not zero."""
 
     R: np.ndarray
@@ -33,7 +33,7 @@ class _Fields(NamedTuple):
     pairs: list[tuple[int, int]]
 
     @classmethod
-    def of(cls, data: ModalFields, n: int, stiffened: bool) -> _Fields:
+    def of(cls, data: ModalFields, n: int, stiffened: bool) -> Fields:
         found = [
             (k, l) for k in range(n) for l in range(k, n) if stiffened and data.shortening_squares[k, l, k, l].any()
         ]
@@ -52,7 +52,7 @@ class _Fields(NamedTuple):
         )
 
 
-def _columns(blocks: np.ndarray) -> np.ndarray:
+def columns(blocks: np.ndarray) -> np.ndarray:
     """(k, ..) as columns (size of one, k)."""
     return blocks.reshape(len(blocks), -1).T
 
@@ -80,7 +80,7 @@ class Deformed:
         so that the energy is that of a motion of the points and M_A stays positive definite.
         """
         n = eta.shape[0]
-        fields, amplitudes = _Fields.of(data, n, stiffened), [eta[k] for k in range(n)]
+        fields, amplitudes = Fields.of(data, n, stiffened), [eta[k] for k in range(n)]
         amplitudes += [-eta[k] * eta[l] / (2 if k == l else 1) for k, l in fields.pairs]
         S, P, Y = constant(data.first), constant(data.second), ca.SX(3, 0)
         if amplitudes:
@@ -89,10 +89,10 @@ class Deformed:
             squares = fields.overlaps[a, b] + np.where(a == b, 0.0, 1.0)[:, None, None] * fields.overlaps[b, a]
             linear = fields.moments + fields.moments.transpose(0, 2, 1)
             S = S + constant(fields.R.T) @ c
-            P = P + ca.reshape(constant(_columns(linear)) @ c, 3, 3)
-            P = P + ca.reshape(constant(_columns(squares)) @ (c[a.tolist()] * c[b.tolist()]), 3, 3)
+            P = P + ca.reshape(constant(columns(linear)) @ c, 3, 3)
+            P = P + ca.reshape(constant(columns(squares)) @ (c[a.tolist()] * c[b.tolist()]), 3, 3)
             Y = constant(axial(fields.moments).T)
-            Y = Y + ca.reshape(constant(_columns(axial(fields.overlaps))) @ c, 3, count)
+            Y = Y + ca.reshape(constant(columns(axial(fields.overlaps))) @ c, 3, count)
         R = constant(fields.R.T) if amplitudes else ca.SX(3, 0)
         m = constant(np.einsum("abii->ab", fields.overlaps)) if amplitudes else ca.SX(0, 0)
         if fields.pairs:

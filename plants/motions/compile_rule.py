@@ -21,6 +21,7 @@ from pliant.plants.native import kernel_loader
 from pliant.plants.rounding.agreement import Trial
 
 from . import motion_library
+from .time_limit import time_left
 
 L = TypeVar("L")
 
@@ -85,15 +86,22 @@ class OnDemand(Generic[L]):
         """What it takes for one evaluation at each of many rows, called once."""
         return rows * STEPPING[1] * self.operations
 
+    @property
+    def at_hand(self) -> bool:
+        """Whether it is there without a compiler, in memory or on disk."""
+        if self._library is None and not self._looked and kernel_loader.wanted():
+            self._looked, self._library = True, self._at_hand()
+        return self._library is not None
+
     def library(self, coming: float) -> L | None:
         """The library, where it is at hand, or worth its price to save `coming` seconds; None: the virtual machine."""
         if not kernel_loader.wanted():
             return None
         if self._library is None and not self.compiled:
             owed = self.spent + coming
-            if not self._looked and owed > LOOKING[0] + LOOKING[1] * self.operations:
-                self._looked, self._library = True, self._at_hand()
-            if self._library is None and owed > self.price:
+            if (self._looked or owed > LOOKING[0] + LOOKING[1] * self.operations) and self.at_hand:
+                return self._library
+            if time_left() > self.price < owed:
                 self.compiled = True
                 self._library = motion_library.build(
                     lambda: self.key, self._load, self._source, self._trials, self.name, self.lanes

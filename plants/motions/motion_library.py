@@ -34,6 +34,7 @@ from pliant.plants.toolchain import compiler_process, shared_library, straight_l
 
 from . import motion_source
 from .adaptive_steps import PAUSED
+from .time_limit import check_time, steps_of_a_call
 
 Array = np.ndarray
 L = TypeVar("L")
@@ -107,8 +108,10 @@ class FixedMotion:
     def march(self, first: int, last: int) -> bool:
         """From the start of period `first` to that of `last`, the input held; False where a step is not finite."""
         self._at[:] = first, 0
+        most = steps_of_a_call(A_CALL)
         while self._at[0] < last:
-            if self._function(last, A_CALL, *self._before, 0, *self._after):
+            check_time()
+            if self._function(last, most, *self._before, 0, *self._after):
                 return False
         return True
 
@@ -141,8 +144,10 @@ class AdaptiveMotion:
         """
         self._now[1], self._at[:] = step, (first, 0, tried)
         places, status = [_place(a) for a in self._arrays], PAUSED
+        most = steps_of_a_call(A_CALL)
         while status == PAUSED:
-            status = int(self._function(last, A_CALL, restart, *places))
+            check_time(float(self._now[0]) if self._at[2] > tried else None)
+            status = int(self._function(last, most, restart, *places))
         self.time, self.step, self.trial = self._now.tolist()
         self.reached, self.tried = int(self._at[0]), int(self._at[2])
         return status

@@ -25,7 +25,7 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 
-from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
+from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau, dop853_errors
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.scalar_codegen import literal
 
@@ -180,14 +180,12 @@ def _defined(function: ca.Function) -> str:
 
 def explicit_source(rate: ca.Function, input_times: Mapping[str, Sequence[float]]) -> str:
     """All explicit methods of the rates (t, x, u, w, p) -> dx/dt; input_times: fractions of a step, by method."""
-    from scipy.integrate import DOP853
-
     parts = [kernel_templates.head(DOUBLE, 1), _defined(rate), kernel_templates._rate(rate, DOUBLE, 1), _SOUND]
     for name in EXPLICIT:
         parts.append(_explicit_step(name, TABLEAUS[name](), input_times[name]))
         parts += [_COMPARED.format(name=name), _MOTION.format(name=name)]
     count = len(TABLEAUS[PAIR]().b)
-    e5, e3 = (_sum([(j, float(a)) for j, a in enumerate(E[:count]) if a != 0]) for E in (DOP853.E5, DOP853.E3))
+    e5, e3 = (_sum([(j, float(a)) for j, a in enumerate(E) if a != 0]) for E in dop853_errors())
     return "\n".join([*parts, _ADAPTIVE.format(e5=e5, e3=e3, stages=count, pair=PAIR)])
 
 

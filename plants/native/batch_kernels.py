@@ -146,24 +146,36 @@ def random_points(plant: PlantLike, rng: np.random.Generator, batch: int = CHECK
 
     The plant's `small_states` stay within centimetres, so that mass matrices stay definite, and within less where a
     plant is so small that its equations end there. At every other point, and at another time than 0, each value is
-    smaller by up to a thousand: what is small where all are large shows there.
+    smaller by up to a thousand: what is small where all are large shows there. A state that `rest_state` says is not
+    zero, a rope's length, stays within an eighth of that.
     """
     small = plant.small_states
     lengths = np.array([s.name in small for s in plant.states])
-    x = np.where(lengths, 0.02, 1.0)[:, None] * rng.uniform(-1.0, 1.0, (plant.nx, batch))
+    about = home(plant)[:, None]
+    sizes = np.where(lengths, 0.02, 1.0)
+    sizes = np.where(about[:, 0] == 0, sizes, np.minimum(sizes, np.abs(about[:, 0]) / 8))
+    x = sizes[:, None] * rng.uniform(-1.0, 1.0, (plant.nx, batch))
     u, w = rng.uniform(-1.0, 1.0, (plant.nu, batch)), rng.uniform(-0.1, 0.1, (plant.nw, batch))
     p = plant.nominal_parameters[:, None] * rng.uniform(0.9, 1.1, (len(plant.varied), batch))
     t = np.zeros((1, batch))
     for a in (x, u, w):
         a[:, 1::2] *= 10.0 ** -rng.uniform(0.0, 3.0, a[:, 1::2].shape)
     t[:, 1::2] = rng.uniform(0.0, 1.0, t[:, 1::2].shape)
-    if not _finite(plant, t, x, u, w, p):
+    if not _finite(plant, t, about + x, u, w, p):
         for _ in range(10):
             x[lengths] /= 2
-            if _finite(plant, t, x, u, w, p):
+            if _finite(plant, t, about + x, u, w, p):
                 break
         x[lengths] /= 2
-    return [t, x, u, w, p]
+    return [t, about + x, u, w, p]
+
+
+def home(plant: PlantLike) -> Array:
+    """x (nx,) that points are drawn about: where the plant's own `rest_state` is not zero. Quaternions are drawn."""
+    named = [index for index, state in enumerate(plant.states) if state.name not in plant.attitude_states]
+    found = np.zeros(plant.nx)
+    found[named] = np.asarray(plant.rest_state, dtype=float)[named]
+    return found
 
 
 def _finite(plant: PlantLike, *points: Array) -> bool:

@@ -20,7 +20,7 @@ from pliant.plants.core.argument_gates import require_counts, require_finite, re
 from pliant.plants.core.errors import EquilibriumError
 from pliant.plants.core.signals import OwnsArrays, index
 from pliant.plants.linear.lti import LinearModel
-from pliant.plants.stability.state_matrix_path import kept, scaling
+from pliant.plants.transitions.state_matrix_path import kept, scaling
 
 from .mode_tracking import followed, modes, track
 

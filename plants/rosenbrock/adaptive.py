@@ -20,6 +20,7 @@ from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.motions import adaptive_steps
 from pliant.plants.motions.adaptive_steps import GROW, PAUSED, SAFETY, SHRINK, SMALLEST_STEP
 from pliant.plants.motions.motion_library import A_CALL, LONG, _place
+from pliant.plants.motions.time_limit import check_time, steps_of_a_call
 from pliant.plants.toolchain import shared_library
 
 from .plant_functions import slopes
@@ -103,6 +104,7 @@ class RosenbrockMotion:
             ends = self.time + self.step >= end * (1 - 1e-15) or end - self.time - self.step < 1e-3 * self.step
             self.trial = h = end - self.time if ends else self.step
             self.steps += 1
+            check_time(self.time)
             if self.steps > adaptive_steps.most_steps():
                 raise adaptive_steps.too_many_steps(self.time, self.state, h, METHOD)
             inputs = self._inputs(k, h, self.tableau.alpha)
@@ -177,8 +179,10 @@ class RosenbrockMotion:
         at = np.array([self.row, self.begun, self.steps], dtype=LONG)
         given = (self.ends, np.ascontiguousarray(self.t), self.u, self.w, self.p, x, limits, now, at)
         places, status = [_place(a) for a in given], PAUSED
+        most = steps_of_a_call(A_CALL)
         while status == PAUSED:
-            status = int(library.adaptive(last, A_CALL, *places))
+            check_time(float(now[0]))
+            status = int(library.adaptive(last, most, *places))
         (self.time, self.step, self.trial), self.state = now[:3].tolist(), now[3:]
         self.row, self.begun, self.steps = int(at[0]), bool(at[1]), int(at[2])
         if status:

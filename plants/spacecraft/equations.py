@@ -15,6 +15,7 @@ import casadi as ca
 from pliant.plants.core.casadi_functions import entries, last_call
 from pliant.plants.core.quaternions import cross, matrix, rates
 from pliant.plants.modal_data.deformed_body import Deformed
+from pliant.plants.modal_data.inertial_forces import inertial_forces
 from pliant.plants.spacecraft_parts.appendage import Appendage
 
 from .block_arrow import Share, accelerations
@@ -133,25 +134,38 @@ def hinge_torque(body: Appendage, k: Motion, u: ca.SX) -> ca.SX:
     return torque
 
 
+def lacking(craft: SpacecraftDeclaration, i: int, t: ca.SX, x: ca.SX, k: Motion, a: ca.SX) -> ca.SX:
+    """Inertial forces less the environment's loads (6 + n,) on appendage i at accelerations a (6 + n,), in its axes."""
+    moving = (k.eta, k.eta_rate, a[6:], k.omega_A, a[:3], a[3:6])
+    forces = inertial_forces(craft.nominal_data(i), *moving, craft.kinematics == "stiffened")
+    return forces - environment(craft, i, t, x, k)
+
+
+def drift(body: Appendage, k: Motion) -> ca.SX:
+    """Accelerations (6 + n,) in the appendage's axes where its and the hub's unknowns are zero."""
+    b = ca.vertcat(*body.position)
+    found = ca.vertcat(k.C.T @ ca.cross(k.omega, ca.cross(k.omega, b)), ca.SX.zeros(3 + k.eta.shape[0]))
+    if k.theta.shape[0]:
+        found[3:6] = ca.jtimes(k.omega_A, k.theta, k.theta_rate)
+    return found
+
+
+def restoring(body: Appendage, k: Motion, u: ca.SX) -> ca.SX:
+    """Of spring, damper and motor of the hinge and of strain (nh + n,): less the forces on its own unknowns."""
+    found = ca.SX(0, 1)
+    if k.theta.shape[0]:
+        found = ca.vertcat(*body.hinge.stiffness) * k.theta - hinge_torque(body, k, u)
+    return ca.vertcat(found, body.strain_force(k.eta, k.eta_rate)) if k.eta.shape[0] else found
+
+
 def appendage_share(craft: SpacecraftDeclaration, i: int, t: ca.SX, x: ca.SX, u: ca.SX) -> Share:
     """Appendage i with its hinge, its strain and the loads on it."""
     at, body = craft.layout, craft.appendages[i]
     k, u = motion(craft, i, x), entries(u, at.hinge_inputs[i])
-    nh, inertia = k.theta.shape[0], k.inertia
-    M_A = inertia.matrix
-    b = ca.vertcat(*body.position)
-    drift = ca.vertcat(k.C.T @ ca.cross(k.omega, ca.cross(k.omega, b)), ca.SX.zeros(3 + k.eta.shape[0]))
-    if nh:
-        drift[3:6] = ca.jtimes(k.omega_A, k.theta, k.theta_rate)
-    r_A = M_A @ drift + inertia.bias(k.omega_A, k.eta, k.eta_rate) - environment(craft, i, t, x, k)
-    r = k.J.T @ r_A
-    if nh:
-        spring = ca.vertcat(*body.hinge.stiffness) * k.theta
-        r[6 : 6 + nh] += spring - hinge_torque(body, k, u)
-    if k.eta.shape[0]:
-        r[6 + nh :] += body.strain_force(k.eta, k.eta_rate)
+    r = k.J.T @ lacking(craft, i, t, x, k, drift(body, k))
+    r[6:] += restoring(body, k, u)
     given = u if body.hinge.drive == "motion" else None
-    return Share(k.J.T @ M_A @ k.J, r, at.unknowns(i), given)
+    return Share(k.J.T @ k.inertia.matrix @ k.J, r, at.unknowns(i), given)
 
 
 @last_call
@@ -162,23 +176,38 @@ def shares(craft: SpacecraftDeclaration, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX)
     return [hub, *(appendage_share(craft, i, t, x, u) for i in range(len(craft.appendages)))]
 
 
+def coordinate_rates(craft: SpacecraftDeclaration, x: ca.SX) -> ca.SX:
+    """Rates of position, quaternion, hinge angles and elastic coordinates: of what stands before the velocities."""
+    at, orbit = craft.layout, craft.environment.orbit
+    q, relative = x[at.quaternion], x[at.omega]
+    if orbit is not None:
+        relative = relative - matrix(q).T @ orbit.turning
+    turn = rates(q) @ relative / 2 + NORM_PULL * (1 - ca.dot(q, q)) * q
+    speeds = x[at.rates : at.rates + len(craft.coordinates)]
+    return ca.vertcat(entries(x, at.velocity), turn, speeds)
+
+
+def frame_acceleration(craft: SpacecraftDeclaration, x: ca.SX) -> ca.SX | float:
+    """What the acceleration of the hub's mass centre has more (3,) than d(velocity)/dt, in reference axes that turn."""
+    at, orbit = craft.layout, craft.environment.orbit
+    if orbit is None:
+        return 0.0
+    turning = orbit.turning
+    return 2 * ca.cross(turning, x[at.velocity]) + ca.cross(turning, ca.cross(turning, x[at.position]))
+
+
+def wheel_rates(craft: SpacecraftDeclaration, x: ca.SX, u: ca.SX) -> ca.SX:
+    """d(momentum)/dt of the wheels (nw,) [N m]."""
+    at, hub = craft.layout, craft.hub
+    return -hub.wheel_torques(x[at.omega], x[at.wheels], u[at.hub_inputs]) if hub.wheels else ca.SX(0, 1)
+
+
 def rate_of(craft: SpacecraftDeclaration, x: ca.SX, u: ca.SX, a: ca.SX) -> ca.SX:
     """dx/dt (nx,) at the accelerations a (6 + n,)."""
-    at, orbit = craft.layout, craft.environment.orbit
-    q, omega = x[at.quaternion], x[at.omega]
-    R = matrix(q)
-    relative, moving = omega, R @ a[:3]
-    if orbit is not None:
-        turning = orbit.turning
-        relative = omega - R.T @ turning
-        if craft.translation:
-            position, velocity = x[at.position], x[at.velocity]
-            moving -= 2 * ca.cross(turning, velocity) + ca.cross(turning, ca.cross(turning, position))
-    turn = rates(q) @ relative / 2 + NORM_PULL * (1 - ca.dot(q, q)) * q
-    wheels = craft.hub.wheel_torques(omega, x[at.wheels], u[at.hub_inputs]) if craft.hub.wheels else ca.SX(0, 1)
-    place = (x[at.velocity], moving) if craft.translation else (ca.SX(0, 1), ca.SX(0, 1))
-    speeds = x[at.rates : at.rates + a.shape[0] - 6]
-    return ca.vertcat(place[0], turn, speeds, place[1], a[3:], -wheels)
+    place = ca.SX(0, 1)
+    if craft.translation:
+        place = matrix(x[craft.layout.quaternion]) @ a[:3] - frame_acceleration(craft, x)
+    return ca.vertcat(coordinate_rates(craft, x), place, a[3:], wheel_rates(craft, x, u))
 
 
 def rate(craft: SpacecraftDeclaration, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -25,19 +25,20 @@ from pliant.plants.core.argument_gates import real_array, require_finite
 from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.dynamics import arguments
+from pliant.plants.dynamics.mechanical import BalancedPlant
 from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.spacecraft_parts.appendage import Appendage
 from pliant.plants.spacecraft_parts.hub import Hub
 from pliant.plants.validity.appendages import of_appendage
 from pliant.plants.validity.ranges import Range
 
-from . import energies, equations, linearisation
+from . import energies, equations, forces, linearisation
 from .contract import SpacecraftContract
 from .jacobian_blocks import differentiated, residual_function
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlexibleSpacecraft(SpacecraftContract):
+class FlexibleSpacecraft(SpacecraftContract, BalancedPlant):
     """M(theta, eta) (a, alpha, theta'', eta'') + bias = loads; d(quaternion)/dt = Xi omega / 2; d(position)/dt =
     velocity.
     """
@@ -57,6 +58,26 @@ class FlexibleSpacecraft(SpacecraftContract):
 
     def ode(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         return equations.rate(self, t, x, u, w)[0]
+
+    def coordinate_rates(self, x: ca.SX) -> ca.SX:
+        return equations.coordinate_rates(self.symbolic, x)
+
+    @property
+    def speed_count(self) -> int:
+        return self.nx - self.layout.velocity.start
+
+    @property
+    def driven(self) -> dict[int, int]:
+        """Rates of hinges in given motion."""
+        at, found = self.layout, dict[int, int]()
+        for body, hinges, inputs in zip(self.appendages, at.hinge_rates, at.hinge_inputs, strict=True):
+            if body.hinge.drive == "motion":
+                first = hinges.start - at.velocity.start
+                found |= {first + j: inputs.start + j for j in range(hinges.stop - hinges.start)}
+        return found
+
+    def balance(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, a: ca.SX) -> ca.SX:
+        return forces.balance(self, t, x, u, w, a)
 
     @built_once
     def _motion(self) -> tuple[ca.SX, ca.SX]:

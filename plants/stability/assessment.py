@@ -13,7 +13,8 @@ unstable    some deviation grows; on a nominal that is not periodic: by GROWN, a
 marginal    the slowest cannot be told from one that neither decays nor grows, to within a small error that is said:
             undamped, or free to drift. `Verdict.growth` tells drift (polynomial) from what stays bounded
 drift       on a nominal that is not periodic: states that none feels run off, and without them it is bounded
-bounded     on a nominal that is not periodic: every deviation ends at most GROWN times as large as it began
+bounded     on a nominal that is not periodic: every deviation ends at most GROWN times as large as it began, where
+            states are weighed alike: in scaled coordinates
 undecided   none of these is shown; a motion that ends has its numbers all the same: `Verdict.horizon`
 
 Stable and unstable hold for every A(t) that its nodes allow (`interpolation`, `transition_error`, `eigenvalue_bounds`).
@@ -29,25 +30,29 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import LEAST, require_flag, require_seconds, require_text
 from pliant.plants.core.imports import Late
-from pliant.plants.finite_horizon.asked import asked_of, listed
+from pliant.plants.finite_horizon.asked import asked_of
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
+from pliant.plants.transitions.state_matrix_path import Model, as_pieces
+from pliant.plants.transitions.transition_error import TooManySteps
 
 from .floquet import Floquet, floquet
-from .frozen_time import SlowVariation, frozen_along, frozen_time, said_coordinates, slow_along, slow_variation
-from .lyapunov_certificate import Certificate, certified, lyapunov
+from .frozen_time import (
+    frozen_along,
+    frozen_time,
+    said_coordinates,
+    slow_along,
+)
+from .lyapunov_certificate import certified
+from .open_motion import judged_once
 from .periodicity import varying
-from .state_matrix_path import Model, as_pieces, paths_of, unfelt
-from .transition_error import TooManySteps, Transition, transition
-from .transition_growth import Growth, block, grown, growth, growth_between, spectral
+from .transition_growth import grown, growth
 from .verdict import Verdict, made, of_constant, of_periodic
 
 LONG_RUN = Late("pliant.plants.exponents.beyond_the_record")  # which imports this room
-GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable, if it compounds
-POINTS, MOST_POINTS = 200, 2000  # times at which frozen roots are taken, of a period at which growth is, at most
+MOST_POINTS = 500  # times of a period at which growth is taken, at most
 SOME, LARGE = 64, 40  # times of a period at which frozen roots are, an eighth of them beyond so many states
 FEW_STEPS = 256  # a certificate beside Floquet's answer is only sought with so many steps ..
-OPEN_STEPS = 2048  # .. and with so many on a nominal that is not periodic
 
 
 def assess(
@@ -153,29 +158,7 @@ def _judged(
         if thorough:
             _beside(joined, states, coordinates, window, cycle, evidence, said)
         return of_periodic(joined, states, cycle, evidence, said)
-    evidence["slow_variation"] = slow = slow_variation(joined, states=states)
-    moved = None
-    if thorough or not slow:
-        try:
-            evidence["lyapunov"] = lyapunov(joined, periodic=False, states=states, most=OPEN_STEPS)
-        except np.linalg.LinAlgError as failure:
-            said["lyapunov"] = f"failed: {failure}"
-        except ValueError as refusal:
-            said["lyapunov"] = str(refusal)
-        try:
-            moved = transition(*paths_of(joined, states), 1e-6)
-        except (ValueError, np.linalg.LinAlgError):
-            moved = None
-        try:
-            evidence["growth"] = growth_between(joined, moved, window, states)
-        except ValueError as refusal:
-            if window is not None:
-                raise
-            said["growth"] = str(refusal).removeprefix("growth: ")
-    evidence["frozen_time"] = frozen_time(
-        joined, states=states, coordinates=coordinates, points=None if thorough else POINTS
-    )
-    return _open(joined, states, moved, evidence, said)
+    return judged_once(joined, states, coordinates, window, thorough, evidence, said)
 
 
 def _beside(
@@ -221,79 +204,3 @@ def _beside(
         evidence["lyapunov"] = found
     else:
         said["lyapunov"] = f"not needed; {found.why}"
-
-
-def _open(
-    joined: Any,
-    states: Sequence[str] | None,
-    moved: Transition | None,
-    evidence: dict[str, Any],
-    said: dict[str, str],
-) -> Verdict:
-    """The verdict over the span of a nominal that is not periodic."""
-    slow: SlowVariation = evidence["slow_variation"]
-    shown: Certificate | None = evidence.get("lyapunov")
-    grown: Growth | None = evidence.get("growth")
-    duration = float(joined.pieces[-1].t[-1] - joined.pieces[0].t[0])
-    paths, _ = paths_of(joined, states)
-    hidden = sum(float(np.linalg.norm(path.area(), axis=(1, 2)).sum()) for path in paths)
-    why = ""
-    if slow and slow.decay * duration > 4 * hidden:
-        why = f"A varies slowly enough for its frozen roots to decide: {slow.why}; V proves {slow.decay:.4g} 1/s"
-        return made("stable", "slow_variation", slow.decay, why, evidence, said, slow.decay, "decays")
-    if shown is not None and shown and shown.contraction < 1:
-        left = shown.contraction * float(np.exp(min(shown.overshoot * hidden, 700.0)))
-        if left < 1:
-            margin, bound = (-float(np.log(x)) / duration for x in (shown.contraction, left))
-            why = f"{shown.why}; over {duration:.4g} s every deviation shrinks to {left:.3g} of itself or less"
-            return made("stable", "lyapunov", margin, why, evidence, said, bound, "decays")
-    if grown is None:
-        return made("undecided", "", np.nan, f"no method could be used: {said['growth']}", evidence, said)
-    why = f"over {duration:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed"
-    error = spectral(moved.D) if moved is not None else np.inf
-    beyond = not np.isfinite(error) and grown.logs[-1] > 600  # the range of numbers
-    bound = -float(np.log(grown.total + error)) / duration if np.isfinite(grown.total + error) else np.nan
-    if grown.total + error < 1:
-        return made("stable", "growth", -grown.rate, why, evidence, said, bound, "decays")
-    if (grown.total - error > GROWN or beyond) and grown.compounds:
-        return made("unstable", "growth", -grown.rate, f"{why}, and it compounds", evidence, said, bound, "exponential")
-    if grown.total - error > GROWN:
-        return _drift(joined, states, moved, grown, bound, evidence, said)
-    if grown.total + error <= GROWN:
-        why = f"over {duration:.4g} s every deviation ends at most {grown.total + error:.3g} times as large as it began"
-        return made("bounded", "growth", -grown.rate, why, evidence, said, bound, "bounded")
-    if error > 0.1 * abs(np.log(max(grown.total, 1e-300))):
-        why += f", known to {error:.2g} only: more nodes would help"
-    else:
-        why += f": neither below 1 nor above {GROWN:g}; the nominal is too short or has no one answer"
-    return made("undecided", "", -grown.rate, why, evidence, said, bound)
-
-
-def _drift(
-    joined: Any,
-    states: Sequence[str] | None,
-    moved: Transition | None,
-    grown: Growth,
-    bound: float,
-    evidence: dict[str, Any],
-    said: dict[str, str],
-) -> Verdict:
-    """Growth that does not build on itself: drift where states that none feels are all that grows.
-
-    The others' transition is a block of the whole, and so is what it may be off.
-    """
-    free, known = unfelt(joined, states), joined.pieces[0].state_names if states is None else tuple(states)
-    rest = [k for k, name in enumerate(known) if name not in free]
-    if free and rest and moved is not None:
-        M, D = block(joined, [known[k] for k in rest], rest, moved, grown.scale)
-        most = spectral(M) + spectral(D)
-        if most <= GROWN:
-            why = f"drift of {listed(free)}, which nothing else feels; apart from it every deviation ends at most "
-            why += f"{most:.3g} times as large as it began"
-            return made("drift", "growth", -grown.rate, why, evidence, said, bound, "polynomial", free)
-    why = (
-        f"over {grown.t[-1] - grown.t[0]:.4g} s deviations change by a factor of up to {grown.total:.4g}, as computed, "
-    )
-    why += "but it does not build on itself, as free drift does not: no exponential growth is shown; `states` can "
-    why += "leave out what drifts"
-    return made("undecided", "", -grown.rate, why, evidence, said, bound, "polynomial")

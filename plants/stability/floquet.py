@@ -20,12 +20,12 @@ from pliant.plants.core.argument_gates import require_flag, require_number
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.transitions.eigenvalue_bounds import EPS, Bounds, bounds
+from pliant.plants.transitions.interpolation import FEW
+from pliant.plants.transitions.state_matrix_path import CLEAR, Model, Path, as_pieces, kept, modal, scaling
+from pliant.plants.transitions.transition_error import TooManySteps, Transition, monodromy, transition
 
 from . import periodicity as periods
-from .eigenvalue_bounds import EPS, Bounds, bounds
-from .interpolation import FEW
-from .state_matrix_path import CLEAR, Model, Path, as_pieces, kept, modal, scaling
-from .transition_error import TooManySteps, Transition, monodromy, transition
 
 FLOOR = 1e-9  # a multiplier this near the unit circle is on it
 MOST_POINTS = 2**11  # of a mode's shape

@@ -19,12 +19,13 @@ import scipy.linalg as sla
 
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
+from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, kept, scaling
 
-from .state_matrix_path import Model, Path, as_pieces, kept, scaling
-
+TERMS, DOUBTED = 8, 1e-4  # times the rounding of an entry; of the fastest root: real parts whose rounding is looked at
 ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
 
-MATTERS = 0.01  # logarithm of growth between two critical times, up to which they are not told
+LEAP = 8
+MATTERS, BRIEF = 0.01, 0.01  # logarithm of growth between critical times up to which they are not told; of the time
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,16 +36,12 @@ class FrozenTime(OwnsArrays):
     eigenvalues: np.ndarray = field(repr=False)
     critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis, and matters: `lasting`
     coordinates: str  # in which the roots were taken; in others that move against these they differ
+    threshold: float = 0.0  # real part [1/s] that rounding can make of zero
 
     @property
     def rightmost(self) -> np.ndarray:
         """Largest real part (nt,) [1/s]."""
         return self.eigenvalues.real.max(axis=1, initial=-np.inf)
-
-    @property
-    def threshold(self) -> float:
-        """Real part [1/s] that rounding can make of zero."""
-        return ROUNDING * float(np.abs(self.eigenvalues).max(initial=0.0))
 
     @property
     def suggests(self) -> str:
@@ -70,26 +67,50 @@ def frozen_time(
     if isinstance(model, LinearModel):
         _require_continuous("frozen_time", model)
         _require_no_points("frozen_time", points)
-        values = _ordered(model.A[np.ix_(keep, keep)][None])
-        return FrozenTime(np.zeros(1), values, (), said)
-    times, found = [], []
+        A = model.A[np.ix_(keep, keep)]
+        values = _ordered(A[None])
+        return FrozenTime(np.zeros(1), values, (), said, _threshold(A[None], values))
+    times, found, threshold = [], [], 0.0
     crossings: list[float] = []
     for piece in as_pieces(model).pieces:
         A = piece.A[:, keep][:, :, keep]
-        part = frozen_along(Path(piece.t, A, scaling(A)), _thinned(piece.t, points), said)
-        crossings += part.critical_times
+        part = frozen_along(Path(piece.t, A, scaling(A)), thinned(piece.t, points), said)
+        crossings, threshold = [*crossings, *part.critical_times], max(threshold, part.threshold)
         times.append(part.t)
         found.append(part.eigenvalues)
-    return FrozenTime(np.concatenate(times), np.concatenate(found), tuple(crossings), said)
+    return FrozenTime(np.concatenate(times), np.concatenate(found), tuple(crossings), said, threshold)
 
 
 def frozen_along(path: Path, t: np.ndarray, coordinates: str) -> FrozenTime:
     """The same at the times t (nt,) of one smooth piece."""
-    values = _ordered(path(t))
-    return FrozenTime(t, values, tuple(_crossings(path, t, values)), coordinates)
+    A = path(t)
+    values = _ordered(A)
+    limit = _threshold(A, values)
+    return FrozenTime(t, values, tuple(_crossings(path, t, values, limit)), coordinates, limit)
 
 
-def _thinned(t: np.ndarray, points: int | None) -> np.ndarray:
+def _threshold(A: np.ndarray, values: np.ndarray) -> float:
+    """Real part [1/s] that rounding can make of zero, from A (nt, n, n) where the rightmost root is farthest right."""
+    fastest, k = float(np.abs(values).max(initial=0.0)), int(values.real.max(axis=1, initial=-np.inf).argmax())
+    limit = ROUNDING * fastest
+    if limit < values[k].real.max(initial=-np.inf) <= DOUBTED * fastest:
+        size = scaling(A[k][None])
+        limit = max(limit, off_by_rounding(*np.linalg.eig(A[k] * size / size[:, None]), A[k] * size / size[:, None]))
+    return limit
+
+
+def off_by_rounding(lam: np.ndarray, V: np.ndarray, A: np.ndarray) -> float:
+    """What the rightmost root may be off: a double one by the square root of what the entries are."""
+    try:
+        left = np.linalg.inv(V)
+    except np.linalg.LinAlgError:
+        return np.inf
+    k = int(lam.real.argmax())
+    return float(TERMS * np.finfo(float).eps * np.linalg.norm(left[k]) * np.linalg.norm(V[:, k]) * np.linalg.norm(A, 2))
+
+
+def thinned(t: np.ndarray, points: int | None) -> np.ndarray:
+    """Some of the times t (nt,), about `points` of them, the ends among them."""
     every = 1 if points is None else max(1, -(-len(t) // points))
     return t[np.unique(np.r_[np.arange(0, len(t), every), len(t) - 1])]
 
@@ -109,11 +130,10 @@ def _ordered(A: np.ndarray) -> np.ndarray:
     return np.take_along_axis(values, np.argsort(-values.real, axis=1, kind="stable"), axis=1)
 
 
-def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
+def _crossings(path: Path, t: np.ndarray, values: np.ndarray, limit: float) -> list[float]:
     """Times [s] at which the rightmost real part passes the rounding threshold, by bisection."""
-    limit = ROUNDING * float(np.abs(values).max(initial=0.0))
     rightmost = values.real.max(axis=1, initial=-np.inf)
-    above = lasting(rightmost > limit, np.abs(rightmost) * np.gradient(t) if len(t) > 1 else np.ones(1))
+    above = lasting(rightmost > limit, np.abs(rightmost) * np.gradient(t) if len(t) > 1 else np.ones(1), t)
     found = []
     for k in np.flatnonzero(above[1:] != above[:-1])[:100]:
         low, high = float(t[k]), float(t[k + 1])
@@ -127,16 +147,19 @@ def _crossings(path: Path, t: np.ndarray, values: np.ndarray) -> list[float]:
     return found
 
 
-def lasting(above: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """`above` (nt,), when deviations could grow, without the spells in which they grow by no more than MATTERS in all.
+def lasting(above: np.ndarray, change: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """`above` (nt,), when deviations could grow, without the spells that do not matter: those in which they grow by no
+    more than MATTERS in all, and those between in which they decay by no more, within BRIEF of the time t (nt,) [s].
 
     change (nt,): of the logarithm of their size, about each time.
     """
     found = above.copy()
-    edges = np.r_[0, np.flatnonzero(found[1:] != found[:-1]) + 1, len(found)]
-    for begin, end in pairwise(edges.tolist()):
-        if found[begin] and change[begin:end].sum() <= MATTERS:
-            found[begin:end] = False
+    for grows in (True, False):
+        edges = np.r_[0, np.flatnonzero(found[1:] != found[:-1]) + 1, len(found)]
+        for begin, end in pairwise(edges.tolist()):
+            brief = grows or t[end - 1] - t[begin] <= BRIEF * (t[-1] - t[0])
+            if found[begin] == grows and brief and change[begin:end].sum() <= MATTERS and end - begin < len(found):
+                found[begin:end] = not grows
     return found
 
 
@@ -176,12 +199,19 @@ def slow_variation(
         return _refused("the nominal has jumps: no rate bounds them")
     A = pieces[0].A[:, keep][:, :, keep]
     path = Path(pieces[0].t, A, scaling(A))
-    return slow_along(path, _thinned(pieces[0].t, points))
+    return slow_along(path, thinned(pieces[0].t, points))
 
 
 def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
-    """The same at the times t (nt,) of one smooth piece and midway between them."""
+    """The same at the times t (nt,) of one smooth piece and midway between them; at every LEAP-th first, which refuse
+    as well.
+    """
     t = np.sort(np.r_[t, (t[1:] + t[:-1]) / 2])
+    found = _slow_at(path, t[::LEAP])
+    return _slow_at(path, t) if found else found
+
+
+def _slow_at(path: Path, t: np.ndarray) -> SlowVariation:
     at, moving = path(t), path.rate(t)
     S = _coordinates(at.mean(axis=0))
     at, moving = (np.linalg.solve(S, a @ S) for a in (at, moving))
@@ -189,7 +219,9 @@ def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
     right = lam.real.max(axis=1)
     if right.max() >= -ROUNDING * np.abs(lam).max():
         k = int(right.argmax())
-        return _refused(f"a frozen root has real part {right[k]:.3g} at {t[k]:.6g} s", float(t[k]))
+        zero = right[k] <= off_by_rounding(lam[k], V[k], at[k])
+        where = "lies on the imaginary axis but for rounding" if zero else f"has real part {right[k]:.3g}"
+        return _refused(f"a frozen root {where} at {t[k]:.6g} s", float(t[k]))
     P = _lyapunov(at, lam, V, np.broadcast_to(np.eye(path.n), at.shape))
     half = moving.transpose(0, 2, 1) @ P
     motion = np.linalg.eigvalsh(_lyapunov(at, lam, V, half + half.transpose(0, 2, 1)))[:, -1]
@@ -200,8 +232,8 @@ def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
     bound = float(1 / (2 * size.max() ** 2))
     allowed = bool(np.isfinite(motion).all() and used < 1)
     decay = float(((1 - motion) / (2 * size)).min()) if allowed else 0.0
-    verb = "uses" if allowed else "needs"
-    why = f"the motion of A {verb} {used:.3g} of the frozen decay (below 1 is allowed), most at {t[k]:.6g} s"
+    why = f"the motion of A {'uses' if allowed else 'needs'} {used:.3g}{'' if allowed else ' and more'} of the frozen "
+    why += f"decay (below 1 is allowed), {'most ' if allowed else ''}at {t[k]:.6g} s"
     return SlowVariation(allowed, used, decay, rate, bound, float(t[k]), why)
 
 

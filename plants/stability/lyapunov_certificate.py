@@ -8,9 +8,8 @@ times between, A taken from its own interpolant. Nothing of how P was found ente
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import scipy.linalg as sla
@@ -19,15 +18,17 @@ from pliant.plants.core.argument_gates import LEAST, require_count, require_numb
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
+from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, kept, scaling
+from pliant.plants.transitions.transition_error import monodromy
 
 from .floquet import periodic_path
-from .state_matrix_path import Model, Path, as_pieces, kept, scaling
-from .transition_error import monodromy
 from .transition_growth import chain
 
 BETWEEN = (0.25, 0.5, 0.75)
 FINE = 0.1  # |eigenvalue| times step at which the polynomial between the nodes is good enough
 MOST = 8192  # steps
+SHARES = (0.9, 0.5, 0.2)  # of the decay of the whole, tried as alpha
+NONE = 1e-9  # by which a deviation must have shrunk in all, so that it is no rounding
 WRAPPED = 1e-3  # of the fall of ln V over a period that V may rise by where P starts anew, by rounding
 
 
@@ -86,7 +87,9 @@ def lyapunov(
             assert refusal
         else:
             return certified(path, length, alpha, most)
-    return _backward(pieces[0], alpha, states, most)
+    keep = kept(model, states)
+    A = pieces[0].A[:, keep][:, :, keep]
+    return backward(Path(pieces[0].t, A, scaling(A)), alpha, most, lambda: magnus.product(chain(model, states)[1]))
 
 
 def _none(why: str, keep: list[int]) -> Certificate:
@@ -124,7 +127,7 @@ def _made(
     periodic: bool,
 ) -> Certificate:
     where = f" at {len(t)} nodes and {len(BETWEEN)} times between each two" if len(t) > 1 else ""
-    said = f"V falls at {alpha:.4g} 1/s or faster, verified{where}"
+    said = f"V falls{f' at {alpha:.4g} 1/s or faster' if alpha else ', at no rate that is known'}, verified{where}"
     why = said if verified else f"V is not shown to fall: slack {slack:.3g}; more steps or a smaller alpha may help"
     unscaled = P / size / size[:, None]
     return Certificate(
@@ -158,26 +161,26 @@ def certified(path: Path, length: float, alpha: float | None = None, most: int =
     if m is None:
         return _none(f"it needs more than {most} steps in {length:.4g} s", keep)
     edges = path.t[0] + np.linspace(0.0, length, m + 1)
-    Phi, W = _intervals(path, edges, alpha)
+    Phi, W = _intervals(_halves(path, edges), edges, alpha)
     total, sum_W = _composed(Phi, W)
     end = sla.solve_discrete_lyapunov(total.T, sum_W)
     return _verified(path, edges, _swept(Phi, W, (end + end.T) / 2), alpha, True)
 
 
-def _backward(model: Any, alpha: float | None, states: Sequence[str] | None, most: int) -> Certificate:
-    keep = kept(model, states)
-    A = model.A[:, keep][:, :, keep]
-    path = Path(model.t, A, scaling(A))
-    length = float(model.t[-1] - model.t[0])
+def backward(path: Path, alpha: float | None, most: int, over_all: Callable[[], np.ndarray]) -> Certificate:
+    """The certificate of a nominal that is not periodic; `over_all` gives Phi (n, n) over all of it."""
+    keep, t = list(range(path.n)), path.t
+    length = float(t[-1] - t[0])
     m = _grid(path, length, most)
     if m is None:
         return _none(f"it needs more than {most} steps in {length:.4g} s", keep)
-    parts = -(-m // (len(model.t) - 1))
-    edges = np.interp(np.arange((len(model.t) - 1) * parts + 1) / parts, np.arange(len(model.t)), model.t)
-    choices = [alpha] if alpha is not None else [share * _decay(model, states) for share in (0.9, 0.5, 0.2)]
-    best = None
+    parts = -(-m // (len(t) - 1))
+    edges = np.interp(np.arange((len(t) - 1) * parts + 1) / parts, np.arange(len(t)), t)
+    decay = _decay(over_all(), length) if alpha is None else 0.0
+    choices = [alpha] if alpha is not None else sorted({share * decay for share in SHARES}, reverse=True)
+    best, halves = None, _halves(path, edges)
     for choice in choices:
-        Phi, W = _intervals(path, edges, choice)
+        Phi, W = _intervals(halves, edges, choice)
         found = _verified(path, edges, _swept(Phi, W, _end(path, choice)), choice, False)
         if best is None or (found.verified, -found.contraction) > (best.verified, -best.contraction):
             best = found
@@ -185,11 +188,10 @@ def _backward(model: Any, alpha: float | None, states: Sequence[str] | None, mos
     return best
 
 
-def _decay(model: Any, states: Sequence[str] | None) -> float:
+def _decay(Phi: np.ndarray, length: float) -> float:
     """The rate [1/s] at which the slowest deviation decays over the whole nominal, 0 where one grows."""
-    t, Phi, _ = chain(model, states)
-    size = np.abs(np.linalg.eigvals(magnus.product(Phi))).max()
-    return max(0.0, -float(np.log(size) / (t[-1] - t[0])))
+    size = float(np.abs(np.linalg.eigvals(Phi)).max(initial=0.0))
+    return -float(np.log(max(size, 1e-300))) / length if size < 1 - NONE else 0.0
 
 
 def _end(path: Path, alpha: float) -> np.ndarray:
@@ -201,14 +203,16 @@ def _end(path: Path, alpha: float) -> np.ndarray:
     return np.eye(path.n) / max(path.size, 1e-300)
 
 
-def _intervals(path: Path, edges: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
+def _halves(path: Path, edges: np.ndarray) -> np.ndarray:
+    """Transitions (2 m, n, n) over the halves of each interval."""
+    return path.transitions(np.sort(np.r_[edges, (edges[1:] + edges[:-1]) / 2]))
+
+
+def _intervals(halves: np.ndarray, edges: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
     """Shifted transitions (m, n, n) and int Phi^T Phi (m, n, n) over each interval, by Simpson on its halves."""
-    middle = (edges[1:] + edges[:-1]) / 2
-    fine = np.sort(np.r_[edges, middle])
-    Phi = path.transitions(fine) * np.exp(alpha * np.diff(fine))[:, None, None]
-    half, whole = Phi[0::2], Phi[1::2] @ Phi[0::2]
     h = np.diff(edges)[:, None, None]
-    return whole, h / 6 * (np.eye(path.n) + 4 * _square(half) + _square(whole))
+    half, whole = halves[0::2] * np.exp(alpha * h / 2), halves[1::2] @ halves[0::2] * np.exp(alpha * h)
+    return whole, h / 6 * (np.eye(halves.shape[-1]) + 4 * _square(half) + _square(whole))
 
 
 def _square(M: np.ndarray) -> np.ndarray:

@@ -10,8 +10,7 @@ import numpy as np
 from pliant.plants.core.argument_gates import LEAST, require_seconds
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
-
-from .state_matrix_path import CLOSES, Path, scaling
+from pliant.plants.transitions.state_matrix_path import CLOSES, Path, scaling
 
 ONE_SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # first derivative at the first of five nodes
 TURNS = 2e-2  # of the largest |dA/dt|: how near its rate must come back

@@ -22,14 +22,15 @@ from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.transitions.state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
+from pliant.plants.transitions.transition_error import Transition
 
 from .frozen_time import lasting
-from .state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
-from .transition_error import Transition
 
 BLOCKS = 48  # stretches of the nominal between which growth is compared
 DOUBLED, SQUARED = 4.0, 1.7
-UNIPOTENT = 1e-2  # all eigenvalues of Phi as near as this to 1: drift, whatever its power
+REPEATED, OFF = 2.0, 1e-8  # |eigenvalue| of some stretch: it grows where repeated, as drift does not; Phi's own error
+MOST_NODES = 501
 ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
 
@@ -119,68 +120,62 @@ def grown(t: np.ndarray, Phi: np.ndarray, size: np.ndarray, window: float | None
         right[0] * size,
         size,
         _crossings(start, within, length),
-        compounds(Phi),
+        compounds(t, Phi),
     )
 
 
 def growth_between(joined: Any, moved: Transition | None, window: float | None, states: Sequence[str] | None) -> Growth:
-    """Growth between the nodes, of the transition's own steps where these stop at every node."""
+    """Growth between the nodes, MOST_NODES of them, of the transition's own steps where these stop at every node."""
     nodes = np.concatenate([joined.pieces[0].t[:1], *(piece.t[1:] for piece in joined.pieces)])
+    nodes = nodes[np.unique(np.linspace(0, len(nodes) - 1, min(len(nodes), MOST_NODES)).astype(int))]
     if moved is not None:
         at = np.searchsorted(moved.times, nodes)
         if at[-1] < len(moved.times) and (moved.times[at] == nodes).all() and np.isfinite(moved.Phi).all():
             keep = kept(joined, states)
             size = scaling(np.concatenate([piece.A[:, keep][:, :, keep] for piece in joined.pieces]))
             return grown(nodes, magnus.grouped(moved.Phi, at), size, window)
-    return growth(joined, window, states=states)
+    return growth(joined, window, states=states, points=MOST_NODES)
 
 
-def block(
-    joined: Any, states: Sequence[str], at: Sequence[int], moved: Transition, scale: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Of a part that feels no other state, in its own scaled coordinates: the transition, and what it may be off."""
-    keep = kept(joined, states)
-    own = scaling(np.concatenate([piece.A[:, keep][:, :, keep] for piece in joined.pieces])) / scale[list(at)]
-    M, D = (X[np.ix_(at, at)] * own / own[:, None] for X in (moved.M, moved.D))
-    return M, D
-
-
-def spectral(M: np.ndarray) -> float:
-    """2-norm, infinite where it is not known."""
-    return float(np.linalg.norm(M, 2)) if np.isfinite(M).all() else np.inf
-
-
-def compounds(Phi: np.ndarray) -> bool:
-    """Whether the growth up to the end compounds, from transitions Phi (m, n, n) one after another.
+def compounds(t: np.ndarray, Phi: np.ndarray) -> bool:
+    """Whether the growth up to the end compounds, from transitions Phi (m, n, n) between the times t (m + 1,) [s].
 
     t^p grows 2^p-fold when its time doubles, whatever the time; e^(at) by e^(at/2), the more the longer. So, over some
     stretch up to the end: the whole must be DOUBLED times any half of it, and that SQUARED times what a half is to any
     quarter (1 + t^p: at most 1.6 times for p = 2). A drift that starts late is as large over its last half as over all.
+    A long chain of integrators passes for a while: so some stretch must also grow where it is repeated, which no power
+    of time does.
     """
     m, n = len(Phi), Phi.shape[-1]
     count = min(m, BLOCKS if n <= 40 else BLOCKS // 2)
     if count < 4 or not n:
         return False
-    edges = np.unique(np.linspace(0, m, count + 1).astype(int))
-    blocks = magnus.grouped(Phi, edges)
+    edges = np.unique(np.r_[0, np.searchsorted(t, np.linspace(t[0], t[-1], count + 1)[1:-1]), m])
+    blocks, at = magnus.grouped(Phi, edges), t[edges]
     count = len(blocks)
-    logs = np.full((count + 1, count + 1), -np.inf)  # ln |Phi| from block a to block b
+    logs, to_end = np.full((count + 1, count + 1), -np.inf), []  # ln |Phi| from block a to block b
     for length, products, power in magnus.consecutive(blocks):
         start = np.arange(len(products))
         with np.errstate(divide="ignore"):
             logs[start, start + length] = np.log(np.linalg.norm(products, 2, axis=(1, 2))) + power
-    unipotent = np.abs(np.linalg.eigvals(products[0] * np.exp(min(power[0], 600.0))) - 1).max() < UNIPOTENT
-    if unipotent:
-        return False
+        to_end.append((products[-1], power[-1]))
     for begin in range(count - 3):
-        whole = logs[begin, count]
-        half = -(-(count - begin) // 2)
-        quarter = -(-half // 2)
-        of_half = max(logs[k, k + half] for k in range(begin, count - half + 1))
-        of_quarter = max(logs[k, k + quarter] for k in range(begin, count - quarter + 1))
-        if whole - of_half >= np.log(DOUBLED) and (whole - of_half) - (of_half - of_quarter) >= np.log(SQUARED):
-            return True
+        half = (at[-1] - at[begin]) / 2
+        least = np.searchsorted(at, at + half * (1 - 1e-9))  # the first edge a half later, and ..
+        most = np.searchsorted(at, at + half / 2 * (1 + 1e-9), side="right") - 1  # .. the last within a quarter
+        inside = np.flatnonzero(least[begin:] <= count) + begin
+        of_half, of_quarter = (logs[k, to[k]].max() for k, to in ((inside, least), (np.arange(begin, count + 1), most)))
+        more = logs[begin, count] - of_half
+        if more >= np.log(DOUBLED) and more - (of_half - of_quarter) >= np.log(SQUARED):
+            return any(_repeated(product, power) for product, power in reversed(to_end))
     return False
+
+
+def _repeated(product: np.ndarray, power: float) -> bool:
+    """Whether e^power times a product (n, n) has an |eigenvalue| beyond REPEATED, and what an n-fold one may be off."""
+    size, most = (np.log(max(float(x), 1e-300)) for x in (max(abs(np.linalg.eigvals(product))), np.abs(product).max()))
+    off = (power + most + np.log(OFF)) / len(product)
+    return bool(power + size > np.log(REPEATED) + np.logaddexp(0.0, np.log(4.0) + off))
 
 
 def _timed(model: Any, duration: float | None) -> Any:
@@ -279,6 +274,6 @@ def _cumulated(Phi: np.ndarray, *, last: bool) -> tuple[np.ndarray, np.ndarray]:
 def _crossings(t: np.ndarray, size: np.ndarray, window: float) -> tuple[float, ...]:
     """Times [s] at which ln(size) changes sign, interpolated; what is about 1 for rounding or briefly is none."""
     logs = np.log(np.maximum(size, 1e-300))
-    above = lasting(logs > 1e-9, np.abs(logs) * (np.gradient(t) / window if len(t) > 1 else 1.0))
+    above = lasting(logs > 1e-9, np.abs(logs) * (np.gradient(t) / window if len(t) > 1 else 1.0), t)
     at = np.flatnonzero(above[1:] != above[:-1])
     return tuple(float(t[k] - logs[k] * (t[k + 1] - t[k]) / (logs[k + 1] - logs[k])) for k in at)

@@ -14,13 +14,14 @@ from pliant.plants.files.html_tables import VerdictTable
 from pliant.plants.finite_horizon.asked import Asked, listed
 from pliant.plants.finite_horizon.horizon import FiniteHorizon, numbers
 from pliant.plants.linear.lti import LinearModel
+from pliant.plants.transitions.eigenvalue_bounds import EPS, bounds
+from pliant.plants.transitions.state_matrix_path import CLEAR, kept, scaling, unfelt
 
-from .eigenvalue_bounds import EPS, bounds
 from .floquet import Floquet
 from .frozen_time import said_coordinates
-from .state_matrix_path import CLEAR, kept, scaling, unfelt
 
 METHODS = ("eigenvalues", "floquet", "slow_variation", "lyapunov", "growth", "frozen_time", "exponents")
+ROUNDED = 1e-9  # of |A|, of a multiplier: an error so small is told as what it is
 CANCELLED = 16  # times the rounding of a term: sums of as many
 GROWTH = ("decays", "bounded", "polynomial", "exponential", "unknown")
 
@@ -167,8 +168,8 @@ def of_constant(
         power = degree(A, b.values, b.errors, near)
         kind = "unknown" if verdict == "undecided" else "polynomial" if power else "bounded"
         where = "on the imaginary axis" if line else "on the unit circle"
-        words = f"{int(near.sum())} of {len(sizes)} eigenvalues {where}, the others decay; not to be told from it to "
-        words += f"within {error:.2g}" + (" 1/s" if line else "")
+        words = f"{int(near.sum())} of {len(sizes)} eigenvalues {where}, the others decay; not to be told from it "
+        words += f"to within {error:.2g}{' 1/s' if line else ''}" if error > ROUNDED * unit else "but by rounding"
         if power:
             words += f"; they share directions: deviations may grow like t^{power}, a power of time and no exponential"
         found = found if verdict == "undecided" else 0.0
@@ -196,7 +197,7 @@ def of_periodic(
         "unstable": f"{int(cycle.outside.sum())} multipliers outside the unit circle, the largest "
         f"{sizes.max(initial=0.0):.6g}, at least {cycle.least:.6g}",
         "marginal": f"{int(near.sum())} of {len(sizes)} multipliers on the unit circle, none outside; not to be told "
-        f"from it to within {error:.2g}",
+        f"from it {f'to within {error:.2g}' if error > ROUNDED else 'but by rounding'}",
         "undecided": f"the largest multiplier, {sizes.max(initial=0.0):.6g}, is known to "
         f"{cycle.error[sizes.argmax()]:.2g} only: more nodes in a period would help",
     }
@@ -229,9 +230,8 @@ def made(
     if frozen is not None:
         allowed = "slow variation allows it" if slow else "not to be believed: slow variation does not allow it"
         rate = float(frozen.rightmost.max())
-        reasons["frozen_time"] = (
-            f"suggests {frozen.suggests} (rightmost {rate:.4g} 1/s, in {frozen.coordinates}); {allowed}"
-        )
+        where = "0 but for rounding" if abs(rate) <= frozen.threshold else f"{rate:.4g} 1/s"
+        reasons["frozen_time"] = f"suggests {frozen.suggests} (rightmost {where}, in {frozen.coordinates}); {allowed}"
     for name in ("slow_variation", "lyapunov"):
         if name in evidence:
             reasons[name] = evidence[name].why

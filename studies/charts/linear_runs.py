@@ -19,6 +19,7 @@ import numpy as np
 from pliant.plants import LinearModel, Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.signals import GAUSS
 from pliant.plants.linear import modal_analysis
+from pliant.plants.motions.tabulated_inputs import tabulated
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics.physics_motion import compared
@@ -64,7 +65,7 @@ def _along(motions: Motions, plant: Plant, parts: int) -> LinearRun:
     """Nodes at every `parts`-th part of a control period."""
     scene, simple, columns = motions.scene, motions.ladder[0], compared(motions, plant)
     began = clock.perf_counter()
-    smooth, nodes = scene.nominal_input, scene.dt / parts * np.arange(parts * scene.steps + 1)
+    smooth, nodes = tabulated(scene.nominal_input), scene.dt / parts * np.arange(parts * scene.steps + 1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ValidityWarning)  # the chart tells it of the variant
         own = simple.simulate(motions.start(simple), smooth, nodes, rtol=RTOL, atol=RTOL / 100)

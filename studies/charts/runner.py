@@ -13,6 +13,7 @@ import numpy as np
 
 from pliant.plants import Plant, PliantError
 from pliant.plants.integration.batch_stepper import compile_motions
+from pliant.plants.motions.time_limit import TooLong, time_limit
 from pliant.plants.native import kernel_loader
 from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions
@@ -24,7 +25,7 @@ from .plan import IMPLICIT
 
 ENOUGH = 0.1  # a smaller step is not tried once its error is below this share of the variant's own error ..
 FLOOR = 1e-3  # .. or below this share of the tolerance
-SLOW = 2.0  # [s] a run expected to take longer is not made
+SLOW = 2.0  # [s] a run expected to take longer is not made, and one that takes longer given up at its deadline
 SHORT = 0.1  # [s] runs are repeated where they take less
 COMPILES = {"rk4": 1.5e-4, "rk8": 2e-4}  # [s] for each operation of the rates: what a kernel that is new may take ..
 LONGER = 1.7e-3  # .. and one of a method that needs Jacobians
@@ -62,7 +63,7 @@ class Runner:
         """The row of a setting, or None where there is nothing to gain by it, or it is there already."""
         if row.key in self.rows or self._no_use(plant, row):
             return None
-        why = self._refusal(plant, row, deadline)
+        why, began = self._refusal(plant, row, deadline), processor_time()
         if why:
             found = dataclasses.replace(row, failure=why)
         else:
@@ -70,10 +71,15 @@ class Runner:
                 compile_motions(plant, deadline - processor_time(), row.method)
             try:
                 made = {"simulate": self._simulated, "stepper": self._stepped, "linear": self._linear}[row.path]
-                timed = made(plant, row)
+                with time_limit(max(deadline - began, SLOW)):
+                    timed = made(plant, row)
                 if timed is None:
                     return None
                 found = timed
+            except TooLong as late:
+                spent = processor_time() - began
+                told = f"too slow: given up after {spent:.2g} s, {late}" if spent >= SLOW else SPENT
+                found = dataclasses.replace(row, failure=told)
             except PliantError as failure:
                 text = str(failure)
                 told = text if text.startswith("no linear model") else f"{type(failure).__name__}: {text}"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import EquilibriumError, PliantError
 from pliant.plants.core.argument_gates import require_names
 
+from .evaluation_scene import play
 from .rollout import nominal, rollout
 
 EFFORTS = (1.0, 3.0, 10.0, 30.0, 100.0)  # times what the scene charges for its inputs
@@ -74,18 +76,53 @@ def predictive(scene: Scene) -> Controller:
 
 def enduring(scene: Scene, reads: str = "states") -> Controller:
     """One gain for +-30 % of payload, stiffness and damping, on time and a period late, designed on the scene's own
-    plant; its inputs made dearer until it stays within the bounds on that plant as it is, on time and late."""
+    plant; its inputs made dearer until it stays within the bounds on that plant, as it is and with all that is
+    uncertain at its least and at its most, on time and late; or led along a nominal motion that keeps a reserve of
+    them, where that lasts and costs less."""
+    played = play(scene)
+    lasting: list[tuple[float, Controller]] = []
+    law: Controller
     for effort in EFFORTS:
         law = controllers.MultiModelLQR.for_scene(scene, reads=reads, effort=effort)
-        runs = (rollout(scene, law, dataclasses.replace(nominal(scene), delay=delay)) for delay in law.delays)
-        if not any(run.failure for run in runs):
+        cost = _cost_if_it_lasts(played, law, law.delays)
+        if effort == 1.0:
+            first = law
+            if cost is not None:
+                return law
+        elif cost is not None:
+            lasting.append((cost, law))
             break
-    return law
+    try:
+        led = controllers.Led.for_scene(scene, first)
+        if (cost := _cost_if_it_lasts(played, led, first.delays)) is not None:
+            lasting.append((cost, led))
+    except PliantError:
+        pass
+    return min(lasting, key=lambda pair: pair[0])[1] if lasting else law
+
+
+def _cost_if_it_lasts(played: Scene, law: Controller, delays: Sequence[int]) -> float | None:
+    """Mean over the extremes, None where one fails."""
+    own, p = nominal(played), played.varied_plant.nominal_parameters
+    ends = np.array([(1.0, low, high) for _, low, high in played.randomise]).reshape(-1, 3).T
+    costs = []
+    for end in ends:
+        for delay in delays:
+            run = rollout(played, law, dataclasses.replace(own, p=p * end, delay=delay))
+            if run.failure:
+                return None
+            costs.append(run.cost)
+    return float(np.mean(costs))
 
 
 def enduring_by_sensors(scene: Scene) -> Controller:
     """The same from what sensors read."""
     return enduring(scene, "sensors")
+
+
+def robust_lqg(scene: Scene) -> Controller:
+    """LQG whose noises were chosen for +-30 % and inputs on time or a period late."""
+    return controllers.robust_lqg(scene).law
 
 
 def trained(scene: Scene) -> Controller:
@@ -98,13 +135,31 @@ def robust(scene: Scene) -> Controller:
     return Policy.for_scene(scene.name, robust=True)
 
 
+@dataclass(frozen=True)
+class OfSeed:
+    """The policy that training with one seed left in `folder`, under SCENE-SEED/policy. ValueError for a scene without
+    one."""
+
+    folder: str
+    seed: int
+
+    def __call__(self, scene: Scene) -> Controller:
+        path = Path(self.folder) / f"{scene.name}-{self.seed}" / "policy.npz"
+        if not path.is_file():
+            raise ValueError(f"no policy of seed {self.seed} was trained on {scene.name}")
+        return Policy.load(path)
+
+
 CONTESTANTS: Mapping[str, Maker] = {
     "LQR": regulator,
     "LQR, delay known": predictive,
+    "LQR, delay 0 to 1": Designed("LQR", (("delay", (0, 1)),)),
     "TVLQR": Designed("TVLQR"),
     "MPC": Designed("MPC"),
+    "MPC, delay 0 to 1": Designed("MPC", (("delay", (0, 1)),)),
     "NMPC": Designed("NMPC"),
     "LQG": Designed("LQG"),
+    "robust LQG": robust_lqg,
     "PD": Designed("PD"),
     "PD, shaped": Designed("PD", (("shape", "zvd"),)),
     "computed torque": Designed("ComputedTorque"),

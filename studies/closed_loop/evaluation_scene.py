@@ -3,7 +3,9 @@
 The rule   every elastic body gets one more mode, a body of a tree one more of each family in which it bends, twists or
            stretches: the plant then holds the first mode that the design model leaves out, the one that spillover is
            about. Where a body holds no more modes, the next variant of the plant's ladder. Shapes and parameters stay,
-           so that states of the same name are the same quantities.
+           so that states of the same name are the same quantities. A tree whose mass matrix would be lost where the
+           design plant moves under LQR (what second-order shortening leaves of the added shapes' inertia) has exact
+           rotations in the place of that shortening.
 Varied     what the plant calls uncertain (payload, stiffness, damping), each by +-30 %, beside what the scene itself
            randomises
 Steps      RK4, as many in a control period as the fastest mode and the accuracy of the compared outputs ask for
@@ -26,6 +28,8 @@ from pliant.plants.core.signals import names
 from pliant.plants.integration.step_maps import step_limit
 from pliant.plants.multibody_parts.tree_body import MOST_MODES, TreeBody
 
+from .closed_loop import regulator, run
+
 SPREAD = 0.3  # of payload, stiffness and damping
 CORNERS = 64  # parameter corners at which the step limit is looked at, at most
 SAFE = 0.7  # share of RK4's step limit that is used
@@ -45,6 +49,29 @@ def finer(plant: Plant) -> Plant:
         if variant.nx >= plant.nx:
             return variant
     raise ValueError(f"{type(plant).__name__} ({plant.label}) is the finest that there is")
+
+
+def finer_plant(scene: Scene) -> tuple[Plant, str]:
+    """(the scene's plant one fidelity higher, a remark). ValueError where there is none."""
+    plant: Any = finer(scene.plant)
+    if not hasattr(plant, "bodies") or plant.kinematics != "stiffened" or _holds(scene, plant):
+        return plant, ""
+    remark = "With exact rotations, as with second-order shortening the mass matrix is lost on what LQR plays"
+    return dataclasses.replace(plant, kinematics="strain"), remark
+
+
+def _holds(scene: Scene, plant: Any) -> bool:
+    """Whether the mass matrix is positive definite in all states through which the design plant goes under LQR."""
+    try:
+        motion = run(scene, regulator(scene))
+    except PliantError:  # nobody knows where it would go
+        return True
+    M = plant.mass_matrix(motion.x @ plant.embedding(scene.plant).T)
+    size = np.diagonal(M, axis1=1, axis2=2)
+    if not (size > 0).all():
+        return False
+    unit = M / np.sqrt(size[:, :, None] * size[:, None, :])
+    return bool(np.linalg.eigvalsh(unit)[:, 0].min() > 0)
 
 
 def _one_more_mode(plant: Any) -> Plant | None:
@@ -81,15 +108,17 @@ def _richer(body: TreeBody) -> TreeBody:
 def differing_states(design: Scene, played: Scene) -> tuple[str, ...]:
     """Names of states that both plants have but that are not the same quantity in both.
 
-    Told by the outputs that inputs do not move at once: what each gains from the state, about the design model's goal,
-    must agree.
+    Told by the outputs that inputs do not move at once: what each gains from the state, at the design model's goal with
+    its bodies straight (bent, exact rotations gain a little else than second-order shortening), must agree.
     """
     known, plants = names(design.plant.states), (design.plant, played.plant)
     x = np.zeros(played.plant.nx)
     both = [name for name in names(played.plant.states) if name in known]
     places = [[names(plant.states).index(name) for name in both] for plant in plants]
-    x[places[1]] = design.target[0][places[0]]
-    slopes = [plant.jacobians(at)[3:] for plant, at in zip(plants, (design.target[0], x), strict=True)]
+    kept = {name for name, _ in (*design.goal, *design.goal_rates)} | set(design.plant.attitude_states)
+    goal = np.where([name in kept for name in known], design.target[0], 0.0)
+    x[places[1]] = goal[places[0]]
+    slopes = [plant.jacobians(at)[3:] for plant, at in zip(plants, (goal, x), strict=True)]
     known = names(played.plant.outputs)
     outputs = [name for name, row in zip(names(design.plant.outputs), slopes[0][1]) if name in known and not row.any()]
     rows = [[names(plant.outputs).index(name) for name in outputs] for plant in plants]
@@ -122,7 +151,7 @@ def harsher(scene: Scene) -> Scene:
     where there is one, its uncertain parameters +-30 %, other starts. What a policy that must survive is trained on.
     """
     try:
-        plant = finer(scene.plant)
+        plant = finer_plant(scene)[0]
     except ValueError:
         plant = scene.plant
     return accurate(play(scene, plant))[0]

@@ -131,7 +131,7 @@ def _show_front(found: Chart) -> None:
 def choose(
     scene: SceneName,
     settings: Settings = None,
-    tolerance: Annotated[float | None, typer.Option(help="Largest error [m]; the scene's own if not given.")] = None,
+    tolerance: Annotated[float | None, typer.Option(help="Largest error, SI; the scene's own if not given.")] = None,
     plot: Picture = None,
     budget: Budget = 15.0,
     lanes: Annotated[

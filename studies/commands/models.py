@@ -33,7 +33,7 @@ def simulate(
     method: Annotated[
         str, typer.Option(help="dop853, rodas5p, radau, cvodes (with --lqr), rk4, rk8, midpoint, rosenbrock")
     ] = "dop853",
-    step: Annotated[float | None, typer.Option(help="Step [s] of rk4, rk8, midpoint and rosenbrock.")] = None,
+    step: Annotated[float | None, typer.Option(help="Step in s of rk4, rk8, midpoint and rosenbrock.")] = None,
     rtol: Annotated[float, typer.Option(help="Relative tolerance of the adaptive methods.")] = 1e-8,
     out: Annotated[Path | None, typer.Option(help="Save the motion as npz.")] = None,
     plot: Picture = None,
@@ -111,7 +111,7 @@ def linearize(
 
 def identify(
     scene: SceneName,
-    data: Annotated[list[Path], typer.Argument(help='CSV files with columns "t [s]" and "SIGNAL [UNIT]".')],
+    data: Annotated[list[Path], typer.Argument(help='CSV files with columns "t \\[s]" and "SIGNAL [UNIT]".')],
     vary: Annotated[list[str], typer.Option("--vary", help="A parameter to estimate: payload.mass.")],
     settings: Settings = None,
     noise: Annotated[

@@ -31,7 +31,7 @@ def report(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder to write; reports/SCENE if not given.")] = None,
     budget: Annotated[
-        float | None, typer.Option(help="Processor time of the chart [s]; if not given as time allows.")
+        float | None, typer.Option(help="Processor time of the chart in s; if not given as time allows.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:

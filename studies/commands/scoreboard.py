@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,7 +13,9 @@ from typing import Annotated, Any
 
 import typer
 
-from pliant.studies.closed_loop.contestants import CONTESTANTS, Maker
+from pliant.envs.scenes.registry import get
+from pliant.plants import PliantError
+from pliant.studies.closed_loop.contestants import CONTESTANTS, Maker, OfSeed
 from pliant.studies.scoreboard.own_laws import OwnLaw
 from pliant.studies.scoreboard.raw_runs import RawRuns
 from pliant.studies.scoreboard.scoreboard import BOUNDS, Scoreboard
@@ -20,7 +23,7 @@ from pliant.studies.scoreboard.scoreboard import scoreboard as score
 from pliant.studies.scoreboard.tables import HEAD, RUNS, WORDS, cells, table
 from pliant.studies.scoreboard.verification import verify
 
-from .console import bar, print_json, show, writable_folder
+from .console import bar, print_json, say, show, writable_folder
 from .options import AsJson
 
 QUICK = (8, 4)  # runs and bounds of `--quick`
@@ -42,6 +45,10 @@ def scoreboard(
         list[str] | None,
         typer.Option(metavar="FILE.py:NAME", help="Your own law, played alone or beside --controllers."),
     ] = None,
+    policies: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Training runs SCENE-SEED in it: the policy of each seed plays too."),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Of everything drawn at random.")] = 0,
     jobs: Annotated[int | None, typer.Option(help="Processes; as many as cores if not given.")] = None,
     bounds: Annotated[int | None, typer.Option(help="Runs of each case with a bound; 16 if not given.")] = None,
@@ -53,23 +60,26 @@ def scoreboard(
     as_json: AsJson = False,
 ) -> None:
     """Score every controller on every scene: cost, and its ratio to the least that is possible."""
-    own = _own(law)
+    own = _own(law) | _seeds(policies)
     if scenes and scenes[0] == VERIFY:
         _verify(scenes[1:], cells_again, seed, own, as_json)
         return
     runs, found = QUICK if quick else (seeds, BOUNDS if bounds is None else bounds)
     words = ["pliant", "scoreboard", *(scenes or ()), *(["--quick"] if quick else [])]
     given: dict[str, Any] = {"--seeds": None if quick or seeds == 64 else seeds, "--controllers": controllers}
-    given |= {"--bounds": bounds, "--seed": seed or None, "--out": out}
+    given |= {"--bounds": bounds, "--policies": policies, "--seed": seed or None, "--out": out}
     laws = [w for text in law or () for w in ("--law", text)]
     command = shlex.join(
         [*words, *laws, *(w for key, value in given.items() if value is not None for w in (key, str(value)))]
     )
     chosen: Any = [name.strip() for name in controllers.split(",")] if controllers is not None else None
+    if policies is not None and chosen is None:
+        chosen = list(CONTESTANTS)
     if own:
         unknown = [name for name in chosen or () if name not in CONTESTANTS]
         chosen = chosen if unknown else {**{name: CONTESTANTS[name] for name in chosen or ()}, **own}
     writable_folder("--out", out)
+    _require_controllers(own, scenes)
     with bar("scoreboard") as tell:
         board = score(
             scenes or None,
@@ -97,17 +107,43 @@ def _shown(board: Scoreboard) -> None:
             known = [c for c in board.bounds[entry.scene, case] if c is not None]
             best = f"; bound {sum(known) / len(known):.4g}" if known else ""
             missing = [f"{row.controller}: {row.reason}" for row in rows if not row.runs]
-            show(
-                f"{entry.scene}, {case}",
-                HEAD,
-                [cells(row, intervals=False) for row in rows if row.runs],
-                caption="\n".join([about + best, *missing]),
-            )
+            played = [cells(row, intervals=False) for row in rows if row.runs]
+            caption = "\n".join([about + best, *missing])
+            if played:
+                show(f"{entry.scene}, {case}", HEAD, played, caption=caption)
+            else:
+                say(f"{entry.scene}, {case}: {caption}")
 
 
 def _own(laws: list[str] | None) -> dict[str, Maker]:
     """Makers by the names of their classes or functions."""
     return {made.name: made for made in (OwnLaw.of(text) for text in laws or ())}
+
+
+def _require_controllers(own: Mapping[str, Maker], names: list[str] | None) -> None:
+    """PliantError, before bounds take minutes, where a law of one's own serves none of the scenes that are named."""
+    for law in own.values() if names else ():
+        refused: PliantError | ValueError | None = None
+        for name in names or ():
+            try:
+                law(get(name))
+            except (PliantError, ValueError) as error:
+                refused = refused or error
+            else:
+                break
+        else:
+            if refused is not None:
+                raise refused
+
+
+def _seeds(folder: Path | None) -> dict[str, Maker]:
+    """A maker a seed that any scene's training has in `folder`."""
+    if folder is None:
+        return {}
+    seeds = {int(found[1]) for found in (re.fullmatch(r".*-(\d+)", one.name) for one in folder.glob("*/")) if found}
+    if not seeds:
+        raise ValueError(f"--policies {str(folder)!r} must hold folders SCENE-SEED with a policy in each")
+    return {f"trained policy, seed {seed}": OfSeed(str(folder), seed) for seed in sorted(seeds)}
 
 
 def _verify(words: list[str], cells_again: int, seed: int, own: Mapping[str, Maker], as_json: bool) -> None:

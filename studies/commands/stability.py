@@ -25,18 +25,18 @@ from .options import AsJson, Picture, SceneName, Settings
 def stability(
     scene: SceneName,
     settings: Settings = None,
-    period: Annotated[float | None, typer.Option(help="Period [s] of the nominal; found if not given.")] = None,
+    period: Annotated[float | None, typer.Option(help="Period in s of the nominal; found if not given.")] = None,
     repeated: Annotated[
         bool, typer.Option("--repeated/--once", help="Whether a nominal that closes counts as a period.")
     ] = True,
-    window: Annotated[float | None, typer.Option(help="Window [s] of the growth; a tenth if not given.")] = None,
+    window: Annotated[float | None, typer.Option(help="Window in s of the growth; a tenth if not given.")] = None,
     campbell: Annotated[
         tuple[float, float] | None,
-        typer.Option(metavar="LOW HIGH", help="Modes over these speeds [rad/s] of a machine that turns, instead."),
+        typer.Option(metavar="LOW HIGH", help="Modes over these speeds, in rad/s, of a machine that turns, instead."),
     ] = None,
     tongues: Annotated[
         tuple[float, float] | None,
-        typer.Option(metavar="LOW HIGH", help="Crank speeds [rad/s] at which a cycle is unstable, instead."),
+        typer.Option(metavar="LOW HIGH", help="Crank speeds, in rad/s, at which a cycle is unstable, instead."),
     ] = None,
     plot: Picture = None,
     as_json: AsJson = False,

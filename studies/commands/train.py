@@ -48,6 +48,7 @@ def table(found: Training, lqr: float | None) -> dict[str, Any]:
         "scene": found.policy.scene,
         "cost": found.cost,
         "lqr_cost": lqr,
+        "words": found.words,
         "steps": found.steps,
         "seconds": found.seconds,
         "steps_per_second": found.rate,
@@ -115,5 +116,7 @@ def command(
         return
     beside = f", {found.cost / lqr:.3g} times LQR's {lqr:.4g}" if lqr else ""
     print(f"cost {found.cost:.4g}{beside}")
+    if found.words:
+        print(found.words)
     print(f"{found.steps:,} steps in {found.seconds:.0f} s, {found.rate:,.0f} steps/s; {found.threads}")
     print(folder)

@@ -7,7 +7,7 @@ import numpy as np
 from pliant.plants import LinearModel, Plant
 from pliant.plants.core.signals import per_second
 
-ROUNDED = 1e-12  # of the largest input: less is rounding
+ROUNDED = 1e-12  # of the largest input, and of the rates that states cause and that cancel: less is rounding
 REST = 1e-8  # of the rates that the point's own states and inputs can cause
 
 
@@ -29,7 +29,9 @@ def coordinates(plant: Plant) -> tuple[str, ...]:
 
 def words(model: LinearModel, plant: Plant) -> str:
     """Like "at rest with tau1 = 3.2 N m", or that it moves on steadily, or is no equilibrium and what remains there."""
-    u = np.where(np.abs(model.u0) > ROUNDED * np.abs(model.u0).max(initial=0.0), model.u0, 0.0)
+    felt, cancelled = np.abs(model.B * model.u0).max(axis=0, initial=0.0), np.abs(model.A * model.x0).max(initial=0.0)
+    told = np.abs(model.u0) > ROUNDED * np.abs(model.u0).max(initial=0.0)
+    u = np.where(told & (felt > ROUNDED * cancelled), model.u0, 0.0)
     inputs = ", ".join(f"{s.name} = {v:.4g} {s.unit}" for s, v in zip(model.inputs, u))
     left = residual(model)
     spins = any(s.name in plant.velocities and abs(x) > REST for s, x in zip(model.states, model.x0))

@@ -34,6 +34,9 @@ def as_they_come(
             import distributed  # noqa: F401  joblib registers its backend with it
         except ImportError as error:
             raise ImportError(f"{owner}.backend = 'dask' needs dask: pip install pliant[dask]") from error
+    if backend == "sequential":  # joblib's keeps all results until the last
+        yield from (call(*given) for given in arguments)
+        return
     settings: dict[str, Any] = {"inner_max_num_threads": 1} if backend == "loky" else {}
     with joblib.parallel_config(backend=backend, n_jobs=jobs, **settings):
         tasks = [joblib.delayed(call)(*given) for given in arguments]

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import time
+from pliant.plants.motions.time_limit import processor_time
 
-
-def processor_time() -> float:
-    """[s] of this thread, and of programs that it waited for, as a compiler."""
-    took = os.times()
-    return time.thread_time() + took.children_user + took.children_system
+__all__ = ["processor_time"]

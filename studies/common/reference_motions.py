@@ -19,6 +19,7 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.argument_gates import require_finite, shown
 from pliant.plants.motions.adaptive_steps import at_most
+from pliant.plants.motions.time_limit import TooLong
 from pliant.plants.validity.ranges import in_words
 
 from .processor_time import processor_time
@@ -38,10 +39,6 @@ def share(progress: Progress | None, start: float, stop: float) -> Progress:
     if progress is None:
         return silent
     return lambda fraction, task: progress(start + (stop - start) * min(max(fraction, 0.0), 1.0), task)
-
-
-class TooLong(PliantError):
-    """A motion was given up when its time was over."""
 
 
 def in_time(plant: Plant, until: float) -> Callable[[float], None]:

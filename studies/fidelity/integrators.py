@@ -1,8 +1,9 @@
 """Which method and step plays a chosen plant fastest within a tolerance, and the largest fixed step that keeps it.
 
 Each method is tried from its coarsest setting on, as `simulate` plays it, until one keeps the tolerance against physics
-with what is known of that; none is tried that is expected to take longer than the fastest found, ten times over. The
-method for stiff plants is tried where dop853's loosest tolerance holds: what bounds its steps is then their stability.
+with what is known of that; none is tried that is expected to take longer than the fastest found, ten times over, as
+small steps on the virtual machine do once compiled ones hold. The method for stiff plants is tried where dop853's
+loosest tolerance holds: what bounds its steps is then their stability.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, PliantError
-from pliant.plants.integration.batch_stepper import compile_motions
+from pliant.plants.integration.batch_stepper import compile_motions, motion_kernel
+from pliant.plants.integration.step_maps import METHODS
+from pliant.plants.motions.compile_rule import STEPPING
 from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, in_time
 from pliant.studies.physics.physics_motion import PhysicsMotion
@@ -57,6 +60,8 @@ def integrators(
             continue
         for options in _settings(method, motions.scene.dt):
             row = Row(plant.label, plant.nx, method, options.get("step"), options.get("rtol"))
+            if _in_vain(motions, plant, row, best, largest):
+                break
             loosest = options.get("rtol") == TOLERANCES["dop853"][0]
             try:
                 run = motions.run(plant, method=method, progress=progress, **options)
@@ -78,6 +83,27 @@ def integrators(
                 largest = row
             break
     return best, largest
+
+
+def _in_vain(motions: Motions, plant: Plant, row: Row, best: Row | None, largest: Row | None) -> bool:
+    """Whether a fixed step is no larger than one that holds, and takes far longer than the fastest setting."""
+    if best is None or largest is None or row.step is None or row.step > (largest.step or 0.0):
+        return False
+    duration = motions.scene.steps * motions.scene.dt
+    steps = round(duration / row.step)
+    return _least_seconds(plant, row.method, steps) > PATIENCE * (best.seconds or 0.0) * duration
+
+
+def _least_seconds(plant: Plant, method: str, steps: int) -> float:
+    """What the virtual machine takes for so many fixed steps [s], at least: of each its evaluations of the rates, of a
+    linearly implicit one three and no Jacobian. 0 where compiled motions are at hand.
+    """
+    kernel, tableau = motion_kernel(plant, method), METHODS[method].tableau
+    if kernel is None or kernel.at_hand:
+        return 0.0
+    start, each = STEPPING
+    evaluations = len(tableau.b) if tableau else 3
+    return steps * (start + each * evaluations * int(plant._dynamics._function.n_instructions()))
 
 
 def in_lanes(motions: Motions, truth: PhysicsMotion, plant: Plant, tolerance: float, lanes: int) -> Row | None:

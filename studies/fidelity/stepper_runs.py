@@ -11,6 +11,7 @@ import numpy as np
 from pliant.plants import IntegrationError, Plant
 from pliant.plants.core.errors import DivergenceWarning
 from pliant.plants.integration.batch_stepper import Stepper
+from pliant.plants.motions.time_limit import check_time
 from pliant.plants.native.kernel_loader import NativeWarning
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics.physics_motion import compared
@@ -38,6 +39,7 @@ def motion(step: Stepper, start: np.ndarray, held: np.ndarray, times: np.ndarray
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DivergenceWarning)
         for k in range(len(times) - 1):
+            check_time(float(times[k]))
             step(x, held[k], t=float(times[k]), out=x)
             found[k + 1] = x[0]
     seconds = clock.perf_counter() - began
@@ -75,6 +77,7 @@ def _calls(step: Stepper, start: np.ndarray, held: np.ndarray, times: np.ndarray
     x = _lanes(step, start)
     began = clock.perf_counter()
     for k in range(periods):
+        check_time(float(times[k]))
         step(x, held[k], t=float(times[k]), out=x)
     return clock.perf_counter() - began
 

@@ -168,6 +168,9 @@ def tip_path(scene: Scene, motions: Sequence[tuple[str, Trajectory]]) -> Figure:
         ax.set_box_aspect(0.6 if flat else None)
         if not flat and wide < high:
             ax.locator_params(axis="x", nbins=2 if 2 * wide > high else 1)
+            if 2 * wide < high:  # three ticks would touch
+                inside = [x for x in ax.get_xticks() if ax.get_xlim()[0] <= x <= ax.get_xlim()[1]]
+                ax.set_xticks([inside[0], inside[-1]] if inside else [])
         ax.set_xlabel(f"{words(x)} [m]")
         ax.set_ylabel(f"{words(y)} [m]" + (", stretched" if flat and high < wide else ""))
     axes[0].set_title("Tip path, a dot every 0.25 s")

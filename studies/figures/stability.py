@@ -92,7 +92,8 @@ def _tube(ax: Axes, horizon: FiniteHorizon) -> None:
         label = "of unit energy" if side > 0 else None
         ax.plot(horizon.t, side * times * horizon.by_energy[worst.name], color=COLOURS[1], lw=1.2, label=label)
     ax.set_ylabel(f"{worst.name}\noff its nominal" + (f" [{unit}]" if unit else ""))
-    ax.legend(loc="upper left", title=", ".join(s.name for s in horizon.disturbances), title_fontsize=7)
+    by = ", ".join(s.name for s in horizon.disturbances)
+    ax.legend(loc="upper left", ncols=2, title=by, title_fontsize=7, alignment="left")
 
 
 def _frequencies(ax: Axes, frozen: FrozenTime) -> None:

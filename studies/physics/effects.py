@@ -49,58 +49,60 @@ def of(motions: Motions, physics: PhysicsMotion | None, chosen: Plant) -> tuple[
     """
     if physics is None or physics.motion is None:  # each would be another long simulation
         return ()
-    has, rough = chosen.effects, _Rough(motions, chosen)
+    has, known = chosen.effects, _Known(motions, physics, chosen)
     names = {name: has.get(name, False) for name, modelled in physics.physics.effects.items() if modelled}
     if not names.get("bending", True):
         names = {"bending": False}  # all others are of what bends
-    found = [_effect(motions, physics, rough, name, kept) for name, kept in names.items()]
+    found = [_effect(known, name, kept) for name, kept in names.items()]
     if physics.physics != chosen and names.get("bending", True):
-        found.append(_shapes(motions, physics, rough, [name for name, kept in names.items() if not kept]))
+        found.append(_shapes(known, [name for name, kept in names.items() if not kept]))
     found += [Effect(name, change, False) for name, change in physics.estimated.items()]
     return tuple(sorted(found, key=lambda e: -e.change))
 
 
-class _Rough:
-    """The chosen plant and its outputs at ROUGHLY, played once where they are asked for."""
+class _Known:
+    """Physics on a motion, and the outputs (nt, n) of what is near to it and to the chosen plant, each found once."""
 
-    def __init__(self, motions: Motions, chosen: Plant) -> None:
-        self.motions, self.chosen = motions, chosen
+    def __init__(self, motions: Motions, physics: PhysicsMotion, chosen: Plant) -> None:
+        self.motions, self.physics, self.chosen = motions, physics, chosen
+        self._lacking: dict[Plant, np.ndarray] = {}
 
     @cached_property
-    def outputs(self) -> np.ndarray:
-        return _played(self.motions, self.chosen)
+    def roughly(self) -> np.ndarray:
+        """Of the chosen plant at ROUGHLY."""
+        return self.played(self.chosen)
+
+    def played(self, plant: Plant) -> np.ndarray:
+        """Of a simulation; TooLong after PATIENCE."""
+        return self.motions.outputs(plant, ROUGHLY, progress=in_time(plant, processor_time() + PATIENCE))
+
+    def without(self, names: Sequence[str]) -> np.ndarray:
+        """Of physics without some effects; PliantError where it has no motion."""
+        lacking = self.physics.physics
+        for name in names:
+            lacking = lacking.without(name)
+        if lacking not in self._lacking:
+            try:
+                self._lacking[lacking] = outputs_of(self.motions, lacking, self.physics, SHARE)
+            except NotSettled:
+                self._lacking[lacking] = self.played(lacking)
+        return self._lacking[lacking]
 
 
-def _played(motions: Motions, plant: Plant) -> np.ndarray:
-    """The outputs (nt, n) of a simulation; TooLong after PATIENCE."""
-    return motions.outputs(plant, ROUGHLY, progress=in_time(plant, processor_time() + PATIENCE))
-
-
-def _effect(motions: Motions, physics: PhysicsMotion, rough: _Rough, name: str, kept: bool) -> Effect:
+def _effect(known: _Known, name: str, kept: bool) -> Effect:
     try:
-        if kept and rough.chosen != physics.physics:
-            apart = rough.outputs - _played(motions, rough.chosen.without(name))
+        if kept and known.chosen != known.physics.physics:
+            apart = known.roughly - known.played(known.chosen.without(name))
         else:
-            apart = physics.outputs - _without(motions, physics, (name,))
+            apart = known.physics.outputs - known.without((name,))
     except PliantError:  # it has no motion, or none in time
         return Effect(name, float("inf"), kept)
     return Effect(name, float(np.abs(apart).max()), kept, apart)
 
 
-def _shapes(motions: Motions, physics: PhysicsMotion, rough: _Rough, lacking: Sequence[str]) -> Effect:
+def _shapes(known: _Known, lacking: Sequence[str]) -> Effect:
     try:
-        apart = _without(motions, physics, lacking) - rough.outputs
+        apart = known.without(lacking) - known.roughly
     except PliantError:
         return Effect(SHAPES, float("inf"), False)
     return Effect(SHAPES, float(np.abs(apart).max()), False, apart)
-
-
-def _without(motions: Motions, physics: PhysicsMotion, names: Sequence[str]) -> np.ndarray:
-    """The outputs (nt, n) of physics without some effects; PliantError where it has no motion."""
-    lacking = physics.physics
-    for name in names:
-        lacking = lacking.without(name)
-    try:
-        return outputs_of(motions, lacking, physics, SHARE)
-    except NotSettled:
-        return _played(motions, lacking)

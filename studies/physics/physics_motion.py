@@ -23,6 +23,7 @@ import numpy as np
 
 from pliant.plants import MassMatrixError, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import index
+from pliant.plants.motions.time_limit import TooLong, time_limit
 from pliant.plants.validity.ranges import in_words, left
 from pliant.plants.validity.rotating_sections import NONE_HOLDS
 from pliant.studies.common.processor_time import processor_time
@@ -46,10 +47,8 @@ SHARE = 0.05  # of an estimated effect: to what it is known
 SLIGHT = 0.02  # of the tolerance: an effect that is estimated to be less is not found truly
 NEARBY = 2  # parts of a control period at which it is, where physics was simulated
 ROUGHLY = 1e-6  # of the motion by which its ranges are judged
-PATIENCE, COME = (
-    10.0,
-    0.1,
-)  # [s] of processor time after which a simulation must have come so far, of 1
+PATIENCE, COME = 10.0, 0.1  # [s] of processor time after which a simulation must have come so far, of 1
+SIMULATED = 60.0  # [s] of processor time that simulations with more and more shapes may take
 LOOSER = 10.0  # .. times that: the motion by which its error in time is told
 
 
@@ -274,24 +273,28 @@ def _patience(motions: Motions, reason: str) -> Callable[[float], None]:
 
 def _simulated(motions: Motions, tolerance: float, reason: str) -> PhysicsMotion:
     """By simulation, shape by shape. PliantError where its first motion would take minutes."""
-    plant = motions.scene.plant
+    with time_limit(SIMULATED):
+        found, shapes, more = _shape_by_shape(motions, tolerance, reason)
+    physics = motions.scene.plant.physics(more)
+    time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
+    known = PhysicsMotion(found, physics, 0.0, time, shapes, f"{physics.label}, simulated: {reason}")
+    return _judged(motions, tolerance, known, motions.run(physics, rtol=ROUGHLY, atol=ROUGHLY / 100))
+
+
+def _shape_by_shape(motions: Motions, tolerance: float, reason: str) -> tuple[Array, float, int]:
+    """(outputs, what the last shape changed, shapes more than physics has), as many as change them, or time allows."""
+    plant, more = motions.scene.plant, 0
     found, shapes = motions.outputs(plant.physics(), RTOL, progress=_patience(motions, reason)), 0.0
-    within = max(KNOWN * tolerance, ROUNDING * _largest(found))
     for more in range(1, MOST_SHAPES + 1):
         if plant.physics(more) == plant.physics(more - 1):
             break
         try:
             richer = motions.outputs(plant.physics(more), RTOL)
-        except MassMatrixError:
+        except (MassMatrixError, TooLong):
             if more == 1:
                 raise  # what its shapes leave out is not known
-            more -= 1
-            break
+            return found, shapes, more - 1
         shapes, found = _largest(richer - found), richer
-        if shapes <= within:
+        if shapes <= max(KNOWN * tolerance, ROUNDING * _largest(found)):
             break
-    physics = plant.physics(more)
-    time = max(_largest(motions.outputs(physics, LOOSER * RTOL) - found), ROUNDING * _largest(found))
-    how = f"{physics.label}, simulated: {reason}"
-    known = PhysicsMotion(found, physics, 0.0, time, shapes, how)
-    return _judged(motions, tolerance, known, motions.run(physics, rtol=ROUGHLY, atol=ROUGHLY / 100))
+    return found, shapes, more

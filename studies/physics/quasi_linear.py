@@ -22,6 +22,7 @@ import numpy as np
 
 from pliant.plants import Plant, PliantError, Trajectory
 from pliant.plants.core.signals import GAUSS
+from pliant.plants.motions.time_limit import check_time
 
 from .block_collocation import BUTCHER, BlockCollocation, HeldModel
 from .fine_model import lacking, masses, outputs, trajectory
@@ -157,7 +158,8 @@ class CorrectedMotion:
         return True
 
     def step(self, anew: bool = True) -> None:
-        """One pass, with the linear model made anew or that of the last."""
+        """One pass, with the linear model made anew or that of the last. TooLong where its time is over."""
+        check_time()
         model = self._linearise() if anew or self._model is None else self._model
         if self._steps is None:
             self._steps = model.over(self.nodes.all[self.nodes.ends])

@@ -70,7 +70,8 @@ def stability(found: Findings) -> str:
     if rows:
         text += table(("what", "answer"), rows)
     if told is not None and told.horizon is not None:
-        pushed = f"How far {', '.join(told.horizon.limits)} push, of unit energy and within limits: bounds."
+        pushing = ", ".join(told.horizon.limits) + (" pushes" if len(told.horizon.limits) == 1 else " push")
+        pushed = f"How far {pushing}, of unit energy and within limits: bounds."
         columns = ("output", "unit energy", "attained", told.horizon.limits_said, "attained", "at")
         text += paragraph(pushed) + table(columns, told.horizon.rows())
     if told is not None:
@@ -120,7 +121,11 @@ def loops(found: Findings) -> str:
     told = driven_to_goal(scene)
     units = " or ".join(dict.fromkeys(s.unit for s in scene.signals if s.name in told))
     head = ("run on", "states", "cost", f"end error [{units}]", "at a limit", "about the goal", "least damped mode")
-    return text + table(head, rows)
+    text += table(head, rows)
+    for loop in found.loops:
+        if loop.failure and loop.stable is not None:
+            text += paragraph(f"No run on {loop.name}. {loop.failure}.", "warning")
+    return text
 
 
 def controllers(found: Findings) -> str:
@@ -147,12 +152,10 @@ def controllers(found: Findings) -> str:
     head = ["on", "controller", "cost", f"end error [{units}]", peak, "at a limit", "predicted violations"]
     keep = [i for i in range(len(head)) if i != PEAK or bent]
     rows = [_row(c) for c in contests]
-    failed = any(c.failure for c in contests)
-    if failed:
-        head.append("failure")
-        keep.append(len(head) - 1)
-    picked = [[(*row, c.failure)[i] for i in keep] for row, c in zip(rows, contests, strict=True)]
-    text += table([head[i] for i in keep], picked)
+    text += table([head[i] for i in keep], [[row[i] for i in keep] for row in rows])
+    for c in contests:
+        if c.failure:
+            text += paragraph(f"{c.controller} on {c.plant}: {c.failure.removesuffix('.')}.", "warning")
     text += paragraph(
         "At a limit: share of the control periods with an input at its limit. Predicted violations: acts of the MPC "
         "whose plan exceeds a bound of the scene, which it may at a price, by its own record. Lines that coincide hide "

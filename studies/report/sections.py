@@ -67,7 +67,7 @@ def _motion(found: Findings) -> str:
     if beyond := largest_beyond(scene, found.open_loop.t, found.open_loop.u):
         text += paragraph(f"They are beyond the limits, which controllers keep: {beyond}.", "warning")
     motions = [("Open loop", found.nominal)]
-    motions += [(loop.name, loop.motion) for loop in found.loops if loop.motion is not None]
+    motions += [(f"LQR on {loop.name}", loop.motion) for loop in found.loops if loop.motion is not None]
     for name, motion in motions:
         for entry in motion.stats.get("validity", ()):
             text += paragraph(f"{name}, the motion leaves the range of its kinematics: {in_words(entry)}.", "warning")

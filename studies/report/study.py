@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypeVar
+
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import LTVModel, Plant, PliantError, Trajectory
 from pliant.plants.core.signals import Signal, names
+from pliant.plants.motions.tabulated_inputs import tabulated
+from pliant.plants.motions.time_limit import TooLong, time_limit
 from pliant.studies.charts.measure import chart
 from pliant.studies.closed_loop.closed_loop import closed_loop, dearer
 from pliant.studies.closed_loop.comparison import Contest, compare
@@ -21,11 +26,16 @@ from .findings import Findings
 
 CHART_BUDGET = 8.0  # [s] beside the reference, less on a machine so slow or busy that the whole would take long
 WHOLE = 40.0  # [s] of processor time that a report should take at most
-CHOOSING = 30.0  # [s] that physics of closed loops may take, as long as that of the open loop took each
 AFTER = 0.4  # what comes after the chart, as a share of what comes before it
+LIMIT = 45.0  # [s] of processor time at which what is still sought is given up; a budget that is given comes to it
+LEAST = {"physics": 20.0, "chart": 6.0, "choice": 5.0}  # [s] that a part has at least; others a second
+# Of the time that is left when they begin; of others all
+SHARES = {"nominal": 0.3, "law": 0.25, "contests": 0.25, "physics": 0.8, "closed loops": 0.4, "chart": 0.8}
+CHOOSING = 30.0  # [s] that physics of closed loops may take, expected to be as long as that of the open loop took each
 RTOL = 1e-9
 FINER, NODES = 10, 4_000  # times a control period, and in all, of the motion that is linearised along
 PERTURBATIONS = (0.03, 0.003)  # of a coordinate [its unit], to test the LTV model
+T = TypeVar("T")
 FELT = 1e-6  # change of a compared output per unit of a coordinate above which it feels it
 
 
@@ -33,7 +43,11 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     """Simulate, linearise, judge, close the loop, compare, chart and choose; what fails is told, the rest is found."""
     told, motions, began = progress or silent, Motions(scene), processor_time()
     found = Findings(scene)
-    find = found.find
+    until = began + LIMIT
+
+    def find(name: str, part: Callable[[], Any]) -> None:
+        found.find(name, in_its_time(name, part, until))
+
     told(0.0, "open loop")
     find("nominal", lambda: _nominal(scene))
     find("open_loop", lambda: _every(found.nominal, _finer(scene), scene.plant))
@@ -47,7 +61,8 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     found.frequencies = tuple((label, value) for label, value in every if not isinstance(value, str))
     found.unheld = tuple((label, value) for label, value in every if isinstance(value, str))
     found.law, found.no_law, found.loops = None, "", ()
-    designed = found.attempt("law", lambda: closed_loop(scene, progress=share(progress, 0.15, 0.22)))
+    looped = share(progress, 0.15, 0.22)
+    designed = found.attempt("law", in_its_time("law", lambda: closed_loop(scene, progress=looped), until))
     if designed is None:
         found.no_law = found.lost.pop("law")
     else:
@@ -58,22 +73,25 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     find("contests", lambda: compare(scene, found.law, found.loops, progress=against) if scene.plant.nu else ())
     told(0.35, "reference")  # before the chart, whose budget is for what it measures
     before = processor_time()
-    truth = found.attempt("physics", lambda: physics_motion(motions, scene.tolerance))
+    truth = found.attempt("physics", in_its_time("physics", lambda: physics_motion(motions, scene.tolerance), until))
     of_physics = processor_time() - before
     if budget is None:
         spent = processor_time() - began
         budget = min(CHART_BUDGET, max(0.5 * CHART_BUDGET, WHOLE - (1 + AFTER) * spent))
+    else:
+        until += budget
     seconds = budget
-    measuring = share(progress, 0.4, 0.85)
-    find("chart", lambda: chart(scene, budget=seconds, motions=motions, progress=measuring))
     contests: tuple[Contest, ...] = () if "contests" in found.lost else found.contests
     whole = [c for c in contests if c.plant == scene.plant.label and _whole(scene, c.motion)]
     affordable = int(CHOOSING / of_physics)
     found.unasked = tuple(c.controller for c in whole[affordable:])
-    played = [motions, *(c.motion for c in whole[:affordable])]
+    closed, late = _closed_loops(scene, whole[:affordable], SHARES["closed loops"] * (until - processor_time()))
+    found.unasked = (*late, *found.unasked)
+    measuring = share(progress, 0.4, 0.85)
+    find("chart", lambda: chart(scene, budget=seconds, motions=motions, progress=measuring))
     measured = None if "chart" in found.lost else found.chart
     choosing = share(progress, 0.85, 1.0)
-    find("choice", lambda: choose(scene, measured=measured, motions=played, progress=choosing))
+    find("choice", lambda: choose(scene, measured=measured, motions=[motions, *closed], progress=choosing))
     if measured is not None and "choice" not in found.lost:
         found.chart = measured.holding(found.choice.integrator)
     if truth is None:
@@ -81,6 +99,34 @@ def study(scene: Scene, *, progress: Progress | None = None, budget: float | Non
     else:
         find("scene_error", lambda: motions.difference(scene.plant, truth.outputs))
     return found
+
+
+def _closed_loops(scene: Scene, contests: list[Contest], seconds: float) -> tuple[list[Motions], list[str]]:
+    """The motions of controllers of which physics is had in so many seconds, and whose it is not."""
+    had, late, until = list[Motions](), list[str](), processor_time() + seconds
+    for contest in contests:
+        assert contest.motion is not None
+        motions = Motions.with_inputs_of(scene, contest.motion, f"motion of {contest.controller}")
+        try:
+            with time_limit(until - processor_time()):
+                physics_motion(motions, scene.tolerance)
+        except TooLong:
+            late.append(contest.controller)
+            continue
+        except PliantError:  # the choice tells it
+            pass
+        had.append(motions)
+    return had, late
+
+
+def in_its_time(name: str, part: Callable[[], T], until: float) -> Callable[[], T]:
+    """The same part, given up where it takes more than its share of the time until `until` [s of processor time]."""
+
+    def limited() -> T:
+        with time_limit(max(LEAST.get(name, 1.0), SHARES.get(name, 1.0) * (until - processor_time()))):
+            return part()
+
+    return limited
 
 
 def _whole(scene: Scene, motion: Trajectory | None) -> bool:
@@ -92,7 +138,7 @@ def _nominal(scene: Scene) -> Trajectory:
     """The open-loop motion at several times a control period: its modes must be followed."""
     k = _finer(scene)
     t = scene.dt / k * np.arange(k * scene.steps + 1)
-    return scene.plant.simulate(scene.initial[0], scene.nominal_input, t, rtol=RTOL, atol=RTOL / 100)
+    return scene.plant.simulate(scene.initial[0], tabulated(scene.nominal_input), t, rtol=RTOL, atol=RTOL / 100)
 
 
 def _finer(scene: Scene) -> int:
@@ -134,6 +180,7 @@ def _ltv_errors(
 ) -> tuple[tuple[float, float, float], ...]:
     """Start off the nominal by each perturbation; largest error and size of the predicted compared outputs."""
     picks, rows, coordinate = _picks(scene), [], names(model.states).index(moved_from.name)
+    inputs = tabulated(scene.nominal_input)
     for size in PERTURBATIONS:
         dx0, x0 = np.zeros(len(model.states)), nominal.x[0].copy()
         dx0[coordinate] = size
@@ -141,7 +188,7 @@ def _ltv_errors(
         _, dy = model.simulate(dx0)
         predicted = float(np.abs(dy[:, picks]).max())
         try:
-            moved = scene.plant.simulate(x0, scene.nominal_input, nominal.t, rtol=RTOL, atol=RTOL / 100)
+            moved = scene.plant.simulate(x0, inputs, nominal.t, rtol=RTOL, atol=RTOL / 100)
         except PliantError:
             rows.append((size, float("nan"), predicted))
             continue

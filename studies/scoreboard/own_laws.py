@@ -19,6 +19,13 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
 from pliant.plants.core.argument_gates import require_text, shown
 
+PROTOCOL = {  # of every controller
+    "dt": "dt [s]",
+    "reads": "reads, names of states or outputs",
+    "reset": "reset()",
+    "act": "act(t, y)",
+}
+
 
 @dataclass(frozen=True)
 class OwnLaw:
@@ -55,7 +62,12 @@ class OwnLaw:
         except Exception as error:  # whatever the user's file raises
             raise PliantError(f"{self.name} of {Path(self.path).name}: {type(error).__name__}: {error}") from error
         if not isinstance(made, Controller) or isinstance(made, type):
-            raise PliantError(f"{self.name} of {Path(self.path).name} gave {shown(made)}, must be a controller")
+            lacks = [name for name in PROTOCOL if isinstance(made, type) or not hasattr(made, name)]
+            told = f"an object of {type(made).__name__}" if lacks != list(PROTOCOL) else shown(made)
+            raise PliantError(
+                f"{self.name} of {Path(self.path).name} gave {told}, must be a controller: it lacks "
+                f"{', '.join(PROTOCOL[name] for name in lacks)}"
+            )
         return made
 
     def _maker(self) -> Any:

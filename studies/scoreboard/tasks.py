@@ -12,9 +12,10 @@ import numpy as np
 from pliant.controllers import Controller
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import PliantError
+from pliant.plants.motions.time_limit import time_limit
 from pliant.studies.closed_loop.closed_loop import driven_to_goal
 from pliant.studies.closed_loop.contestants import Designed, Maker, designed
-from pliant.studies.closed_loop.evaluation_scene import accurate, finer, play, require_signals
+from pliant.studies.closed_loop.evaluation_scene import accurate, finer_plant, play, require_signals
 from pliant.studies.closed_loop.optimal_bound import bound
 from pliant.studies.closed_loop.rollout import Conditions, nominal, randomised, rollout
 from pliant.studies.closed_loop.scores import deflections, score
@@ -30,6 +31,7 @@ CHUNK = 16  # runs that one worker plays before it tells
 LARGEST = 30_000  # states over all periods of a run whose bound is sought
 LONG = (Designed("NMPC"), Designed("TVLQR"))  # what is not played on such runs: their designs take minutes
 PLAYED = 1e-7  # rtol of a motion whose error from physics is told
+TOLD = 60.0  # [s] of processor time that telling it may take
 PLAYING = threading.Lock()
 DELAY = 1  # [control periods] of the late cases
 
@@ -40,7 +42,7 @@ def played_scene(scene: Scene, case: str) -> tuple[Scene, float, str]:
     plant, remark = scene.plant, ""
     if case != "exact":
         try:
-            plant = finer(scene.plant)
+            plant, remark = finer_plant(scene)
         except ValueError as error:
             remark = str(error)
     return *accurate(play(scene, plant)), remark
@@ -178,8 +180,9 @@ def _from_physics(scene: Scene, played: Scene) -> tuple[float | None, float | No
         if len(u) == played.steps:
             motions, remark = Motions(played, np.vstack([u, u[-1:]])), "on what the LQR plays"
     try:
-        physics = physics_motion(motions, played.tolerance)
-        apart = float(np.abs(motions.outputs(played.plant, PLAYED) - physics.outputs).max())
+        with time_limit(TOLD):
+            physics = physics_motion(motions, played.tolerance)
+            apart = float(np.abs(motions.outputs(played.plant, PLAYED) - physics.outputs).max())
     except PliantError as failure:
         return None, None, f"{type(failure).__name__}: {str(failure).splitlines()[0]}"
     return apart, physics.uncertainty, remark

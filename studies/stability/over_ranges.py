@@ -8,6 +8,8 @@ from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_instance
 from pliant.plants.core.errors import PliantError
 
+from .own_rests import own_rests
+
 RESTS = "(The linear loop from sample to sample, its matrix taken between sampled corners.)"
 MOST_STATES = 16  # of a plant whose loop is looked at: a larger one takes more than the second that this may take
 
@@ -32,11 +34,19 @@ def over_ranges(scene: Scene) -> str:
         value = parameters.get(scene.plant, path)
         box[path] = (min(low * value, high * value), max(low * value, high * value))
     try:
-        shown = stands(scene.plant, LQR.for_scene(scene), box, dict(scene.goal))
+        law = LQR.for_scene(scene)
+        shown = stands(scene.plant, law, box, dict(scene.goal))
+        found = own_rests(scene.plant, law, box, scene.target)
+        beyond = own_rests(scene.plant, law, box, scene.target, shown) if shown > 1 else found
     except (PliantError, ValueError):  # no rest, no linear law, or one that reads what the model does not tell
         return ""
     named = ", ".join(f"{path} {low:g} to {high:g} times its own" for path, low, high in ranges)
+    if found.worst:
+        return f"LQR about the goal is not stable for all {named}: {found.worst}."
     if shown >= 1:
-        return f"LQR about the goal is stable for all {named}; margin: {shown:g} times these ranges. {RESTS}"
+        margin = f"margin: {shown:g} times these ranges"
+        if found.moved:
+            margin += f", but {beyond.worst}" if beyond.worst else "; at the ends the loop's own rests are stable too"
+        return f"LQR about the goal is stable for all {named}; {margin}. {RESTS}"
     told = f"stability is shown for {shown:g} of these ranges" if shown else "stability is shown for no part of them"
     return f"LQR about the goal is not shown to be stable for all {named}: {told}."

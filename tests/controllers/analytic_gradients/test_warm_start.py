@@ -27,6 +27,14 @@ def test_the_network_does_what_the_law_does() -> None:
     assert cost[0] == pytest.approx(3.511, rel=2e-3)  # LQR's, docs/scoreboard
 
 
+def test_a_law_that_is_cut_off_for_much_of_the_motion() -> None:
+    """Spin-up: LQR asks for its limit from the start on. It costs 105.4 (docs/scoreboard)."""
+    scene = scenes.get("spin-up")
+    rollouts, theta, episodes = start(scene, law_of(scene))
+    cost, _ = rollouts.cost(theta, episodes)
+    assert cost[0] < 1.05 * 105.4
+
+
 def test_without_a_law_it_holds_the_goals_input() -> None:
     scene = dataclasses.replace(scenes.get("two-link-reach"), duration=0.1, move_time=0.1)
     rollouts, theta, episodes = start(scene, None)

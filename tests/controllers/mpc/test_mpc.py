@@ -111,3 +111,39 @@ def test_a_plant_that_grows_a_million_times_over_the_horizon_is_pushed_back_with
     np.testing.assert_allclose(move, -np.sign(B), atol=1e-6)
     np.testing.assert_allclose(law.plan.inputs(), np.tile(-np.sign(B), (9, 1)), atol=1e-5)
     assert law.record.failures == 0
+
+
+@pytest.mark.parametrize("delay", [1, 1.5, (0, 1)], ids=str)
+def test_without_active_limits_a_late_mpc_is_the_late_lqr(delay):
+    """Input for input over a motion in which none of them saturates, whole and part periods and a range."""
+    scene = scenes.get("single-link-slew")
+    laws = [kind.for_scene(scene, delay=delay) for kind in (MPC, LQR)]
+    rng = np.random.default_rng(2)
+    for k in range(12):
+        x = scene.target[0] + 1e-3 * rng.normal(size=6)
+        first, second = (law.act(k * scene.dt, x) for law in laws)
+        np.testing.assert_allclose(first, second, rtol=1e-8, atol=1e-9)
+    assert laws[0].record.limited == 0
+
+
+def test_a_late_mpc_keeps_its_limits_and_goes_on_as_its_copy():
+    scene = scenes.get("single-link-slew")
+    law = MPC.for_scene(scene, delay=1.5)
+    u = [law.act(0.0, scene.initial[0])]
+    again = copy.deepcopy(law)
+    for k in range(1, 6):
+        u.append(law.act(k * scene.dt, scene.initial[0]))
+        np.testing.assert_array_equal(again.act(k * scene.dt, scene.initial[0]), u[-1])
+    assert np.abs(u).max() == pytest.approx(scene.limits[0]) and law.record.failures == 0
+    law.reset()
+    np.testing.assert_array_equal(law.act(0.0, scene.initial[0]), u[0])
+
+
+def test_a_delay_needs_a_continuous_model_and_no_target():
+    model = scenes.get("single-link-slew").plant.linearize(*scenes.get("single-link-slew").target)
+    Q, R = {"hub_angle": 1.0}, {"hub_torque": 1.0}
+    for extra in ({"track": ("hub_angle",)}, {"P": np.eye(6)}):
+        with pytest.raises(ValueError, match=r"MPC\.delay"):
+            MPC.design(model, Q, R, dt=0.02, delay=1, **extra)
+    with pytest.raises(ValueError, match=r"MPC\.before"):
+        MPC.design(model, Q, R, dt=0.02, delay=1, before=[0.0, 1.0])

@@ -10,6 +10,7 @@ import pytest
 import scipy.linalg as sla
 
 from pliant.controllers import NMPC, Controller, Objective, optimal
+from pliant.controllers.linear_quadratic.state_ahead import StateAhead
 from pliant.controllers.solvers.soft_qp import SoftProgram
 from pliant.envs import scenes
 from pliant.plants import PliantError, TwoLinkArm
@@ -252,3 +253,17 @@ def test_long_horizons_give_the_inputs_of_short_ones_to_rounding(monkeypatch) ->
         u = want.act(k * REACH.dt, x)
         np.testing.assert_allclose(found.act(k * REACH.dt, x), u, atol=1e-7 * max(REACH.limits))
     assert found.record.limited == want.record.limited
+
+
+def test_a_delay_is_met_by_planning_from_the_state_ahead():
+    """The input is that of an NMPC without delay at the state that the plant will be in, plan for plan."""
+    late, plain = NMPC.for_scene(SLEW, delay=1.5), NMPC.for_scene(SLEW)
+    x, held = SLEW.initial[0], np.clip(SLEW.initial[1], -SLEW.limits[0], SLEW.limits[0])
+    ahead = StateAhead(SLEW.plant, SLEW.dt, 1.5, late.substeps, held)
+    for k in range(4):
+        u = late.act(k * SLEW.dt, x)
+        np.testing.assert_allclose(u, plain.act((k + 1.5) * SLEW.dt, ahead(x)), rtol=1e-12, atol=1e-12)
+        ahead.remember(u)
+        x = SLEW.plant.stepper(SLEW.dt, substeps=10)(x[None], ahead.first)[0]
+    with pytest.raises(ValueError, match=r"NMPC\.delay"):
+        NMPC.for_scene(SLEW, delay=-0.5)

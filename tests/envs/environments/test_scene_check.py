@@ -5,12 +5,15 @@ import re
 
 import numpy as np
 import pytest
+from hoist import Hoist
 from users_plants import LIFT
 
 from pliant.envs import scenes
 from pliant.envs.environments.scene_check import check_scene
+from pliant.envs.scenes.scene import Scene
 from pliant.plants import NominalWarning
 from pliant.plants.contract.check import ContractError
+from pliant.plants.native import kernel_loader
 
 
 def test_a_sound_scene_is_told_what_was_found():
@@ -66,3 +69,29 @@ def test_a_scene_without_observations_has_no_environment():
     assert (
         dict(check_scene(dataclasses.replace(LIFT, observe=())).found)["environment"] == "none: observe names nothing"
     )
+
+
+def test_a_machine_that_is_never_at_zero_plays_its_scene_in_compiled_code():
+    """Kernels are compared where it can be; a state that the start leaves open is as at home; no weights are needed."""
+    scene = Scene(
+        name="hoist",
+        about="",
+        plant=Hoist(),
+        start=(("sway", 0.0),),
+        goal=(("sway", 0.0), ("rope", 3.0)),
+        duration=1.0,
+        limits=(30.0, 5.0),
+        observe=("rope", "sway"),
+        compare=("load_y",),
+    )
+    assert scene.initial[0][0] == 4.0
+    found = dict(check_scene(scene).found)
+    assert found["environment"] == "2 observations, one step runs"
+    priced = dataclasses.replace(scene, effort=(("pull", 1.0),))
+    for played, cost in ((scene, 0.0), (priced, 0.02 * (30.0 - 9.81) ** 2)):
+        env = played.vector_env(2, terms=True)
+        assert env.native or not kernel_loader.wanted()
+        env.reset(seed=0)
+        _, rewards, _, _, infos = env.step(np.array([[-1.0, 0.0]] * 2))  # 30 N where the rest at the goal takes 9.81
+        assert rewards == pytest.approx(-cost)
+        assert sum(value for name, value in infos["reward_terms"].items() if name[0] != "_") == pytest.approx(-cost)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.plants import EquilibriumError
+from pliant.plants import EquilibriumError, FlexibleTree, Frame, Joint, TreeBody
 
 
 def test_hangs_down(pendulum):
@@ -37,3 +37,15 @@ def test_frequencies(pendulum):
 def test_none(pendulum):
     with pytest.raises(EquilibriumError):
         pendulum.equilibrium(ball_quaternion_0=1.0, ball_quaternion_1=1.0)
+
+
+def test_a_load_on_a_ball_is_below_or_above_it_however_the_ball_stands():
+    """Its centre is level with the ball where nothing is turned: a quarter turn away it hangs, or stands."""
+    mast = TreeBody(name="mast", joint=Joint(name="cart", kind="prismatic", axis=(1, 0, 0)), mass=2.0, inertia=0.1)
+    ball = Joint(name="ball", kind="spherical", rotation=(0.0, -np.pi / 2, 0.0), drive="none")
+    load = TreeBody(name="load", joint=ball, mass=0.4, centre=(0.0, 0.0, 0.3), inertia=0.01)
+    tree = FlexibleTree.serial([mast, load], frames=(Frame(name="eye", body="load", position=(0.0, 0.0, 0.3)),))
+    x0, u0 = tree.equilibrium()
+    at = [s.name for s in tree.outputs].index("eye_x")
+    assert abs(tree.measure(x0, u0)[at]) < 1e-6 and abs(tree.measure(x0, u0)[at + 2]) == pytest.approx(0.3)
+    assert np.abs(tree.dynamics(x0, u0)).max() < 1e-8

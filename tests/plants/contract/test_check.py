@@ -4,11 +4,13 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 import pytest
+from hoist import Hoist
 
 from pliant.envs import scenes
 from pliant.plants import ElasticJoint, FlexibleTree, Joint, LagrangianPlant, Payload, Plant, Signal, TreeBody, check
 from pliant.plants.contract import equations
 from pliant.plants.contract.check import ContractError
+from pliant.plants.dynamics.equilibrium import with_joints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,3 +199,20 @@ def test_plain_dynamics_in_any_order_of_states():
     assert cart.ladder() == (cart,) and dict(check(cart).found)["energy"] == "energy does not grow without an input"
     with pytest.raises(ContractError, match=r"energy grows by .* without an input"):
         check(Spring(gain=0.5))
+
+
+def test_a_machine_that_is_never_at_zero_says_where_it_is():
+    with pytest.raises(ContractError, match=r"not positive definite.*let `rest_state` give a state that it can have"):
+        check(Hoist(at_home=False))
+    assert "finite at rest" in str(check(Hoist()))
+    points = equations.points(Hoist(), 64, 0)
+    assert max(abs(point["x"][0] - 4.0) for point in points) <= 0.5  # an eighth of it
+    x, u = Hoist().equilibrium(with_joints(Hoist(), {"sway": 0.0}))
+    assert np.allclose(x, [4, 0, 0, 0]) and np.allclose(u, [-9.81, 0])  # the rope as it is at home
+
+
+@pytest.mark.parametrize("rest", [np.zeros(3), [0.0, np.nan, 0.0, 0.0], "there"])
+def test_a_rest_that_is_no_state_is_told(monkeypatch, rest):
+    monkeypatch.setattr(Hoist, "rest_state", rest)
+    with pytest.raises(ContractError, match=r"rest_state is .* must be an array \(4,\) of finite numbers"):
+        check(Hoist())

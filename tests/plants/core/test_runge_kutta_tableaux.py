@@ -1,12 +1,15 @@
 """Order conditions of the tableaux (Hairer, Norsett, Wanner I, Table II.2.2 and the quadrature conditions)."""
 
+import subprocess
+import sys
 from math import factorial
 
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.integrate import DOP853
 
-from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
+from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, dop853_errors, rk8
 
 ORDERS = {"rk4": 4, "rk8": 8}
 
@@ -46,3 +49,25 @@ def test_a_step_takes_time_input_and_parameters_where_they_belong(name):
     step = tableau.step("step", ca.Function("f", [t, x, u, w, p], [p * t**3 + u + w]))
     after = step(0.0, 1.0, np.full((1, len(tableau.b)), 3.0), 0.5, 2.0, 0.4)
     assert float(after) == pytest.approx(1.0 + 2.0 * 0.4**4 / 4 + 3.5 * 0.4, rel=1e-14)
+
+
+def test_the_pair_is_scipys_to_the_last_bit():
+    tableau, (fifth, third) = rk8(), dop853_errors()
+    for ours, theirs in (
+        (tableau.A, DOP853.A[:12, :12]),
+        (tableau.b, DOP853.B),
+        (tableau.c, DOP853.C[:12]),
+        (fifth, DOP853.E5[:12]),
+        (third, DOP853.E3[:12]),
+    ):
+        np.testing.assert_array_equal(ours, theirs)
+    assert DOP853.E5[12] == DOP853.E3[12] == 0.0  # the slope after the step has no part in them
+
+
+def test_integration_needs_no_scipy():
+    """It takes 0.3 s to import."""
+    program = (
+        "import sys; from pliant.plants import SingleLinkArm; arm = SingleLinkArm.textbook();"
+        "arm.simulate([0.0] * arm.nx, [0.1], [0.0, 0.1]); assert 'scipy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

@@ -83,3 +83,19 @@ def test_sizes_at_the_ends_of_numbers():
     for size in (1e-80, 1e80):
         found = finite_horizon(constant([[-1.0]], [[size]], [[1.0]], 3.0)).l2
         assert found.lower / size == pytest.approx(finite_horizon(constant([[-1.0]], [[1.0]], [[1.0]], 3.0)).l2.lower)
+
+
+@pytest.mark.parametrize("damping", (0.0, 0.003))
+def test_the_upper_bound_is_shown_for_modes_that_hardly_decay(damping):
+    """Three modes whose stiffness varies, seen by all: the Riccati matrix has parts far below the error of its step."""
+    t, rng = np.linspace(0.0, 5.0, 301), np.random.default_rng(25)
+    A = np.zeros((301, 6, 6))
+    for k, omega in ((0, 8.0), (2, 13.0), (4, 17.0)):
+        now = omega * (1 + 0.2 * np.sin(0.6 * t + k))
+        A[:, k, k + 1], A[:, k + 1, k], A[:, k + 1, k + 1] = 1.0, -(now**2), -2 * damping * now
+    E, C = (np.broadcast_to(rng.normal(size=shape), (301, *shape)) for shape in ((6, 2), (2, 6)))
+    model = made(t, A, E, C, np.zeros((301, 2, 2)))
+    found = finite_horizon(model).l2
+    assert 0 < found.gap < 0.01
+    on = Stretches(model, model.E, model.C, model.F)
+    assert not bounds(on, 0.999 * found.lower) and bounds(on, 1.002 * found.lower)

@@ -192,6 +192,14 @@ TREES = {
         lambda: Frame(name="f", body="a", position=(0, np.nan, 0)),
         r"Frame\.position\[1\] = nan must be a",
     ),
+    "node of a rigid body": (
+        lambda: tree(body(), body("b", joint=Joint(name="jb", node="tip"))),
+        r"Joint\.node = 'tip' of joint 'jb' must be '' where body 'a' has no modal data",
+    ),
+    "node of a beam": (
+        lambda: tree(body(beam=STRIP), frames=(Frame(name="f", body="a", node="tip"),)),
+        r"Frame\.node = 'tip' of frame 'f' must be '' where body 'a' has no modal",
+    ),
     "tip": (lambda: tree(tip="hand"), r"FlexibleTree\.tip = 'hand' must be a body or a frame: a, b, base, tip"),
     "load": (lambda: tree(loads=("hand",)), r"FlexibleTree\.loads\[0\] = 'hand' must be one of tip"),
     "load twice": (lambda: tree(loads=("tip", "tip")), r"FlexibleTree\.loads = \('tip', 'tip'\) must be distinct"),

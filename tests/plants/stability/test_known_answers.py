@@ -3,8 +3,13 @@
 import runpy
 import sys
 
+import numpy as np
 import pytest
+import unseen
 import verdicts
+from unseen_systems import long_chain, many_states
+
+from pliant.plants.stability import assess
 
 SEEDS = range(100_000, 100_060)
 
@@ -28,3 +33,17 @@ def test_it_goes_on_where_it_was_stopped(tmp_path, monkeypatch, capsys):
         f'{{"seed": {100_000 + k}' for k in range(4)
     ]
     assert "4 systems: 0 wrong verdicts, 0 errors too small" in capsys.readouterr().out
+
+
+def test_none_is_misled():
+    """A sample of tests/campaigns/unseen.py: two of each kind, the large ones aside."""
+    rows = [unseen.run(seed) for seed in range(200, 234) if unseen.KINDS[seed % len(unseen.KINDS)] is not many_states]
+    assert not [row for row in rows if row["faults"]]
+    assert sum(row["verdict"] == "undecided" for row in rows) <= 0.15 * len(rows)
+
+
+@pytest.mark.parametrize("seed", (1, 5, 7))
+def test_a_high_power_of_time_is_no_exponential(seed):
+    """Six to eight integrators in a row, in other axes than the states, grow 50,000-fold and more."""
+    told = assess(long_chain(np.random.default_rng(seed)).model, periodic=False)
+    assert told.verdict != "unstable" and not told.evidence["growth"].compounds

@@ -5,6 +5,8 @@ import dataclasses
 import pytest
 
 from pliant.envs import scenes
+from pliant.plants.motions.time_limit import time_limit
+from pliant.studies.charts import runner as room
 from pliant.studies.charts.plan import simulated
 from pliant.studies.charts.runner import Runner
 from pliant.studies.common.processor_time import processor_time
@@ -65,3 +67,16 @@ def test_a_slow_or_dominated_setting_is_not_run(runner):
     runner.take(BENT, Row(BENT.label, BENT.nx, "dop853", None, 1e-3, seconds=1e-9, error=0.0, step_error=0.0, runs=1))
     why = runner.measure(BENT, finer, soon()).failure
     assert why == f"not run: dominated by {BENT.label}, dop853, rtol 1e-03"
+
+
+def test_a_setting_that_takes_longer_than_there_is_time_is_given_up(runner, monkeypatch):
+    """Here at once: no time is left and a run of no length is slow."""
+    deadline, now = soon(), iter([0.0, 0.0, 1e6, 1e6])
+    monkeypatch.setattr(room, "SLOW", 0.0)
+    monkeypatch.setattr(room, "processor_time", lambda: next(now) + deadline)
+    found = runner.measure(BENT, coarse(BENT, "midpoint"), deadline)
+    assert found.failure.startswith("too slow: given up after 1e+06 s") and found.reason == "too slow"
+    monkeypatch.undo()
+    with time_limit(-1.0):  # of what asks for the chart
+        assert runner.measure(BENT, coarse(BENT, "dop853"), soon()).failure == SPENT
+    assert runner.measure(BENT, coarse(BENT, "dop853"), soon()).failure is None

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.controllers import LQR, MPC, PeriodicLQR, Policy
+from pliant.controllers import LQR, MPC, Led, MultiModelLQR, PeriodicLQR, Policy
 from pliant.envs import scenes
 from pliant.plants import PliantError
-from pliant.studies.closed_loop.contestants import CONTESTANTS, MARGIN, designed, playable
+from pliant.studies.closed_loop.contestants import CONTESTANTS, MARGIN, OfSeed, designed, playable
 
 SLEW = scenes.get("single-link-slew")
 
@@ -49,6 +49,18 @@ def test_a_goal_that_is_a_cycle_has_its_regulator():
     assert isinstance(designed(cycle, CONTESTANTS["LQR, delay known"]).law, PeriodicLQR)
     off = dataclasses.replace(cycle, dt=0.0123)
     assert "no equilibrium" in designed(off, CONTESTANTS["LQR"])
+
+
+def test_a_narrow_bound_on_bending_is_kept_by_a_law_that_is_led():
+    gentle = scenes.get("single-link-slew-gentle")
+    assert isinstance(designed(gentle, CONTESTANTS["multi-model LQR"]), Led)
+    assert isinstance(designed(SLEW, CONTESTANTS["multi-model LQR"]), MultiModelLQR)
+
+
+def test_the_policy_of_a_seed_is_found_by_its_folder(tmp_path):
+    Policy.for_scene("single-link-slew").save(tmp_path / "single-link-slew-3" / "policy")
+    assert isinstance(designed(SLEW, OfSeed(str(tmp_path), 3)), Policy)
+    assert designed(SLEW, OfSeed(str(tmp_path), 4)).endswith("no policy of seed 4 was trained on single-link-slew")
 
 
 @pytest.mark.parametrize("name", ["TVLQR", "MPC", "NMPC", "LQG"])

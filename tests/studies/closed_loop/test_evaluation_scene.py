@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
+from pliant.plants import MassMatrixError
 from pliant.plants.integration.step_maps import step_limit
+from pliant.studies.closed_loop.closed_loop import regulator, run
 from pliant.studies.closed_loop.evaluation_scene import (
     accurate,
     differing_states,
     finer,
+    finer_plant,
     play,
     require_signals,
     signal_ranges,
@@ -50,6 +53,20 @@ def test_every_family_of_a_tree_gets_one_more_shape_and_the_lower_ones_stay(name
     assert {s.name for s in design.plant.states} < {s.name for s in played.plant.states}
     assert played.plant.nx > design.plant.nx
     assert differing_states(design, played) == ()
+
+
+def test_a_tree_that_bends_further_than_shortening_bears_has_exact_rotations():
+    """LQR moves the three links as on the design plant only where they have exact rotations, not with shortening."""
+    design = scenes.get("three-link-flexible")
+    plant, remark = finer_plant(design)
+    assert plant.kinematics == "strain" and remark and plant.nx == finer(design.plant).nx
+    law, cost = regulator(design), design.cost(run(design, regulator(design)))
+    played = design.with_plant(plant)
+    assert played.cost(run(played, law)) == pytest.approx(cost, rel=0.02)
+    with pytest.raises(MassMatrixError):
+        run(design.with_plant(finer(design.plant)), law)
+    crane = scenes.get("crane-swing")
+    assert finer_plant(crane) == (finer(crane.plant), "")
 
 
 def test_a_tree_without_beams_is_the_finest_that_there_is():

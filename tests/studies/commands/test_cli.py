@@ -1,12 +1,14 @@
 import importlib
 import json
 import os
+import re
 import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from pliant.studies.commands.cli import COMMANDS, EXAMPLES, app
@@ -128,3 +130,13 @@ def test_the_version_needs_no_plant():
         "sys.exit(any(m.startswith(('pliant.plants.dynamics', 'pliant.envs', 'scipy')) for m in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_no_unit_is_taken_for_markup():
+    """In a help text "[s]" is not printed: rich strikes what follows."""
+    group = typer.main.get_command(app)
+    context = group.make_context("pliant", ["scenes"], resilient_parsing=True)
+    for name in group.list_commands(context):
+        for parameter in group.get_command(context, name).params:
+            told = getattr(parameter, "help", None) or ""
+            assert not re.search(r"(?<!\\)\[[a-z/^ ]{1,6}\]", told), (name, parameter.name)

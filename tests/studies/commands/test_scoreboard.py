@@ -25,3 +25,8 @@ def test_command(tmp_path):
     assert done.exit_code == 2 and "scoreboard.scenes = 'nowhere' must be one of" in done.stderr
     done = CliRunner().invoke(app, ["scoreboard", "--controllers", "magic"])
     assert done.exit_code == 2 and "scoreboard.controllers = 'magic' must be one of" in done.stderr
+
+
+def test_a_folder_without_policies_is_told(tmp_path):
+    done = CliRunner().invoke(app, ["scoreboard", "single-link-slew", "--policies", str(tmp_path)])
+    assert done.exit_code == 2 and "must hold folders SCENE-SEED" in done.stderr

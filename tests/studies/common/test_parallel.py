@@ -14,6 +14,12 @@ def test_all_results_come(backend):
     assert sorted(as_they_come("squares", pow, TASKS, 2, backend)) == [0, 1, 4, 9, 16]
 
 
+def test_results_of_one_process_come_one_by_one():
+    seen = []
+    coming = as_they_come("squares", lambda k: seen.append(k) or k, [(k,) for k in range(3)], 1, "sequential")
+    assert next(coming) == 0 and seen == [0]
+
+
 @pytest.mark.parametrize(("backend", "package"), (("ray", "ray.util.joblib"), ("dask", "distributed")))
 def test_the_missing_package_is_named(monkeypatch, backend, package):
     monkeypatch.setitem(sys.modules, package, None)

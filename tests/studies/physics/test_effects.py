@@ -66,3 +66,22 @@ def test_of_a_plant_that_does_not_bend_only_bending_is_told(found):
     assert {e.name for e in told} <= {"bending", effects.SHAPES}
     true = np.abs(motions.outputs(rigid, 1e-10) - physics.outputs).max()
     assert bending.change == pytest.approx(true, rel=0.02)
+
+
+def test_of_a_link_spun_as_it_is_told_bending_is_worth_all_its_deflection():
+    """Without bending no speed is free: the tip's deflection then is zero."""
+    scene = scenes.get("spin-up", time=0.5, duration=0.1)
+    motions = Motions(scene)
+    physics = physics_motion(motions, 1e-3)
+    told = {e.name: e for e in effects.of(motions, physics, physics.physics)}
+    assert told["bending"].kept and told["bending"].change == pytest.approx(np.abs(physics.outputs).max(), rel=1e-9)
+
+
+def test_a_motion_that_two_effects_ask_for_is_found_once(monkeypatch):
+    """Of a plant that lacks one effect alone, that one's and SHAPES'."""
+    motions = Motions(SLEW)
+    physics, asked, own = physics_motion(motions, 1e-4), [], effects.outputs_of
+    chosen = next(p for p in SLEW.plant.ladder() if [*p.effects.values()].count(False) == 1)
+    monkeypatch.setattr(effects, "outputs_of", lambda m, plant, *more: (asked.append(plant), own(m, plant, *more))[1])
+    effects.of(motions, physics, chosen)
+    assert len(asked) == len(set(asked))

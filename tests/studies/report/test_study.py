@@ -8,10 +8,13 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError
+from pliant.plants.motions.time_limit import TooLong, check_time, processor_time, time_left
 from pliant.studies import report
 from pliant.studies.closed_loop.closed_loop import closed_loop, driven_to_goal, regulator
+from pliant.studies.closed_loop.comparison import Contest
 from pliant.studies.common import operating_point
 from pliant.studies.figures import style
+from pliant.studies.report import study as room
 from pliant.studies.report.findings import FAULT
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
@@ -117,3 +120,27 @@ def test_a_goal_that_moves_in_another_way_is_refused():
     scene = scenes.get("spacecraft-orbit")
     with pytest.raises(EquilibriumError, match=r"hinge1_1 changes by 0\.0011 rad/s"):
         regulator(dataclasses.replace(scene, goal_rates=()))
+
+
+def test_a_part_that_takes_too_long_is_lost_alone():
+    """Its share of the time over, and no more: what comes after has its own."""
+
+    def endless():
+        while True:
+            check_time()
+
+    until = processor_time() + 8.0  # a quarter of it, and of a second what is late
+    with pytest.raises(TooLong, match="its time was over"):
+        room.in_its_time("law", endless, until - 7.0)()
+    assert processor_time() < until and 6.0 < room.in_its_time("goal", time_left, until)() < 8.0
+    assert room.in_its_time("contests", time_left, until)() < 2.0
+    assert room.in_its_time("physics", time_left, until - 100.0)() > 19.0
+
+
+def test_motions_whose_physics_takes_too_long_are_not_asked_for(monkeypatch):
+    scene = scenes.get("single-link-slew", duration=1.2)
+    contests = [Contest(name, "plant", 4, motion=scene.open_loop()) for name in ("LQR", "MPC")]
+    monkeypatch.setattr(room, "physics_motion", lambda motions, tolerance: check_time())
+    had, unasked = room._closed_loops(scene, contests, 60.0)
+    assert len(had) == 2 and not unasked
+    assert room._closed_loops(scene, contests, -1.0) == ([], ["LQR", "MPC"])

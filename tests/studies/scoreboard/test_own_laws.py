@@ -4,6 +4,8 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.plants import PliantError
+from pliant.studies.commands import scoreboard as command
+from pliant.studies.commands.cli import main
 from pliant.studies.scoreboard.own_laws import OwnLaw
 from pliant.studies.scoreboard.scoreboard import scoreboard
 
@@ -21,6 +23,13 @@ def same(scene):
 
 def wrong(scene):
     return 7
+
+class Half:
+    def __init__(self, scene):
+        self.dt = scene.dt
+
+    def act(self, t, y):
+        return [0.0]
 
 def broken(scene):
     return scene["x"]
@@ -44,7 +53,9 @@ def test_it_is_played_as_the_others_are(path):
 
 
 def test_faults_are_told_in_its_row(path):
-    for name, words in (("wrong", "gave 7, must be a controller"), ("broken", "TypeError: 'Scene' object")):
+    half = r"gave an object of Half, must be a controller: it lacks reads, names of states or outputs, reset\(\)$"
+    faults = (("wrong", "gave 7, must be a controller"), ("Half", half), ("broken", "TypeError: 'Scene' object"))
+    for name, words in faults:
         with pytest.raises(PliantError, match=words):
             OwnLaw.of(f"{path}:{name}")(SLEW)
 
@@ -60,3 +71,11 @@ def test_faults_are_told_in_its_row(path):
 def test_bad_names_are_refused(path, text, words):
     with pytest.raises(ValueError, match=words):
         OwnLaw.of(text.format(path=path))
+
+
+def test_a_law_that_is_none_is_told_before_bounds_are_looked_for(path, monkeypatch, capsys):
+    monkeypatch.setattr(command, "score", lambda *given, **named: pytest.fail("it was played"))
+    monkeypatch.setattr("sys.argv", ["pliant", "scoreboard", "single-link-slew", "--law", f"{path}:Half"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 1 and "it lacks reads" in capsys.readouterr().err

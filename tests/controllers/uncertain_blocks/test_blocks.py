@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.controllers.robust_analysis.blocks import Block, require_blocks, structure
+from pliant.controllers.uncertain_blocks.blocks import Block, require_blocks, structure
 
 
 def test_scalings_commute_with_perturbations():

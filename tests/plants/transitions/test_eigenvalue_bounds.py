@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
-from pliant.plants.stability.eigenvalue_bounds import bounds, separated
-from pliant.plants.stability.state_matrix_path import parts_of
+from pliant.plants.transitions.eigenvalue_bounds import bounds, separated
+from pliant.plants.transitions.state_matrix_path import parts_of
 
 
 def members(M, D, rng, count=60):

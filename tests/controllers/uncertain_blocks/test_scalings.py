@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from evidence import agrees
 
-from pliant.controllers.robust_analysis.blocks import Block, structure
-from pliant.controllers.robust_analysis.power_iteration import lower
-from pliant.controllers.robust_analysis.scalings import allowed, upper
+from pliant.controllers.uncertain_blocks.blocks import Block, structure
+from pliant.controllers.uncertain_blocks.power_iteration import lower
+from pliant.controllers.uncertain_blocks.scalings import allowed, upper
 
 ROWS = np.array(
     [

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from pliant.plants.stability.state_matrix_path import Path
-from pliant.plants.stability.transition_error import _higher, monodromy, transition
+from pliant.plants.transitions.state_matrix_path import Path
+from pliant.plants.transitions.transition_error import _higher, monodromy, transition
 
 
 def switched(rng, n=3):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pliant.controllers.robust_analysis.fractional_form import fitted
+from pliant.controllers.uncertain_blocks.fractional_form import fitted
 
 RNG = np.random.default_rng(4)
 K0, K1, D0 = np.diag([4.0, 9.0]), np.array([[1.0, -1.0], [-1.0, 1.0]]), 0.1 * np.eye(2)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pliant.controllers.robust_analysis.blocks import Block
-from pliant.controllers.robust_analysis.power_iteration import lower
+from pliant.controllers.uncertain_blocks.blocks import Block
+from pliant.controllers.uncertain_blocks.power_iteration import lower
 
 
 @pytest.mark.parametrize("blocks", [(Block("full", 2), Block("complex", 2)), (Block("real", 2), Block("full", 2))])

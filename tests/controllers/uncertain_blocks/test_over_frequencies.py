@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import scipy.signal as signal
 
-from pliant.controllers.robust_analysis.blocks import Block
-from pliant.controllers.robust_analysis.fractional_form import FractionalForm, fitted
-from pliant.controllers.robust_analysis.over_frequencies import bound
 from pliant.controllers.solvers.hinf_norm import peak
+from pliant.controllers.uncertain_blocks.blocks import Block
+from pliant.controllers.uncertain_blocks.fractional_form import FractionalForm, fitted
+from pliant.controllers.uncertain_blocks.over_frequencies import bound
 
 SPIN = 10.0  # Doyle's satellite: a = 10, K = I, each input times 1 + delta
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.plants.stability.interpolation import Interpolant
+from pliant.plants.transitions.interpolation import Interpolant
 
 WAVES = {
     "cosine": lambda t: np.cos(2 * np.pi * t),

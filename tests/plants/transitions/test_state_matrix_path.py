@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pliant.plants import LinearModel
-from pliant.plants.stability.state_matrix_path import Path, kept, modal, scaling
+from pliant.plants.transitions.state_matrix_path import Path, kept, modal, scaling
 
 
 def turning(t):

@@ -1,0 +1,90 @@
+"""A first scene of a plant of one's own: from its rest, each joint moved, limits that leave that motion room."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.errors import PliantError
+from pliant.plants.core.signals import names
+from pliant.plants.dynamics.plant import Plant
+from pliant.plants.files import toml_text
+
+from .scene_tables import to_tables
+
+MOVED = 0.5  # of a joint, in its own unit
+ROOM = 2.0  # limits over what the motion takes
+WIDTH = 120  # characters of a line
+UNKNOWN = 1e6  # a limit while it is asked what the motion takes
+SAID = {
+    "duration": "[s]",
+    "dt": "[s], the control period",
+    "move_time": "[s], of the motion from start to goal; a guess",
+    "observe": "what an environment and a controller see",
+    "compare": "outputs whose error tells models apart ..",
+    "tolerance": ".. and how large it may be, in their unit",
+    "limits": "largest |input|: put your machine's in place of twice what the motion takes",
+    "start": "coordinates of a rest; what is not named is as in the plant's rest_state, or in equilibrium",
+    "weights": "cost: dt times weight times (signal - its value at the goal)^2, summed",
+    "effort": "the same of inputs",
+}
+
+
+def first_scene(name: str, plant: Plant) -> Scene:
+    """A scene in which every joint moves; ValueError where the plant has no coordinates with rates, or no such rest.
+
+    Example
+    -------
+    >>> from pliant.plants import SingleLinkArm
+    >>> first_scene("my-slew", SingleLinkArm.textbook()).goal
+    (('hub_angle', 0.5),)
+    """
+    rest = dict(zip(names(plant.states), np.asarray(plant.rest_state).tolist()))
+    shared = [n for n in names(plant.states) if all(n in names(rung.states) for rung in plant.ladder())]
+    joints = [joint.position for joint in plant.joints if joint.position in plant.rates and joint.position in shared]
+    moved = joints or [n for n in plant.rates if n in shared][: plant.nu]
+    if not moved:
+        raise ValueError(f"new scene: {type(plant).__name__} has no coordinate whose rate is a state, must have one")
+    given: dict[str, Any] = {
+        "name": name,
+        "about": f"move {', '.join(moved)}, rest to rest",
+        "plant": plant,
+        "start": tuple((joint, rest[joint]) for joint in moved),
+        "goal": tuple((joint, rest[joint] + MOVED) for joint in moved),
+        "duration": 6.0,
+        "move_time": 3.0,
+        "observe": tuple(shared),
+        "compare": names(plant.outputs)[:2] or names(plant.states)[:1],
+        "weights": tuple((joint, 1.0) for joint in moved),
+    }
+    free = Scene(**given, limits=(UNKNOWN,) * plant.nu)
+    try:
+        used = np.abs([free.nominal_input(t) for t in free.times]).max(axis=0)
+        used = np.maximum(used, np.maximum(abs(free.initial[1]), abs(free.target[1])))
+    except (PliantError, ValueError):  # the motion is to be said otherwise
+        used = np.zeros(plant.nu)
+    limits = tuple(float(f"{ROOM * u:.2g}") if u > 1e-9 * used.max(initial=0.0) else 1.0 for u in used)
+    effort = tuple((s.name, float(f"{0.1 / limit**2:.2g}")) for s, limit in zip(plant.inputs, limits))
+    return Scene(**given, limits=limits, effort=effort)
+
+
+def written(scene: Scene) -> str:
+    """The scene's file with a word at each key."""
+    lines = [
+        "# A scene: what is to be done with a machine. Every command takes this file in place of a scene's name.",
+        "# What a key means, and what may stand in it: docs/own_scene.md. Numbers here are guesses: put yours.",
+        "",
+    ]
+    for line in toml_text.dumps(_ordered(to_tables(scene))).splitlines():
+        key = line.removeprefix("[").removesuffix("]") if line.startswith("[") else line.split(" = ")[0]
+        said = f"  # {SAID[key]}" if key in SAID and not line.endswith("[") else ""
+        fits = len(line) + len(said) <= WIDTH
+        lines += [line + said] if fits else [said.strip(), line]
+    return "\n".join(lines) + "\n"
+
+
+def _ordered(tables: dict[str, Any]) -> dict[str, Any]:
+    """With what a scene leaves at its default written out where a start should show it."""
+    return {"name": tables.pop("name"), "about": tables.pop("about"), "dt": 0.02, "tolerance": 1e-3} | tables
