@@ -30,8 +30,8 @@ NOT_VALIDATED = """## What is not validated
   differences, limits between fidelities, agreement among variants. Those find slips, and lack what all variants lack.
 - Of the plants damping (Kelvin-Voigt, Rayleigh, friction at stops) is compared with formulas at most, and material data
   (strength, creep, plasticity), backlash, fluids and contact are not modelled.
-- The table holds comparisons that go through `agrees`; other tests compare with outside sources too (Exudyn's spatial
-  arm and extensible arm, NASTRAN's superelements by pyYeti, Pinocchio's trees, python-control) and are not in it yet.
+- The table holds comparisons that go through `agrees`; other tests compare with outside sources too (NASTRAN's
+  superelements by pyYeti, Pinocchio's trees, python-control) and are not in it yet.
 """
 
 
