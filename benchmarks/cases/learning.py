@@ -25,6 +25,7 @@ import numpy as np
 from harness import sampling, table
 
 from pliant.controllers import rl
+from pliant.controllers.analytic_gradients.rollouts import Episodes, Rollouts
 from pliant.controllers.learning.policy import FOLDER, Policy
 from pliant.envs import Scene, scenes
 from pliant.envs.environments.env import PlantEnv
@@ -36,6 +37,7 @@ from pliant.studies.common import machine
 
 GROUP, SCENE, LANES = "learning", "two-link-reach", 1024
 PLIANT, SYNC = "PPO on Pliant's vector environment", "PPO on Gymnasium's SyncVectorEnv of the same environment"
+GRADIENT, GRADIENT_LANES = "a gradient of whole episodes (apg): 150 periods, 12 states", 32
 ASKED_RATE, ASKED_RATIO, ASKED_SECONDS = 40_000, 2.0, 600.0
 SCENES, STEPS, SEEDS = ("single-link-slew", "two-link-reach"), 8_000_000, (0, 1, 2)
 PACKAGES = ("pliant", "stable-baselines3", "torch", "numpy", "gymnasium")
@@ -120,6 +122,16 @@ def _ppo(make: Callable[[], Any], threads: int) -> sampling.Sampler:
     return sampling.rate_of(work)
 
 
+def _gradient(lanes: int) -> sampling.Sampler:
+    """Seconds of a whole gradient of analytic policy gradients: forward, backward, 150 periods of 12 states."""
+    scene = scenes.get(SCENE)
+    rollouts = Rollouts(scene, lanes, np.ones(len(scene.observe)))
+    theta = rollouts.network.start(np.random.default_rng(0))
+    start, own = np.tile(scene.initial[0], (lanes, 1)), np.tile(scene.varied_plant.nominal_parameters, (lanes, 1))
+    episodes = Episodes(start, own, np.zeros(lanes, dtype=int))
+    return sampling.time_of(lambda: rollouts(theta, episodes))
+
+
 def cases() -> list[sampling.Case]:
     """PPO on both versions of the environment, with one torch thread and with all processors."""
     scene = scenes.get(SCENE)
@@ -131,7 +143,9 @@ def cases() -> list[sampling.Case]:
 
     counts = sorted({1, machine.cores()})
     ours = [case(PLIANT, partial(scene.sb3_env, LANES, randomise=True, threads=n), n) for n in counts]
-    return [*ours, case(SYNC, partial(sync_env, scene, LANES), 1)]
+    step = partial(_gradient, GRADIENT_LANES)
+    own = sampling.Case(group=GROUP, name=GRADIENT, prepare=step, unit=sampling.TIME, lanes=GRADIENT_LANES)
+    return [*ours, case(SYNC, partial(sync_env, scene, LANES), 1), own]
 
 
 def rows(quick: bool) -> list[dict[str, Any]]:
@@ -209,6 +223,7 @@ def markdown(found: list[dict[str, Any]], rates: list[dict[str, Any]], about: di
         if r["samples"]
         else [r["name"], str(r["threads"]), r["failure"] or "-", ""]
         for r in rates
+        if r["unit"] == sampling.RATE
     ]
     text += table._grid(["", "torch threads", "steps/s, median", "range"], lines, 1)
     others = [value for r in rates for value in r["others"]]

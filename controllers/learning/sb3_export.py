@@ -43,16 +43,9 @@ def describe(model: BaseAlgorithm, scene: TrainableScene, statistics: VecNormali
         assert statistics is not None
         found: Any = statistics.obs_rms
         mean, std, clip = found.mean, np.sqrt(found.var + statistics.epsilon), statistics.clip_obs
-    weights, biases = [_array(part.weight) for part in linear], [_array(part.bias) for part in linear]
-    largest = float(model.action_space.high.flat[0])  # type: ignore[attr-defined]
-    if largest != 1.0:  # trained in the units of reward="normalised"
-        lanes: Any = scene.vector_env(1, threads=1, reward="normalised")  # type: ignore[call-arg]
-        mean, std = mean * lanes.observation_scale, std * lanes.observation_scale
-        if not isinstance(model, SAC):  # its actions are squashed, whatever the space
-            weights[-1], biases[-1] = weights[-1] / largest, biases[-1] / largest
     return {
-        "weights": tuple(weights),
-        "biases": tuple(biases),
+        "weights": tuple(_array(part.weight) for part in linear),
+        "biases": tuple(_array(part.bias) for part in linear),
         "mean": np.array(mean, dtype=float),
         "std": np.array(std, dtype=float),
         "scene": scene.name,

@@ -15,7 +15,7 @@ from pliant.envs.simulation.control_period import check_substep
 from pliant.envs.simulation.cost_terms import cost_terms, term_names
 from pliant.envs.simulation.episode_start import first_observations, initial_states
 from pliant.envs.simulation.episode_supply import EpisodeSupply
-from pliant.envs.tasks import Channel, Units
+from pliant.envs.tasks import Channel
 from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.signals import OwnsArrays
 
@@ -38,7 +38,6 @@ class Batch(Specified, OwnsArrays, Lanes):
     _channel: Channel | None
     _obs: Array  # (num_envs, no) the signals, as the kernel shows them
     _seen: Array  # (num_envs, ..) what is read of them: the same array where all passes as it is
-    _units: Units  # in which it is shown, and actions are taken
     _over: Array  # (num_envs,) whether a lane waits for its next episode
     _first: Array  # (no,) the signals at the scene's own start
     _nominal: Array  # (np,) the plant's own parameters
@@ -128,9 +127,7 @@ class Batch(Specified, OwnsArrays, Lanes):
                 self._channel.seed(seeded, own)
         self._start(lanes, given)
         self.begun = True
-        return self._units.shown(self._seen), of_parameters(
-            self.num_envs, lanes, self._names, self.parameters_of(lanes)
-        )
+        return self._seen.copy(), of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
 
     def _start(self, lanes: Array, given: list[dict[str, Any]] | None = None) -> None:
         """New episodes in the lanes (k,)."""
@@ -156,12 +153,6 @@ class Batch(Specified, OwnsArrays, Lanes):
         self._total[lanes] = 0.0
         for lane in lanes.tolist() if self._pictures else ():
             self._pictures[lane].clear()
-
-    @property
-    def observation_scale(self) -> Array:
-        """What each number of an observation (..,) is over: 1 but with `reward="normalised"`."""
-        scale = self._units.scale
-        return np.ones(self._seen.shape[1]) if scale is None else scale.copy()
 
     def _first_seen(self, channel: Channel, lanes: Array) -> None:
         """What is read first of episodes in the lanes (k,); those without a seed get one from the shared stream."""

@@ -78,8 +78,7 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         kind = as_dtype(dtype, "PlantEnv")
         self.randomise, self.render_mode = made.drawn(require_flag("PlantEnv.randomise", randomise)), render_mode
         self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
-        self._units = units = made.units(scene)
-        self.action_space = units.actions(scene.plant.nu)
+        self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self._channel = None if made.plain else Channel(scene, made, 1)
         width = len(scene.observe) if self._channel is None else self._channel.width
         self.observation_space = spaces.Box(-np.inf, np.inf, (width,), kind.type)
@@ -89,7 +88,8 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         check_substep(scene, self.randomise)
         self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
         self._reach = NumericFunction(reach_function(scene))
-        self._idle, self._steps = np.zeros(scene.plant.nu), scene.steps
+        self._idle = np.zeros(scene.plant.nu)
+        self._steps = scene.steps
         self._over, self._begun = True, False
         self._renderer: Renderer | None = None
 
@@ -147,7 +147,7 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             self._renderer.clear()
         if self.render_mode == "human":
             self.render()
-        return self._units.shown(self._seen), self._info(0.0, 0.0, False, self._reach(x, self._idle, w, p)[0])
+        return self._seen.astype(self._dtype), self._info(0.0, 0.0, False, self._reach(x, self._idle, w, p)[0])
 
     def _first_seen(self, channel: Channel, seed: int | None) -> np.ndarray:
         """What is read first of an episode; a seed, or the first episode, begins the channel's random numbers."""
@@ -175,7 +175,6 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             raise gymnasium.error.ResetNeeded("PlantEnv.step: no episode is running; call reset first")
         action = arguments.require_actions("PlantEnv.step", "action", action, self._idle.shape).astype(float)
         step, channel, task = self._step, self._channel, self.task
-        action = self._units.asked(action)
         if channel is not None:
             action = channel.act(action[None])[0]
         step.action[:] = action[:, None]
@@ -202,9 +201,9 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             info["reward_terms"] = terms
         if channel is not None:
             self._seen = channel.see(self._obs[None], NO_LANES)[0].astype(self._dtype)
-        seen = self._units.shown(self._obs if channel is None else self._seen)
+        seen = self._obs if channel is None else self._seen
         # no -0 where nothing is charged
-        return seen, 0.0 - cost if reward is None else reward, terminated, truncated, info
+        return seen.copy(), 0.0 - cost if reward is None else reward, terminated, truncated, info
 
     def _terms(self, action: np.ndarray) -> dict[str, float]:
         """What each term adds to minus the stage cost of the period that begins."""

@@ -92,8 +92,7 @@ class PlantVectorEnv(Batch):
             threads = available() if self.num_envs >= FEW else 1
         threads = require_count(owner, "threads", threads, 1, 10_000)
         self._step = ControlStep(scene, self.num_envs, self._dtype, threads)
-        self._units = made.units(scene)
-        self.single_action_space = self._units.actions(scene.plant.nu)
+        self.single_action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self._channel = None if made.plain else Channel(scene, made, self.num_envs)
         width = len(scene.observe) if self._channel is None else self._channel.width
         self.single_observation_space = spaces.Box(-np.inf, np.inf, (width,), self._dtype.type)
@@ -166,7 +165,6 @@ class PlantVectorEnv(Batch):
             raise gymnasium.error.ResetNeeded(
                 f"PlantVectorEnv.step: lane {waiting[0]} is over; reset it with options={{'reset_mask': ...}}"
             )
-        actions = self._units.asked(actions)
         if channel is not None:
             actions = channel.act(actions)
         step.action[:] = actions.T
@@ -216,12 +214,13 @@ class PlantVectorEnv(Batch):
         if np.count_nonzero(over):
             lanes = over.nonzero()[0]
             charged = np.zeros(len(lanes)) if early is None else early[lanes]
-            read, p = self._units.shown(self._seen[lanes]), self.parameters_of(lanes)
-            ended = infos.Ended(lanes, cost[lanes], charged, diverged[lanes], read, p)
+            ended = infos.Ended(
+                lanes, cost[lanes], charged, diverged[lanes], self._seen[lanes], self.parameters_of(lanes)
+            )
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             waiting = NO_LANES if ended is None else ended.lanes
         else:
             self._over = over
         if len(waiting):
             self._start(waiting)
-        return self._units.shown(self._seen), reward, terminated, truncated, valid, ended, waiting
+        return self._seen.copy(), reward, terminated, truncated, valid, ended, waiting

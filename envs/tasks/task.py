@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
@@ -10,12 +11,10 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_period import check_substep
-from pliant.plants import StabilityLimitError
+from pliant.plants import NominalWarning, StabilityLimitError
 from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_choice, require_count, require_flag, require_number, shown
 from pliant.plants.sensing.sensors import sensors_of
-
-from .learning_units import GENTLE, Units, nominal_ranges, observation_scale
 
 Array = np.ndarray
 REWARDS, CONSTRAINTS = ("cost", "normalised"), ("end", "cost")
@@ -45,8 +44,7 @@ class TaskKeywords(TypedDict, total=False):
 class Task:
     """Keywords of every environment of a scene, single, vector and Stable-Baselines3's.
 
-    reward        "cost": minus what the scene charges. "normalised": in [0, 1], see `rewards`; readings and actions are
-                  then in the units of `learning_units`, where learners with their defaults learn
+    reward        "cost": minus what the scene charges. "normalised": in [0, 1], see `rewards`
     difficulty    "nominal": nothing is drawn. "randomised": what the scene draws, as `randomise=True`. "hard": also all
                   that the plant calls uncertain by +-30 %, readings with noise of 1 %, actions late by 0 or 1 period;
                   where `noise` or `action_delay` are given, those
@@ -112,25 +110,16 @@ class Task:
         """Standard deviation (no,) of each reading of the scene as `played`, in its signal's unit."""
         found = np.zeros(len(scene.observe))
         if self.noise:
-            found = self.noise * nominal_ranges(scene)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", NominalWarning)  # of the motion's range alone
+                motion = scene.open_loop(method="rk4", step=scene.dt / scene.substeps)
+            ranges = np.ptp(scene.signal_values(motion.x, motion.y, scene.observe), axis=0)
+            # to three digits: the same on every machine and with every method of integration
+            found = self.noise * np.array([float(f"{value:.3g}") for value in ranges])
         if self.sensors:
             own = [sensor.deviation(scene.dt) for sensor in sensors_of(scene.plant)]
             found = np.hypot(found, own)
         return found
-
-    def units(self, scene: Scene) -> Units:
-        """In which the scene as `played` is shown and moved.
-
-        Example
-        -------
-        >>> Task(reward="normalised").units(scene).largest > 1
-        True
-        """
-        if self.reward != "normalised":
-            return Units()
-        own, nu = observation_scale(scene), scene.plant.nu
-        goal = len(scene.goal) if self.goal_spread else 0
-        return Units(np.concatenate([own, np.tile(own, self.history), np.ones(self.history * nu + goal)]), 1.0 / GENTLE)
 
     @property
     def plain(self) -> bool:

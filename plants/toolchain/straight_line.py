@@ -70,7 +70,7 @@ def written(name: str, inputs: Sequence[str], outputs: Sequence[str], statements
         lines += [f"#if IN_UNIT({k})", *defined, "#else", f"{kind};", "#endif"] if count > 1 else defined
     blocks = [f"const T (*restrict {i})[W]" for i in inputs] + [f"T (*restrict {o})[W]" for o in outputs]
     lines += [f"static void {name}({', '.join(blocks)}) {{"]
-    lines += [f"  T between[{total}][W] ALIGNED;"] if total else []
+    lines += [f"  T between[{max(1, total)}][W] ALIGNED;"] if count > 1 else []  # parts may share nothing
     lines += [f"  for (int h = 0; h < PER; h++) {name}_{k}({', '.join(passed)});" for k in range(count)]
     return "\n".join([*lines, "}", ""])
 

@@ -46,24 +46,6 @@ def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
     assert len({float(u[0]) for *_, u in points}) > 20
 
 
-@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
-def test_what_was_trained_in_normalised_units_acts_in_the_scenes_own(stable_baselines, tmp_path, algorithm):
-    from pliant.controllers.learning.sb3_export import ALGORITHMS
-    from pliant.envs import PlantEnv
-
-    scene = scenes.get("two-link-reach")
-    model = ALGORITHMS[algorithm]("MlpPolicy", scene.sb3_env(1, reward="normalised"), seed=1, device="cpu")
-    model.save(tmp_path / "model.zip")
-    policy = Policy.from_sb3_zip(tmp_path / "model.zip", scene, algorithm=algorithm, trust=True)
-    learned, own = PlantEnv(scene, reward="normalised", dtype=np.float32), PlantEnv(scene)
-    obs, _ = learned.reset()
-    raw, _ = own.reset()
-    for k in range(10):
-        obs, *_ = learned.step(model.predict(obs, deterministic=True)[0])
-        raw, *_ = own.step(policy.act(k * scene.dt, raw + policy.goal) / policy.limits)
-    np.testing.assert_allclose(learned.state, own.state, rtol=1e-4, atol=1e-5)
-
-
 def test_zip_of_another_scene_is_refused(stable_baselines, tmp_path):
     from stable_baselines3 import PPO
 

@@ -41,6 +41,20 @@ def test_parts_compute_what_the_whole_does(most: int, lanes: int | None, monkeyp
         np.testing.assert_allclose(work.get(k).T, np.asarray(want), rtol=1e-12, atol=1e-13)
 
 
+def test_parts_may_share_nothing() -> None:
+    """Each puts out what it computes: no row is passed on, and what is passed is declared all the same."""
+    statements = [
+        statement
+        for k in range(straight_line.LENGTHENED)
+        for statement in (
+            straight_line.Statement(f"a{k}", f"i0[{k} * PER] * 2"),
+            straight_line.Statement("", f"o0[{k} * PER] = a{k};", (f"a{k}",)),
+        )
+    ]
+    text = straight_line.written("f", ["i0"], ["o0"], statements)
+    assert "(V *)between + h" in text and "T between[1][W]" in text
+
+
 @pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
 def test_parts_in_units_of_their_own_are_one_library(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Each part is compiled once, in one unit, all else in the first; the numbers are those of one unit, to the bit."""
