@@ -32,6 +32,8 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.linear_quadratic.periodic_lqr import PeriodicLQR
     from pliant.controllers.linear_quadratic.tvlqr import TVLQR
     from pliant.controllers.mpc.mpc import MPC
+    from pliant.controllers.mpc_gradients.law_derivative import DifferentiableMPC, LawDerivative
+    from pliant.controllers.mpc_gradients.tuning import TunedMPC, tune_mpc
     from pliant.controllers.nmpc.nmpc import NMPC
     from pliant.controllers.optimal_control.optimal import Motion, optimal
     from pliant.controllers.optimal_control.plan import plan
@@ -52,10 +54,12 @@ __all__ = [
     "TVLQR",
     "ComputedTorque",
     "Controller",
+    "DifferentiableMPC",
     "Feedback",
     "Filter",
     "Filtered",
     "Kalman",
+    "LawDerivative",
     "Led",
     "Margins",
     "MarginsAlong",
@@ -72,6 +76,7 @@ __all__ = [
     "Sensor",
     "Shaper",
     "Spillover",
+    "TunedMPC",
     "UncertainLTV",
     "WorstParameters",
     "arrays_of",
@@ -99,6 +104,7 @@ __all__ = [
     "shaper_for",
     "spillover",
     "stands",
+    "tune_mpc",
     "worst_parameters",
 ]
 
@@ -126,6 +132,8 @@ imports.offer(
         "linear_quadratic.periodic_lqr": "PeriodicLQR",
         "linear_quadratic.tvlqr": "TVLQR",
         "mpc.mpc": "MPC",
+        "mpc_gradients.law_derivative": "DifferentiableMPC LawDerivative",
+        "mpc_gradients.tuning": "TunedMPC tune_mpc",
         "nmpc.nmpc": "NMPC",
         "optimal_control.optimal": "Motion optimal",
         "optimal_control.plan": "plan",

@@ -29,7 +29,7 @@ from pliant.controllers.base.joint_reference import values_of
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.riccati.algebraic import with_integrals
-from pliant.controllers.riccati.late_inputs import delay_range
+from pliant.controllers.riccati.late_inputs import delay_range, late_lqr
 from pliant.controllers.riccati.steerable import Steerable, steerable
 from pliant.plants.core.argument_gates import (
     require_by_name,
@@ -278,7 +278,7 @@ def _regulator(
         return found, None
     if late[0] < late[1] and (part.conserved or part.free):
         raise ValueError(f"LQR.delay = {late} must be one number where something is conserved or free")
-    made = riccati.late_lqr(*whole, dt=dt, delays=late, on_time=found)
+    made = late_lqr(*whole, dt=dt, delays=late, on_time=found)
     K, K_past = np.hsplit(made.K, [len(whole[0])])
     return riccati.Regulator(K, made.P, made.poles), K_past
 

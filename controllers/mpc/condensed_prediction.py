@@ -22,7 +22,7 @@ import numpy as np
 import scipy.linalg as sla
 
 from pliant.controllers import riccati
-from pliant.controllers.riccati.late_inputs import delay_range, past_of
+from pliant.controllers.riccati.late_inputs import delay_range, late_lqr, past_of
 from pliant.plants.core.argument_gates import require_finite
 from pliant.plants.linear.lti import LinearModel
 
@@ -159,7 +159,7 @@ def late_prediction(
     A, B, _, R, N, P = on_time
     K = np.linalg.solve(R + B.T @ P @ B, N.T + B.T @ P @ A)
     without = riccati.Regulator(K, P, np.linalg.eigvals(A - B @ K).astype(complex))
-    made = riccati.late_lqr(model.A, model.B, *rates, dt=dt, delays=delay, on_time=without)
+    made = late_lqr(model.A, model.B, *rates, dt=dt, delays=delay, on_time=without)
     nz, nu = len(made.P), B.shape[1]
     root = sla.cholesky((made.S + made.S.T) / 2)
     found = Laws(

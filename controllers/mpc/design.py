@@ -83,7 +83,8 @@ def regulator(
         A, B, found, C, D = whole.A, whole.B, whole.found, *whole.rows(C, D)
         x0 = np.concatenate([x0, np.tile(model.u0, whole.past)])
     else:
-        found = laws(*(np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(nx), Q, R, N)), P)
+        As, Bs, cs, Qs, Rs, Ns = (np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(nx), Q, R, N))
+        found = laws(As, Bs, cs, Qs, Rs, Ns, P)
     As, Bs, cs = (np.broadcast_to(M, (n, *M.shape)) for M in (A, B, np.zeros(len(A))))
     motion = predict(As, Bs, cs, found, horizon, blocks)
     extra: dict[str, Any] = {}

@@ -180,7 +180,8 @@ class MPC:
     def reset(self) -> None:
         """Forget the last input (then u0, or the limit next to it), the plan, the disturbance and the record."""
         self.record.clear()
-        for one in (*(step.solver for step in self._steps), self.plan, *([self._firm] if self._firm else [])):
+        kept: list[Any] = [*(step.solver for step in self._steps), self.plan]
+        for one in kept if self._firm is None else [*kept, self._firm]:
             one.forget()
         if self._knowledge is not None:
             self._knowledge.reset()

@@ -268,8 +268,8 @@ class NMPC:
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy goes on as the original would, and apart from it."""
         plan = self.horizon
-        state = plan.t, plan.x, plan.u, plan.damped, plan.damping, self._program.solver.near, self._ready, self._taken
-        state += (self._ahead,)
+        near, taken = self._program.solver.near, (self._taken, self._ahead)
+        state = plan.t, plan.x, plan.u, plan.damped, plan.damping, near, self._ready, *taken
         return _remade, sealed((self.objective, plan.N, self._made, self.record, state))
 
 

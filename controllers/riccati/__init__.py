@@ -6,7 +6,6 @@ lqi      lqr with the integrals of y = C x + D u as extra states
 sampled  the discrete problem that is the continuous one with u held over each step
 kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L (y - C z), L = P C' V^-1
 dkalman  x+ = A x + E w, y = C x + v                             z+ = A z + L (y - C z), L = A P C' (C P C' + V)^-1
-late_lqr lqr, sampled, with inputs that act late: known, or within a range
 dplqr    dlqr of a system that repeats, for ever: the periodic Riccati equation
 tvlqr    lqr over a finite time along an LTVModel, its affine term included; dtvlqr the same in discrete time
 
@@ -16,7 +15,6 @@ reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error 
 """
 
 from .algebraic import Regulator, Sampled, dkalman, dlqr, kalman, lqi, lqr, sampled
-from .late_inputs import late_lqr
 from .ltv_discretisation import SampledLTV, noise_along, sampled_along
 from .periodic import PeriodicRegulator, dplqr
 from .time_varying import TimeVaryingRegulator, dtvlqr, tvlqr
@@ -32,7 +30,6 @@ __all__ = [
     "dplqr",
     "dtvlqr",
     "kalman",
-    "late_lqr",
     "lqi",
     "lqr",
     "noise_along",

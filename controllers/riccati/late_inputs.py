@@ -116,11 +116,11 @@ def late_lqr(
 
     Example
     -------
+    >>> from pliant.controllers.riccati import dlqr
     >>> A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
-    >>> zero = np.zeros((2, 1))
-    >>> found = late_lqr(A, B, np.eye(2), np.eye(1), zero, dt=0.1, delays=(0.0, 1.5),
-    ...     on_time=dlqr(*sampled(A, B, np.eye(2), np.eye(1), dt=0.1)))
-    >>> found.K.shape
+    >>> weights = np.eye(2), np.eye(1), np.zeros((2, 1))
+    >>> on_time = dlqr(*sampled(A, B, *weights, dt=0.1))
+    >>> late_lqr(A, B, *weights, dt=0.1, delays=(0.0, 1.5), on_time=on_time).K.shape
     (1, 4)
     """
     low, high = delays

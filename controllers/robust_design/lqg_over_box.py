@@ -96,8 +96,5 @@ def loops_over(
             parts.append((one.step, one.cost, seen, start))
     push = PUSH * np.array(scene.limits, dtype=float)
     noise = np.array([sensor.deviation(scene.dt) for sensor in sensors])
-    return Loops(
-        *(np.stack([part[i] for part in parts]) for i in range(4)),
-        push=scene.steps * np.diag(push**2),
-        noise=scene.steps * np.diag(noise**2),
-    )
+    step, cost, seen, start = (np.stack([part[i] for part in parts]) for i in range(4))
+    return Loops(step, cost, seen, start, scene.steps * np.diag(push**2), scene.steps * np.diag(noise**2))

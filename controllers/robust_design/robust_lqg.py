@@ -88,6 +88,7 @@ def robust_lqg(
     if drift.any() or about.state_names != plain.model.state_names:
         raise PliantError("robust_lqg: the goal is no point of all states, where its models would be told apart")
     loops = loops_over(scene, plain.sensors, _models(scene, box), late)
+    assert isinstance(plain.model, LinearModel)
     pushed = _pushed(scene, plain.model, box)
     known: dict[float, LQR] = {}
 

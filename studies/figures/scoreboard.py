@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 CEILING = 30.0  # ratios above are drawn at the edge, with their number
 CASES = ("exact", "finer", "varied", "delayed", "all at once")
 CLOSE = 3.0  # ratio above which a motion is not drawn: it would hide the others
+SEED = ", seed "  # in the name of one of several policies: only the marks of each are drawn
 
 
 class Line(Protocol):
@@ -95,13 +96,11 @@ def profile_figure(curves: Mapping[str, Mapping[str, np.ndarray]], at: np.ndarra
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 4.2), layout="constrained")
-    order = list(dict.fromkeys(name for of in curves.values() for name in of))
+    order = list(dict.fromkeys(name for of in curves.values() for name in of if SEED not in name))
     axes: Any = np.atleast_1d(figure.subplots(1, len(curves), sharey=True))
     for ax, (case, of) in zip(axes, curves.items()):
-        for name, shares in of.items():
-            k = order.index(name)
-            style = ("-", "--", ":", "-.")[k // len(COLOURS) % 4]
-            ax.plot(at, shares, color=COLOURS[k % len(COLOURS)], linestyle=style, label=name, alpha=0.9)
+        for name in (name for name in of if name in order):
+            ax.plot(at, of[name], label=name, alpha=0.9, **_line(order.index(name)))
         ax.set_title(case)
         ax.set_xlabel("bound / cost above")
         ax.set_xlim(0, 1)
@@ -110,6 +109,11 @@ def profile_figure(curves: Mapping[str, Mapping[str, np.ndarray]], at: np.ndarra
     if handles:
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, fontsize=7.5)
     return figure
+
+
+def _line(k: int) -> dict[str, Any]:
+    """Colour and dash of the curve number k."""
+    return {"color": COLOURS[k % len(COLOURS)], "linestyle": ("-", "--", ":", "-.")[k // len(COLOURS) % 4]}
 
 
 def _mark(ax: Axes, y: float, row: Row, colour: str, marker: str) -> None:
@@ -121,7 +125,7 @@ def _mark(ax: Axes, y: float, row: Row, colour: str, marker: str) -> None:
     ax.plot([shown], [y], color=colour, marker=">" if median > CEILING else marker, markersize=5)
     if failures:
         text = f"{failures}/{runs} failed" if runs > 1 else "failed"
-        ax.annotate(text, (min(high, CEILING), y), (5, 0), textcoords="offset points", fontsize=6.5, va="center")
+        ax.annotate(text, (min(high, CEILING), y), (5, 0), textcoords="offset points", fontsize=5.5, va="center")
 
 
 def _ranked(board: Board, scene: str) -> list[str]:
@@ -132,7 +136,7 @@ def _ranked(board: Board, scene: str) -> list[str]:
 
 def _motions(figure: Any, board: Board, scene: str, ranked: list[str]) -> None:
     played = board.scenes[scene]
-    near = [name for name in ranked if (board.row(scene, "finer", name).ratio or 1.0) <= CLOSE]
+    near = [n for n in ranked if (board.row(scene, "finer", n).ratio or 1.0) <= CLOSE and SEED not in n]
     lines = [(name, board.lines[scene, name]) for name in ("bound", *near) if (scene, name) in board.lines]
     if not lines:
         return
@@ -142,7 +146,7 @@ def _motions(figure: Any, board: Board, scene: str, ranked: list[str]) -> None:
     units = {s.name: s.unit for s in played.signals}
     order = list(dict.fromkeys(row.controller for row in board.rows))
     for name, line in lines:
-        style: dict[str, Any] = {"color": COLOURS[order.index(name) % len(COLOURS)]} if name in order else {}
+        style: dict[str, Any] = _line(order.index(name)) if name in order else {}
         style = style or {"color": INK, "linewidth": 2.4}
         for ax, signal in zip(axes, signals):
             ax.plot(line.t, line.signals[signal], label=name, alpha=0.9, **style)
@@ -154,7 +158,7 @@ def _motions(figure: Any, board: Board, scene: str, ranked: list[str]) -> None:
     for limit in (played.limits[drive], -played.limits[drive]):
         axes[-1].axhline(limit, color=QUIET, linestyle=":", linewidth=1.0)
     axes[-1].set_xlabel("t [s]")
-    left_out = f", ratio up to {CLOSE:g}" if len(near) < len(ranked) else ""
+    left_out = f", ratio up to {CLOSE:g}" if len(near) < len([n for n in ranked if SEED not in n]) else ""
     axes[0].set_title(f"Motions on the finer plant{left_out}")
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", fontsize=7.5)

@@ -217,25 +217,25 @@ SHORT = ("single-link-slew", "single-link-slew-gentle", "two-link-reach", "two-l
 
 
 def short(found: Mapping[str, Any], scenes: Sequence[str] = SHORT) -> str:
-    """A few columns of a board's json: finer / varied ratios by scene, and the time of an act on two-link-reach."""
+    """One number a cell of a board's json: the median ratio with all at once, or how many runs failed; then the time of
+    an act on two-link-reach."""
     rows = {(r["scene"], r["case"], r["controller"]): r for r in found["rows"]}
-    names = dict.fromkeys(r["controller"] for r in found["rows"])
+    names = [n for n in dict.fromkeys(r["controller"] for r in found["rows"]) if ", seed " not in n]
     lines = ["| cost / bound | " + " | ".join(scenes) + " | act [us] |", "|---|" + "---:|" * (len(scenes) + 1)]
     for name in names:
-        own = [[rows.get((scene, case, name), {}) for case in ("finer", "varied")] for scene in scenes]
         act = rows.get(("two-link-reach", "varied", name), {}).get("act_median")
-        words = [" / ".join((_brief(a, "ratio"), _brief(b, "ratio_median"))) if a.get("runs") else "-" for a, b in own]
-        lines.append(f"| {name} | " + " | ".join(words) + f" | {'-' if act is None else f'{act:.3g}'} |")
+        cells = [_brief(rows.get((scene, "all at once", name), {})) for scene in scenes]
+        lines.append(f"| {name} | " + " | ".join(cells) + f" | {'-' if act is None else f'{act:.3g}'} |")
     return "\n".join(lines) + "\n"
 
 
-def _brief(row: Mapping[str, Any], key: str) -> str:
-    """A ratio, or how many runs failed where half of them did."""
+def _brief(row: Mapping[str, Any]) -> str:
+    """The median ratio, or how many runs failed where any did."""
     if not row.get("runs"):
         return "-"
-    if 2 * row["failures"] >= row["runs"]:
-        return f"{row['failures']} of {row['runs']} failed" if row["runs"] > 1 else "failed"
-    return "-" if row[key] is None else f"{row[key]:.3g}"
+    if row["failures"]:
+        return f"{row['failures']} fail"
+    return "-" if row["ratio_median"] is None else f"{row['ratio_median']:.3g}"
 
 
 def number(value: float | None) -> str:

@@ -17,16 +17,20 @@ from pliant.controllers import (
     PD,
     TVLQR,
     ComputedTorque,
+    DifferentiableMPC,
     Kalman,
+    Led,
     MultiModelLQR,
     Objective,
     PeriodicLQR,
     Predictive,
     loop,
     margins,
+    robust_lqg,
     shape,
     shaper_for,
     spillover,
+    tune_mpc,
 )
 from pliant.controllers.analysis.linear_laws import LinearLaw, linearised
 from pliant.controllers.analysis.loops import closed_loop, closed_loops
@@ -45,6 +49,9 @@ from pliant.plants import Trajectory
 
 RATE = {"bandwidth": Number(4.0, **POSITIVE), "damping": Number(0.5, **POSITIVE)}
 SENSORS = Objects((controllers.Sensor("encoder", "hub_angle", "rad", noise=0.5),), none=True)
+
+
+LASTING = MultiModelLQR.for_scene(SCENE, ranges={}, delays=(0,), iterations=5)
 
 
 def scene_law_calls() -> list[Call]:
@@ -75,6 +82,22 @@ def for_scene_calls() -> list[Call]:
             MultiModelLQR.for_scene,
             SCENES | {"reads": Choice("states"), "iterations": Count(5)} | effort | {"sensors": SENSORS},
             {"ranges": {}, "delays": (0,)},
+            compare=False,
+        ),
+        Call("Led.for_scene", Led.for_scene, SCENES | {"reserve": SHARE}, {"law": LASTING}, compare=False),
+        Call(
+            "robust_lqg",
+            robust_lqg,
+            SCENES | {"iterations": Count(2), "sensors": SENSORS},
+            {"ranges": {}, "delays": (0,)},
+            compare=False,
+        ),
+        Call("DifferentiableMPC.for_scene", DifferentiableMPC.for_scene, SCENES | {"horizon": Count(3)}, compare=False),
+        Call(
+            "tune_mpc",
+            tune_mpc,
+            SCENES | {"runs": Count(1), "steps": Count(1), "horizon": Count(3), "rate": Number(0.1, **POSITIVE)},
+            {"ranges": {}},
             compare=False,
         ),
         Call("TVLQR.for_scene", TVLQR.for_scene, SCENES | {"effort": effort["effort"]} | follow),

@@ -1,0 +1,1 @@
+"""Derivatives of linear predictive control through its quadratic program, and weights tuned by them."""
