@@ -120,6 +120,7 @@ GNC_CHECKS = """
 from pathlib import Path
 closed = [0.8305173808, 1.1186408217, 1.9036343593, 2.5981417890]  # tests/plants/modal_data/test_data_sheet.py
 assert np.allclose(craft.natural_frequencies(), closed, rtol=1e-9)
+assert abs(budget.ape.max() - 0.00289) < 2e-5 and np.linalg.eigvals(held.A[0]).real.max() < 0
 assert 0 < len(study.unstable) < 10 and not study.failures and len(study.rows) == 200
 left = {slew.profile: slew.left for slew in slews}
 assert left["jerk-limited"] < left["minimum-jerk"] < left["bang-bang"]

@@ -243,7 +243,12 @@ def fastest_decay(
     model = moved(model, rows(model, at.positions + at.rates))
     one_each = np.eye(n) if inputs is None else inputs
     sampled, S = model.discretize(dt), rows(model, at.positions + at.rates)
-    hub = np.abs(np.diag(np.linalg.inv(rows(model, at.rates) @ model.B @ one_each)))
+    reach = rows(model, at.rates) @ model.B @ one_each
+    largest = np.maximum(np.abs(reach).max(axis=1, keepdims=True), np.finfo(float).tiny)  # each of its own unit
+    if np.linalg.matrix_rank(reach / largest) < n:
+        places = ", ".join(at.positions)
+        raise PliantError(f"PD: no input accelerates each of {places}, must be one that a motor drives")
+    hub = np.abs(np.diag(np.linalg.inv(reach)))
 
     def gains(logs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         home, Kd = np.exp(logs).reshape(2, n)

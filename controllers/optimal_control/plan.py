@@ -156,9 +156,12 @@ def rigid_motion(
     x[:, v] = ds / time * span
     middle = (t[:-1] + t[1:]) / 2
     s, ds, dds = (np.asarray(each)[:, None] for each in minimum_jerk(middle / time))
-    state = np.hstack([x0[q] + s * span, ds / time * span])
-    B = rigid.jacobians(state)[1][:, n:]
-    lacking = dds / time**2 * span - rigid.dynamics(state)[:, n:]
+    known = [s.name for s in rigid.states]  # in any order
+    places, rates = ([known.index(name) for name in group] for group in (rigid.rates, rigid.rates.values()))
+    state = np.zeros((steps, rigid.nx))
+    state[:, places], state[:, rates] = x0[q] + s * span, ds / time * span
+    B = rigid.jacobians(state)[1][:, rates]
+    lacking = dds / time**2 * span - rigid.dynamics(state)[:, rates]
     try:
         return x, np.linalg.solve(B, lacking[:, :, None])[:, :, 0]
     except np.linalg.LinAlgError as error:

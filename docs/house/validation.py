@@ -18,11 +18,13 @@ LEVELS = {
     "closed form": "an equation from the literature, solved apart from the library",
     "table": "numbers printed in a paper or a book",
     "other program": "another program's run of the same case",
-    "finer model": "a model of other or finer physics: finite elements, geometrically exact beams",
+    "finer model": "a model of other or finer physics, computed for this project apart from the library: finite "
+    "elements, geometrically exact beams",
     "independent arithmetic": "numbers of this project's reference files, made apart from the library; not outside "
     "the project, so not counted as such",
 }
 OUTSIDE = tuple(kind for kind in LEVELS if kind != "independent arithmetic")
+BY_OTHERS = ("closed form", "table", "other program")  # finer models are computed in this project's tests
 NOT_VALIDATED = """## What is not validated
 
 - No comparison is with a measurement on a machine: all sources are equations, tables and programs.
@@ -30,8 +32,8 @@ NOT_VALIDATED = """## What is not validated
   differences, limits between fidelities, agreement among variants. Those find slips, and lack what all variants lack.
 - Of the plants damping (Kelvin-Voigt, Rayleigh, friction at stops) is compared with formulas at most, and material data
   (strength, creep, plasticity), backlash, fluids and contact are not modelled.
-- The table holds comparisons that go through `agrees`; other tests compare with outside sources too (Exudyn's spatial
-  arm and extensible arm, NASTRAN's superelements by pyYeti, Pinocchio's trees, python-control) and are not in it yet.
+- The table holds comparisons that go through `agrees`; other tests compare with outside sources too (NASTRAN's
+  superelements by pyYeti, Pinocchio's trees, python-control) and are not in it yet.
 """
 
 
@@ -43,12 +45,15 @@ def page(kept: dict[str, list[dict[str, Any]]]) -> str:
     """The page's text."""
     found = [(test, one) for test, many in kept.items() for one in many]
     outside = [one for _, one in found if one["kind"] in OUTSIDE]
+    others = [one for _, one in found if one["kind"] in BY_OTHERS]
     lines = [
         "# Validation",
         "",
         "Made from what the tests measured: no number here was typed by hand. `docs/house/validation.py` says how.",
         "",
-        f"{len(found)} comparisons, {len(outside)} of them with sources outside the project. Errors are the largest of "
+        f"{len(found)} comparisons, {len(outside)} of them with what stands outside the library: {len(others)} with "
+        "equations, tables and programs of others, the rest with finer models, such as finite elements, that this "
+        "project's tests or reference files hold. Errors are the largest of "
         "the numbers compared, relative, or absolute where that is said; digits are those that agree at least, allowed "
         "is what the test takes.",
         "",

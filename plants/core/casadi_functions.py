@@ -160,3 +160,9 @@ class built_once(cached_property[T]):
         except TypeError:  # a plant with a field that has no hash
             return {}
         return found
+
+
+def pattern(of: ca.SX, symbols: ca.SX) -> np.ndarray:
+    """(rows, columns) which entries of a column of expressions depend on which symbols. SX in, truths out."""
+    found: np.ndarray = np.array(ca.DM(ca.jacobian(of, symbols).sparsity(), 1).full(), dtype=bool)
+    return found

@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core import parameters
+from pliant.plants.core.casadi_functions import pattern
 from pliant.plants.core.signals import Joint, Sensed, Unfelt, names
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.exact_rotations.planar_chain import PlanarChain
@@ -171,10 +172,8 @@ class PlantContract(PhysicsContract):
     def joints(self) -> tuple[Joint, ...]:
         """For each input that drives one coordinate: the input, the coordinate and its rate, in the inputs' order.
 
-        Default: where the cheapest fidelity has one coordinate for each input, that which it accelerates most (for
-        B = inverse of a mass matrix the matching with the largest product is the true one, as b_ij^2 <= b_ii b_jj);
-        else the inputs that accelerate one coordinate alone.
-        """
+        Default: the one of the cheapest fidelity that it accelerates most (B = M^-1: the matching of largest product is
+        true, b_ij^2 <= b_ii b_jj); where a spring moves that one here, or there are more, what it accelerates alone."""
         rigid: Any = self.ladder()[0]
         known, nu = {*names(self.states), *names(self.outputs)}, len(self.inputs)
         pairs = tuple(rigid.rates.items())
@@ -185,17 +184,18 @@ class PlantContract(PhysicsContract):
             rows = [names(rigid.states).index(rate) for _, rate in pairs]
             B = np.abs(rigid.jacobians(rigid.consistent(np.zeros(2 * nu)))[1][rows])
             order = max(itertools.permutations(order), key=lambda p: math.prod(B[i, k] for k, i in enumerate(p)))
-        return tuple(Joint(s.name, *pairs[i]) for s, i in zip(self.inputs, order, strict=True))
+        matched = tuple(Joint(s.name, *pairs[i]) for s, i in zip(self.inputs, order, strict=True))
+        at, felt = names(self.states), pattern(self.expressions[0], self.symbols[2])
+        moved = [k for k, one in enumerate(matched) if one.rate in at and not felt[at.index(one.rate), k]]
+        return self._alone() if moved else matched
 
     def _alone(self) -> tuple[Joint, ...]:
         """The inputs that stand in the equation of one rate alone, each with a coordinate of its own."""
-        rate, u = self.expressions[0], self.symbols[2]
-        at = {name: k for k, name in enumerate(names(self.states))}
-        felt = np.array(ca.DM(ca.jacobian(rate, u).sparsity(), 1).full(), dtype=bool)
+        at, felt = names(self.states), pattern(self.expressions[0], self.symbols[2])
         found = []
         for k, s in enumerate(self.inputs):
             on = np.flatnonzero(felt[:, k])
-            pairs = [pair for pair in self.rates.items() if len(on) == 1 and at[pair[1]] == on[0]]
+            pairs = [pair for pair in self.rates.items() if len(on) == 1 and at.index(pair[1]) == on[0]]
             found += [Joint(s.name, *pair) for pair in pairs]
         positions = [joint.position for joint in found]
         return tuple(joint for joint in found if positions.count(joint.position) == 1)

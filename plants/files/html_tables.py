@@ -7,6 +7,8 @@ from html import escape
 from math import isfinite
 from typing import Any
 
+from .notebook_plots import ModelPlot, TrajectoryPlot, VerdictPlot
+
 LONGEST = 12  # names told of one kind; more are counted
 
 
@@ -36,7 +38,7 @@ class PlantTable:
         return html_table(type(self).__name__, rows)
 
 
-class ModelTable:
+class ModelTable(ModelPlot):
     """A linear model in a notebook: its signals and its slowest modes."""
 
     def _repr_html_(self) -> str:
@@ -52,7 +54,7 @@ class ModelTable:
         return html_table(type(self).__name__, rows)
 
 
-class TrajectoryTable:
+class TrajectoryTable(TrajectoryPlot):
     """A motion in a notebook: its times and the range of each output."""
 
     def _repr_html_(self) -> str:
@@ -64,7 +66,7 @@ class TrajectoryTable:
         return html_table(type(self).__name__, rows)
 
 
-class VerdictTable:
+class VerdictTable(VerdictPlot):
     """A verdict in a notebook: the answer, why, and what else was tried."""
 
     def _repr_html_(self) -> str:

@@ -73,7 +73,7 @@ class InverseDynamics(OwnsArrays):
             raise ValueError(
                 f"inputs that drive one coordinate each: the {plant.nu} of {type(plant).__name__} ({plant.label}) "
                 f"drive {alone}; move {plant.nu} coordinates instead of {len(moved)}, name those driven in `joints`, "
-                "or give the inputs as functions of time instead"
+                "or give the inputs as functions of time instead, in a file as [motion] of type samples"
             )
         return moved
 

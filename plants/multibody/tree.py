@@ -64,7 +64,7 @@ class FlexibleTree(TreeDynamics):
     >>> from pliant.plants import Joint
     >>> link = TreeBody(name="link", joint=Joint(name="hub"), beam=arm.link)
     >>> FlexibleTree.serial([link], gravity=(0, 0, 0)).nx
-    10
+    12
     """
 
     @classmethod

@@ -62,7 +62,7 @@ COMMANDS = {  # name: "module:function", and the first line of what the function
     ),
     "report": (
         "report:report",
-        "Everything about one scene in one folder: report.html, the pictures, the tables.",
+        "Everything about one scene in one folder: report.html, the pictures, the tables; or about two, side by side.",
     ),
     "open": (
         "report:open_report",
@@ -138,7 +138,7 @@ EXAMPLES = {
     "choose": "pliant choose two-link-reach --tolerance 1e-3",
     "study": "pliant study effectivity",
     "train": "pliant train single-link-slew",
-    "report": "pliant report single-link-slew --out reports/slew",
+    "report": "pliant report single-link-slew --versus payload.mass=0.3 --out reports/slew",
     "open": "pliant open",
     "figures": "pliant figures single-link",
     "doctor": "pliant doctor",

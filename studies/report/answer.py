@@ -28,16 +28,20 @@ def sentence(text: str) -> str:
 
 def answer(found: Findings) -> str:
     """The table, three sentences, and what warns of them."""
-    rows = [row for part in (_model, _stability, _controllers) for row in _known(found, part)]
     return "".join(
         (
-            table(("what", "answer"), rows),
+            table(("what", "answer"), rows(found)),
             told(found, "Stability in words", lambda: paragraph(control_sections.verdict(found))),
             told(found, "The smallest model in words", lambda: paragraph(headline(found.choice))),
             told(found, "Closed loop in words", lambda: _regulated(found)),
             told(found, "The scene's own plant against physics", lambda: _own_error(found)),
         )
     )
+
+
+def rows(found: Findings) -> Rows:
+    """What is known of model, stability and controllers, as (what, answer)."""
+    return [row for part in (_model, _stability, _controllers) for row in _known(found, part)]
 
 
 def _known(found: Findings, part: Callable[[Findings], Rows]) -> Rows:

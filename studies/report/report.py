@@ -14,7 +14,7 @@ from pliant.studies.common import atomic_files
 from pliant.studies.common.reference_motions import Progress, share
 from pliant.studies.figures import style
 
-from . import json_tables, page
+from . import answer, json_tables, page
 from .pictures import figures_of
 from .study import study
 
@@ -63,6 +63,7 @@ def report(scene: Scene, out: str | Path, *, progress: Progress | None = None, b
                 "machine": found.machine,
                 "files": contents,
                 "lost": found.lost,
+                "answer": answer.rows(found),
             },
         )
     told(1.0, "report")

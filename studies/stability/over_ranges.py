@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from pliant.controllers import LQR, stands
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core import parameters
@@ -35,7 +37,7 @@ def over_ranges(scene: Scene) -> str:
         box[path] = (min(low * value, high * value), max(low * value, high * value))
     try:
         law = LQR.for_scene(scene)
-        shown = stands(scene.plant, law, box, dict(scene.goal))
+        shown = math.floor(100 * stands(scene.plant, law, box, dict(scene.goal))) / 100
         found = own_rests(scene.plant, law, box, scene.target)
         beyond = own_rests(scene.plant, law, box, scene.target, shown) if shown > 1 else found
     except (PliantError, ValueError):  # no rest, no linear law, or one that reads what the model does not tell

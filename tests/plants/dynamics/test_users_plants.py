@@ -1,13 +1,19 @@
 """What the library asks of plants that answer nothing themselves: a crane and two turntables of a user."""
 
+import dataclasses
+
+import casadi as ca
 import numpy as np
 import pytest
 from users_plants import LIFT, LOAD, ROPE, TROLLEY, TURN, Crane, Tables
 
 from pliant.controllers import PD, sensors_of
 from pliant.controllers.base.joint_reference import Joints, joints
+from pliant.controllers.joint_control.pd import fastest_decay
+from pliant.controllers.optimal_control.plan import rigid_motion
 from pliant.envs import PlantEnv
 from pliant.envs.rendering.planar import renderer
+from pliant.plants import Plant, PliantError, Signal
 from pliant.plants.core.signals import Joint
 from pliant.plants.integration.minimum_jerk import minimum_jerk
 from pliant.plants.native.batch_kernels import random_points
@@ -98,3 +104,53 @@ def test_words_about_a_point():
     )
     still = Tables().linearize(np.zeros(4))
     assert operating_point.words(still, Tables()).startswith("at rest with second = 0 N m")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Sled(Plant):
+    """Pulled by a winch through a cable, or stiffly; states in no usual order."""
+
+    stiff: bool = False
+    inputs = property(lambda self: (Signal("pull", "N"),))
+    disturbances = property(lambda self: ())
+    outputs = property(lambda self: (Signal("position", "m"),))
+    label = property(lambda self: "stiff" if self.stiff else "elastic")
+
+    @property
+    def states(self):
+        sled = (Signal("speed", "m/s"), Signal("place", "m"))
+        return sled if self.stiff else (*sled, Signal("winch_speed", "m/s"), Signal("winch", "m"))
+
+    def ode(self, t, x, u, w):
+        if self.stiff:
+            return ca.vertcat(u / 2.5, x[0])
+        cable = 900.0 * (x[3] - x[1]) + 3.0 * (x[2] - x[0])
+        return ca.vertcat(cable / 2.0, x[0], (u - cable) / 0.5, x[2])
+
+    def output(self, t, x, u, w):
+        return x[1]
+
+    def ladder(self):
+        return (dataclasses.replace(self, stiff=True), dataclasses.replace(self, stiff=False))
+
+
+def test_an_input_drives_what_it_accelerates_not_what_a_spring_moves():
+    """Stiffly the pull accelerates the sled; through the cable the winch alone."""
+    assert Sled(stiff=True).joints == (Joint("pull", "place", "speed"),)
+    assert Sled().joints == (Joint("pull", "winch", "winch_speed"),)
+
+
+def test_a_plan_needs_no_order_of_states():
+    """Pull on the stiff sled along a minimum-jerk way: 2.5 kg times its acceleration."""
+    stiff, steps = Sled(stiff=True), 20
+    x, u = rigid_motion(stiff, np.zeros(2), np.array([0.0, 3.0]), np.zeros(1), 2.0, steps)
+    middle = (np.arange(steps) + 0.5) / steps
+    assert u[:, 0] == pytest.approx(2.5 * 3.0 * minimum_jerk(middle)[2] / 2.0**2, rel=1e-9)
+    assert x[-1] == pytest.approx([0.0, 3.0]) and x[steps // 2] == pytest.approx([3.0 * 1.875 / 2.0, 1.5])
+
+
+def test_a_pd_at_what_no_motor_drives_is_refused_in_words():
+    sled = Sled().linearize(np.zeros(4))
+    with pytest.raises(PliantError, match="PD: no input accelerates each of place, must be one that a motor drives"):
+        fastest_decay(sled, Joints(("place",), ("speed",)), 0.02)
+    assert (fastest_decay(sled, Joints(("winch",), ("winch_speed",)), 0.02)[0] > 0).all()

@@ -67,8 +67,8 @@ def test_stiff_appendages_tend_to_euler():
         absolute=True,
         of="FlexibleSpacecraft",
         what="rates of a tumbling rigid craft",
-        source="Euler's equations by SciPy",
-        kind="other program",
+        source="Euler's equations, integrated by SciPy",
+        kind="closed form",
     )
     whole, gaps = run.x[:, rigid.layout.quaternion], []
     for factor in (10.0, 40.0):
