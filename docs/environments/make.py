@@ -13,7 +13,7 @@ from pliant.studies.scene_pages import markdown
 from pliant.studies.scene_pages.returns import returns, under_lqr
 
 HERE = Path(__file__).parent
-SCOREBOARD = HERE.parent / "scoreboard" / "scoreboard.json"
+BOARDS = HERE.parent / "scoreboard"
 MOMENT = 0.12  # of the episode, at which it is drawn
 TOP = """# Environments
 
@@ -60,7 +60,16 @@ def draw(scene, path: Path) -> None:
     env.close()
 
 
-kept = json.loads(SCOREBOARD.read_text(encoding="utf-8"))
+def boards() -> dict:
+    """The second suite's rows and bounds, and the first one's of scenes that the second has not."""
+    second, first = (
+        json.loads((BOARDS / name).read_text("utf-8")) for name in ("suite-2/scoreboard.json", "scoreboard.json")
+    )
+    own = {row["scene"] for row in second["rows"]}
+    return {part: second[part] + [r for r in first[part] if r["scene"] not in own] for part in ("rows", "bounds")}
+
+
+kept = boards()
 lines = []
 for name in (*SCENES, *VARIANTS):
     scene = scenes.get(name)
