@@ -28,11 +28,15 @@ def test_the_network_does_what_the_law_does() -> None:
 
 
 def test_a_law_that_is_cut_off_for_much_of_the_motion() -> None:
-    """Spin-up: LQR asks for its limit from the start on. It costs 105.4 (docs/scoreboard)."""
+    """Spin-up: LQR asks for its limit from the start on. It costs 105.4 (docs/scoreboard).
+
+    What the rounds end at hangs on rounding: 105.8 to 114.7 over fourteen nudges of 1e-12 to 1e-9 and two compilers.
+    Fitted to what is cut off, a network costs 377 or more.
+    """
     scene = scenes.get("spin-up")
     rollouts, theta, episodes = start(scene, law_of(scene))
     cost, _ = rollouts.cost(theta, episodes)
-    assert cost[0] < 1.05 * 105.4
+    assert cost[0] < 1.25 * 105.4
 
 
 def test_without_a_law_it_holds_the_goals_input() -> None:
