@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.envs import scenes
-from pliant.plants import MassMatrixError
+from pliant.plants import IntegrationError, MassMatrixError
 from pliant.plants.integration.step_maps import step_limit
 from pliant.studies.closed_loop.closed_loop import regulator, run
 from pliant.studies.closed_loop.evaluation_scene import (
@@ -63,7 +63,7 @@ def test_a_tree_that_bends_further_than_shortening_bears_has_exact_rotations():
     law, cost = regulator(design), design.cost(run(design, regulator(design)))
     played = design.with_plant(plant)
     assert played.cost(run(played, law)) == pytest.approx(cost, rel=0.02)
-    with pytest.raises(MassMatrixError):
+    with pytest.raises((MassMatrixError, IntegrationError)):  # the latter of CVODES, which ends in ever shorter steps
         run(design.with_plant(finer(design.plant)), law)
     crane = scenes.get("crane-swing")
     assert finer_plant(crane) == (finer(crane.plant), "")
