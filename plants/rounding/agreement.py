@@ -165,6 +165,12 @@ def require_agreement(
                 row = int(measure.argmax())
                 share = np.abs(have.T - true)[:, row].max() / max(np.abs(true[:, row]).max(), np.finfo(dtype).tiny)
                 part = "" if trial.entry == "run" else f" of its {trial.entry}"
+                if not np.isfinite(have[row]).all():
+                    raise KernelMismatch(
+                        f"compiled code of {name} disagrees with the virtual machine: output {i}, row {row}{part}, is "
+                        "no number at points of the trial where it should be; it is not used (they are drawn about the "
+                        "plant's rest_state, zero where it has none: is its mass matrix lost near there?)"
+                    )
                 raise KernelMismatch(
                     f"compiled code of {name} disagrees with the virtual machine by {float(share):.2g} in output {i}, "
                     f"row {row}{part}, {most[row]:.3g} times what rounding explains; it is not used (another compiler, "
