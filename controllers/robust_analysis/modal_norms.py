@@ -23,7 +23,7 @@ DOUBLINGS = 40
 CLOSE, LARGE = 1e-13, 1e100  # of powers: a sum that has ended, and one that does not
 LYAPUNOV, TOWARDS = 0.5, 0.3  # g^2, of the way from the largest |eigenvalue|^2 to 1: of all modes, and of some
 WORST_BASIS = 1e8  # condition number
-TINY = 1e-300
+SMALL = 1e-9  # of the largest change between groups: what two that nothing couples are weighed by
 
 
 class Norms(NamedTuple):
@@ -98,7 +98,8 @@ def _weighted(A: Array, parts: Array, groups: list[list[int]], start: Norms) -> 
         return None
     moved = np.abs(R @ (A[1:] - A[0]) @ np.linalg.inv(R)).max(axis=0) ** 2
     between = np.sqrt(np.add.reduceat(np.add.reduceat(moved, ends[:-1], axis=0), ends[:-1], axis=1))
-    weights = 1 / linalg.matrix_balance(between + TINY, permute=False, separate=True)[1][0]
+    between += SMALL * between.max() + np.finfo(float).tiny
+    weights = 1 / linalg.matrix_balance(between, permute=False, separate=True)[1][0]
     T = R * np.repeat(weights, np.diff(ends))[:, None]
     P = np.einsum("g,gcij->cij", weights**2, parts)
     return _norms(T @ start.T, start.T.T @ P @ start.T)

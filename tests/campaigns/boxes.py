@@ -16,9 +16,23 @@ import by_seed
 import numpy as np
 
 from pliant.controllers.robust_analysis.nearest_instability import growth
-from pliant.controllers.robust_analysis.robust_stability import over_box
+from pliant.controllers.robust_analysis.robust_stability import RobustStability, over_box
 
 TRIED = 10_000
+
+
+def tried_out(
+    found: RobustStability, state_matrix: Any, dt: float | None, rng: np.random.Generator, tried: int
+) -> tuple[float, float]:
+    """Largest growth [1/s] in the box that was shown, at random points and edges; |growth| at the worst parameters of a
+    box (1, 3) for each."""
+    d = rng.uniform(-1, 1, (tried, len(found.box)))
+    d[::2] /= np.abs(d[::2]).max(axis=1, keepdims=True)
+    grows = max(growth(state_matrix(found.stable_to * s), dt) for s in d)
+    at = 0.0
+    if found.worst is not None:
+        at = abs(growth(state_matrix(np.array(list(found.worst.values())) - 2), dt))
+    return grows, at
 
 
 def run(seed: int, tried: int = TRIED) -> dict[str, Any]:
@@ -43,12 +57,7 @@ def run(seed: int, tried: int = TRIED) -> dict[str, Any]:
     if growth(state_matrix(np.zeros(k)), None) >= -1e-3:
         return {**row, "gap": None, "wrong": False, "seconds": 0.0}
     found = over_box(state_matrix, {f"p{i}": (1.0, 3.0) for i in range(k)}, mass=mass)
-    d = rng.uniform(-1, 1, (tried, k))
-    d[::2] /= np.abs(d[::2]).max(axis=1, keepdims=True)
-    grows = max(growth(state_matrix(found.stable_to * s), None) for s in d)
-    at = 0.0
-    if found.worst is not None:
-        at = abs(growth(state_matrix(np.array(list(found.worst.values())) - 2), None))
+    grows, at = tried_out(found, state_matrix, None, rng, tried)
     gap = None if found.unstable_at is None else found.mu[1] / found.mu[0] - 1
     wrong = bool((found.stable_to > 0 and grows > 0) or at > 1e-6)
     seconds = round(time.perf_counter() - began, 2)

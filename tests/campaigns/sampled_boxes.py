@@ -14,9 +14,9 @@ from typing import Any
 
 import by_seed
 import numpy as np
+from boxes import tried_out
 from scipy.linalg import expm, solve_discrete_are
 
-from pliant.controllers.robust_analysis.nearest_instability import growth
 from pliant.controllers.robust_analysis.robust_stability import over_box
 from pliant.plants.core.errors import PliantError
 
@@ -70,14 +70,9 @@ def run(seed: int, tried: int = TRIED) -> dict[str, Any]:
         found = over_box(state_matrix, {f"p{i}": (1.0, 3.0) for i in range(k)}, dt)
     except PliantError:  # not stable in the middle
         return {**row, "gap": None, "wrong": False, "seconds": 0.0}
-    d = rng.uniform(-1, 1, (tried, k))
-    d[::2] /= np.abs(d[::2]).max(axis=1, keepdims=True)
-    grows = max(growth(state_matrix(found.stable_to * s), dt) for s in d)
-    at = 0.0
-    if found.worst is not None:
-        at = abs(growth(state_matrix(np.array(list(found.worst.values())) - 2), dt)) * dt
+    grows, at = tried_out(found, state_matrix, dt, rng, tried)
     gap = (found.most if found.unstable_at is None else found.unstable_at) / max(found.stable_to, 1e-9) - 1
-    wrong = bool((found.stable_to > 0 and grows > 0) or at > 1e-6)
+    wrong = bool((found.stable_to > 0 and grows > 0) or at * dt > 1e-6)
     seconds = round(time.process_time() - began, 2)
     return {**row, "gap": gap, "grows": float(grows), "at": float(at), "wrong": wrong, "seconds": seconds}
 
