@@ -5,7 +5,7 @@ through its CasADi scalars, common subexpressions removed. Writes benchmarks/res
 
 Needs `pip install pin` (headers and URDF reader), CasADi and Eigen's headers; the compiler takes two minutes and 3 GB.
 The wheel of Pinocchio has no CasADi module, so a program of fifty lines is built from its headers. Products with
-an exact 0 or 1 are left out by CasADi; the URDF's right angles, which a sine gives to 5e-12, are set to exact ones first.
+an exact 0 or 1 are left out by CasADi; the right angles of the URDF, which a sine gives to 5e-12, are made exact first.
 """
 
 from __future__ import annotations
