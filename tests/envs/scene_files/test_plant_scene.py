@@ -1,9 +1,13 @@
 """A first scene of a plant that comes without one: it plays as it is written."""
 
+import dataclasses
+import xml.etree.ElementTree as xml
+
 import pytest
 from hoist import Hoist
 
 from pliant.envs import check_scene, scenes
+from pliant.envs.machines.trees import SIX_AXIS
 from pliant.envs.scene_files.plant_scene import first_scene, written
 from pliant.envs.scene_files.scene_tables import from_tables
 from pliant.envs.scene_files.starts import scene_start
@@ -43,3 +47,17 @@ def test_weights_and_efforts_are_of_squares():
     text = scene_start("far", "two-link-reach")["far.toml"]
     weights = text[text.index("# [weights]") : text.index("# [effort]")]
     assert "# theta1 = 10.0  # of its square [(rad)^2]" in weights and "# theta1 = -0.9  # [rad]" in text
+
+
+def test_a_robots_file_gives_its_own_limits_and_a_motion_within_its_joints_ranges():
+    """What the URDF says: effort 150, 150, 150, 28, 28, 28 N m; the start clear of a range that leaves zero out."""
+    robot = xml.parse(SIX_AXIS).getroot()
+    efforts = [float(limit.get("effort")) for limit in robot.iter("limit")]
+    ((name, text),) = scene_start("pick", str(SIX_AXIS)).items()
+    scene = from_tables(loads(text))
+    assert name == "pick.toml" and list(scene.limits) == efforts and "6 joints" in scene.about
+    bent = dataclasses.replace(scene.plant.bodies[2].joint, lower=0.2, upper=1.0)
+    bodies = list(scene.plant.bodies)
+    bodies[2] = dataclasses.replace(bodies[2], joint=bent)
+    moved = first_scene("bent", dataclasses.replace(scene.plant, bodies=tuple(bodies)))
+    assert dict(moved.start)["elbow"] == 0.4 and dict(moved.goal)["elbow"] == 0.6
