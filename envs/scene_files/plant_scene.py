@@ -16,6 +16,7 @@ from pliant.plants.files import toml_text
 from .scene_tables import to_tables
 
 MOVED = 0.5  # of a joint, in its own unit
+FASTEST, SLOWEST = 1e-3, 0.02  # of control periods [s]
 FEW = 4  # joints are named, more counted
 ROOM = 2.0  # limits over what the motion takes
 WIDTH = 120  # characters of a line
@@ -72,7 +73,22 @@ def first_scene(name: str, plant: Plant) -> Scene:
     told = {joint.input: joint.effort for joint in plant.joints if 0 < joint.effort < math.inf}
     limits = tuple(told.get(s.name, least) for s, least in zip(plant.inputs, asked))
     effort = tuple((s.name, float(f"{0.1 / limit**2:.2g}")) for s, limit in zip(plant.inputs, limits))
-    return Scene(**given, limits=limits, effort=effort)
+    return Scene(**given, dt=_period(free, len(moved)), limits=limits, effort=effort)
+
+
+def _period(scene: Scene, joints: int) -> float:
+    """A tenth of the period, at the goal with joints free, of the slowest vibration that is not theirs, as 1, 2 or 5 times
+    a power of ten [s].
+    """
+    bending = len(scene.plant.rates) - joints
+    try:
+        found = scene.plant.natural_frequencies(scene.target[0])
+    except (PliantError, ValueError):  # no rest that could vibrate
+        found = None
+    vibrating = [] if found is None or not bending else [w for w in sorted(found)[-bending:] if w > 0]
+    longest = min(SLOWEST, max(FASTEST, 2 * math.pi / min(vibrating) / 10)) if vibrating else SLOWEST
+    power = 10.0 ** math.floor(math.log10(longest))
+    return float(f"{max(step * power for step in (1, 2, 5) if step * power <= longest * (1 + 1e-9)):.3g}")
 
 
 def _manoeuvre(rest: float, joint: Joint | None) -> tuple[float, float]:
@@ -102,4 +118,4 @@ def written(scene: Scene) -> str:
 
 def _ordered(tables: dict[str, Any]) -> dict[str, Any]:
     """With what a scene leaves at its default written out where a start should show it."""
-    return {"name": tables.pop("name"), "about": tables.pop("about"), "dt": 0.02, "tolerance": 1e-3} | tables
+    return {"name": tables.pop("name"), "about": tables.pop("about"), "dt": SLOWEST, "tolerance": 1e-3} | tables
