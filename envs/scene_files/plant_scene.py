@@ -77,8 +77,8 @@ def first_scene(name: str, plant: Plant) -> Scene:
 
 
 def _period(scene: Scene, joints: int) -> float:
-    """A tenth of the period, at the goal with joints free, of the slowest vibration that is not theirs, as 1, 2 or 5 times
-    a power of ten [s].
+    """A tenth of the period, at the goal with joints free, of the slowest vibration that is not theirs, as 1, 2 or 5
+    times a power of ten [s].
     """
     bending = len(scene.plant.rates) - joints
     try:
