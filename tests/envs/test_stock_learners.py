@@ -15,7 +15,7 @@ NOTHING = 30.0  # the cost of doing nothing on single-link-slew: ten per second 
 @pytest.mark.campaign
 def test_ppo_beats_doing_nothing_by_five_times() -> None:
     found: dict = {}
-    exec(FIRST.replace("STEPS", "65_536"), found)
+    exec(FIRST.replace("STEPS", "32_768"), found)
     assert found["cost"] < NOTHING / 5
 
 
