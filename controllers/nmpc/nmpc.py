@@ -101,7 +101,8 @@ class NMPC:
         starts: states (nx,) that the choice of substeps is to serve. first_steps: Gauss-Newton steps, at most, on the
         first plan after `reset`. iteration_limit: of the quadratic program's active-set changes. delay: after how many
         periods an input acts, 1.5 say; the plan begins at the state that the plant's own steps take the reading to by
-        then, of a range (shortest, longest) after a quarter of it. before (nu,): what acts until the first input does; the goal's where None.
+        then, of a range (shortest, longest) after a quarter of it. before (nu,): what acts until the first input does;
+        the goal's where None.
         """
         require_instance("NMPC.objective", objective, Objective)
         horizon = require_count("NMPC", "horizon", horizon, 1, 10_000)
