@@ -35,9 +35,9 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
     constants += array(f"{p}_drift", law._drift) if law._drift is not None else ""
     fields, reset = list(tracked.fields), tracked.reset
     start, act = _known(law, p, tracked), ""
-    late = 0 if law._knowledge is None else len(law._knowledge._way.first)
-    if late:
-        constants += array(f"{p}_begun", law._knowledge._way.first)
+    begun = np.zeros(0) if law._knowledge is None else law._knowledge._way.first
+    if late := len(begun):
+        constants += array(f"{p}_begun", begun)
         fields.append(f"REAL way[{late}];")
         reset += each("i", late, f"s->way[i] = {p}_begun[i];")
         start += each("i", late, f"known[{len(law.reads)} + i] = s->way[i];")
