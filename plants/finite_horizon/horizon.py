@@ -99,7 +99,7 @@ class FiniteHorizon(OwnsArrays):
 
     @cached_property
     def _by_energy(self) -> tuple[Array, Array]:
-        return pushed_outputs.by_energy(self._on, pushed_outputs.gramians(self._on))
+        return pushed_outputs.by_energy(self._on)
 
     @cached_property
     def _by_bounds(self) -> tuple[Array, Array, Array]:

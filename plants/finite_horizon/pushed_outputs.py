@@ -8,6 +8,8 @@ White, of unit intensity, and a start of covariance P0: the standard deviation s
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from pliant.plants.linear.ltv import splined
@@ -18,41 +20,60 @@ from .stretches import ACROSS, Stretches
 Array = np.ndarray
 BETWEEN = (0.2, 0.4, 0.6, 0.8)  # parts of a stretch
 STEADY = 1e-3  # by which C and F may be larger within a stretch than at its ends, and yet not be looked at there
+KEPT = 500_000  # numbers of W at once
 WORK, FEWEST_LOOKED = 4e8, 40  # multiplications, and times, for what bounded disturbances can do
 
 
 def gramians(on: Stretches, start: Array | None = None) -> Array:
     """W (m + 1, n, n) at the ends of stretches; `start` (n, n): its value at the first."""
-    Phi, step = on.moves[0], on.reached
-    W = np.zeros((len(on.h) + 1, on.n, on.n))
+    found = np.empty((len(on.h) + 1, on.n, on.n))
+    for begin, W in _gramians(on, start):
+        found[begin : begin + len(W)] = W
+    return found
+
+
+def _gramians(on: Stretches, start: Array | None = None) -> Iterator[tuple[int, Array]]:
+    """The same some at a time: the first end's place, and W (.., n, n) from it to that of the next part."""
+    Phi, step, m = on.moves[0], on.reached, len(on.h)
+    count = max(16, KEPT // on.n**2)
+    W = np.zeros((count + 1, on.n, on.n))
     if start is not None:
         W[0] = start
-    for k, g in enumerate(on.group.tolist()):
-        W[k + 1] = Phi[g] @ W[k] @ Phi[g].T + step[g]
-    return W
+    for begin in range(0, m, count):
+        groups = on.group[begin : begin + count].tolist()
+        for k, g in enumerate(groups):
+            W[k + 1] = Phi[g] @ W[k] @ Phi[g].T + step[g]
+        yield begin, W[: len(groups) + 1]
+        W[0] = W[len(groups)]
 
 
-def by_energy(on: Stretches, W: Array) -> tuple[Array, Array]:
+def by_energy(on: Stretches) -> tuple[Array, Array]:
     """The most that |z_i| can be at each end of a stretch (m + 1, nz), and what it is at most on the stretch before it.
 
     Between the ends W is a cubic of its rates there, to within the fourth derivative's share, (2 |lambda| h)^4/384 of
     the largest; C is what it is. What passes through without delay (F) has no bound at one time: it is left out of the
     first, and makes the second infinite.
     """
-    (E, C, F), h = on.nodes, on.h[:, None]
-    squares = np.maximum(_quadratic(C, W), 0.0)
-    within = [squares[:-1], squares[1:]]
-    for s in BETWEEN:  # the cubic through values and slopes at both ends
-        first, last = (1 + 2 * s) * (1 - s) ** 2, s**2 * (3 - 2 * s)
-        sees = on.between(s)[0]
-        early, late = on.rates(sees)
+    (E, C, F), m, nz = on.nodes, len(on.h), on.nz
+    between = np.concatenate([on.between(s)[0] for s in BETWEEN], axis=1)  # (m, 4 nz, n)
+    early, late = on.rates(between)
+    squares, upper = np.zeros((m + 1, nz)), np.zeros((m + 1, nz))
+    for begin, W in _gramians(on):
+        own, ends = slice(begin, begin + len(W) - 1), slice(begin, begin + len(W))
+        sees, h = between[own], on.h[own, None]
+        squares[ends] = np.maximum(_quadratic(C[ends], W), 0.0)
         before, after = sees @ W[:-1], sees @ W[1:]
-        begin = 2 * (before * early).sum(axis=-1) + np.square(sees @ E[:-1]).sum(axis=-1)
-        end = 2 * (after * late).sum(axis=-1) + np.square(sees @ E[1:]).sum(axis=-1)
-        values = first * (before * sees).sum(axis=-1) + last * (after * sees).sum(axis=-1)
-        within.append(values + h * (s * (1 - s) ** 2 * begin - s**2 * (1 - s) * end))
-    error = (2 * ACROSS) ** 4 / 384 * squares.max(axis=0)
-    upper = np.vstack([squares[:1], np.max(within, axis=0) + error])
+        drives = (np.square(sees @ E[at]).sum(axis=-1) for at in (own, slice(begin + 1, begin + len(W))))
+        slopes = [2 * (w * rate[own]).sum(axis=-1) + d for w, rate, d in zip((before, after), (early, late), drives)]
+        values = [(w * sees).sum(axis=-1) for w in (before, after)]
+        most = np.maximum(squares[own], squares[begin + 1 : begin + len(W)])
+        for i, s in enumerate(BETWEEN):  # the cubic through values and slopes at both ends
+            a, b, rise, fall = (v[:, i * nz : (i + 1) * nz] for v in (*values, *slopes))
+            cubic = (1 + 2 * s) * (1 - s) ** 2 * a + s**2 * (3 - 2 * s) * b
+            most = np.maximum(most, cubic + h * (s * (1 - s) ** 2 * rise - s**2 * (1 - s) * fall))
+        upper[begin + 1 : begin + len(W)] = most
+    upper[1:] += (2 * ACROSS) ** 4 / 384 * squares.max(axis=0)
+    upper[0] = squares[0]
     upper[:, np.abs(F).max(axis=(0, 2)) > 0] = np.inf
     return np.sqrt(squares), np.sqrt(np.maximum(upper, 0.0))
 
