@@ -12,7 +12,7 @@ import numpy as np
 from .stretches import ACROSS, Stretches
 
 Array = np.ndarray
-CHAIN = 12  # stretches
+CHAIN = 24  # stretches
 CURVED = ACROSS**2 / 8  # of its height, that a swing may be off the straight line between the ends of a stretch
 NEAR = 4  # stretches that hold a quarter of the fastest swing
 ROWS = 500_000  # numbers kept at once
@@ -20,7 +20,7 @@ ROWS = 500_000  # numbers kept at once
 
 def pushed_moduli(on: Stretches, at: Array, sees: Array) -> Array:
     """(nk, nz, nw) the integral of |sees Phi(t, s) E(s)| up to each t[at], ascending, of sees (nk, nz, n)."""
-    last, nz, count = int(at[-1]), on.nz, len(at)
+    last, (count, nz, _) = int(at[-1]), sees.shape
     until, total = np.repeat(at, nz), np.zeros((count * nz, on.nw))
     length = max(2 * NEAR, ROWS // (count * nz * on.nw))
     going = _Backward(on, at, sees, length)
@@ -40,7 +40,7 @@ class _Backward:
     sides) of c Phi(t, s) E(s) at their ends, zero where a row has not begun."""
 
     def __init__(self, on: Stretches, at: Array, sees: Array, length: int) -> None:
-        rows = len(at) * on.nz
+        rows = len(at) * sees.shape[1]
         self.on, self.at, self.sees, self.length = on, at, sees, length
         self.rows = np.zeros((rows, on.n))
         self.held = np.zeros((rows, on.nw, length + NEAR))
@@ -63,7 +63,7 @@ class _Backward:
 
     def _begin(self, k: int) -> None:
         """Rows that begin at the end k."""
-        nz = self.on.nz
+        nz = self.sees.shape[1]
         while self.begun and self.at[self.begun - 1] == k:
             self.begun -= 1
             own = slice(self.begun * nz, (self.begun + 1) * nz)
@@ -71,9 +71,9 @@ class _Backward:
             self.ends[own, :, k - self.base + NEAR] = self.rows[own] @ self.on.nodes[0][k]
 
     def _chain(self, low: int) -> None:
-        on, high, old = self.on, self.now, self.begun * self.on.nz
+        on, nz, high = self.on, self.sees.shape[1], self.now
         begin = max(high - CHAIN, low, int(on.first[on.group[high - 1]]) if on.alike else 0)
-        size, n = high - begin, on.n
+        size, n, old = high - begin, on.n, self.begun * nz
         if old < len(self.rows):
             found = self.rows[old:] @ self._columns(begin, high)
             i, w = begin - self.base, size * on.nw
@@ -82,8 +82,8 @@ class _Backward:
             self.rows[old:] = found[:, :n]
         if self.begun and self.at[self.begun - 1] >= begin:
             for k in range(high - 1, begin - 1, -1):
-                new, g = slice(self.begun * on.nz, old), on.group[k]
-                if self.begun * on.nz < old:
+                new, g = slice(self.begun * nz, old), on.group[k]
+                if self.begun * nz < old:
                     self.held[new, :, k - self.base] = self.rows[new] @ on.moves[1][g]
                     self.rows[new] = self.rows[new] @ on.moves[0][g]
                     self.ends[new, :, k - self.base + NEAR] = self.rows[new] @ on.nodes[0][k]
@@ -101,7 +101,7 @@ class _Backward:
             self._powers = groups[0], L
         L = self._powers[1][: end - begin + 1]
         held, ends = (L[:-1] @ Gamma[groups[::-1]])[::-1], (L[1:] @ on.nodes[0][begin:end][::-1])[::-1]
-        columns = (np.moveaxis(M, 0, 2).reshape(on.n, -1) for M in (held, ends))
+        columns = (M.transpose(1, 2, 0).reshape(on.n, -1) for M in (held, ends))
         return np.concatenate([L[-1], *columns], axis=1)
 
 

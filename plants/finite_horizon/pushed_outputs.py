@@ -123,16 +123,20 @@ def looked_at(on: Stretches) -> Array:
     return np.unique(np.linspace(0, m, min(count, m + 1)).round().astype(int))
 
 
-def by_bounded(on: Stretches, limits: Array, at: Array) -> tuple[Array, Array]:
+def by_bounded(on: Stretches, limits: Array, at: Array, row: int | None = None) -> tuple[Array, Array]:
     """At most how far |z_i| can be where |w_j| <= limits (nw,): at the ends `at` (nk,) of stretches (nk, nz), and at
-    most (nz,) at other times, where C or F are larger within a stretch than at its ends.
+    most (nz,) at other times, where C or F are larger within a stretch than at its ends. Of one `row`: of that alone, and only at ends.
 
     By the adjoint: c Phi(t, s) from each t backward. Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the
     integral of its modulus is that of itself. Where it does not, or may not, the straight line between its ends
     serves, with what the second derivative may add.
     """
-    found = (pushed_moduli(on, at, on.nodes[1][at]) + np.abs(on.nodes[2][at])) @ limits
-    beside, looked, more = np.zeros(on.nz), set(at.tolist()), []
+    rows = slice(None) if row is None else slice(row, row + 1)
+    (_, C, F), more, looked = on.nodes, [], set(at.tolist())
+    found = (pushed_moduli(on, at, C[at, rows]) + np.abs(F[at, rows])) @ limits
+    beside = np.zeros(found.shape[1])
+    if row is not None:
+        return found, beside
     for k, values in _larger_within(on).items():  # what stands between moves as at the nearer end
         more += [(end, *value) for end in {k, k + 1} & looked for value in values]
     if more:
