@@ -1,8 +1,9 @@
 """Integrals of |c Phi(t, s) E_j(s)| over s up to many times t of a motion at once: what bounded disturbances can do.
 
-Backward by the adjoint, CHAIN stretches at a time: with r the rows at the end of a chain, those at the start of its
-k-th stretch are r L_k Phi_k and what w held over it does is r L_k Gamma_k, L_k the product of the transitions behind it.
-One product of r with all these columns serves the chain. Rows that begin within a chain go from stretch to stretch.
+Backward by the adjoint, CHAIN stretches at a time: with r the rows at the end of a chain and L_k the product of the
+transitions behind its k-th stretch, the rows at the start of that are r L_k Phi_k and what w held over it does is
+r L_k Gamma_k. One product of r with all these columns serves the chain. Rows that begin within a chain go from stretch
+to stretch.
 """
 
 from __future__ import annotations

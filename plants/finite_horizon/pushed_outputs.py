@@ -125,7 +125,8 @@ def looked_at(on: Stretches) -> Array:
 
 def by_bounded(on: Stretches, limits: Array, at: Array, row: int | None = None) -> tuple[Array, Array]:
     """At most how far |z_i| can be where |w_j| <= limits (nw,): at the ends `at` (nk,) of stretches (nk, nz), and at
-    most (nz,) at other times, where C or F are larger within a stretch than at its ends. Of one `row`: of that alone, and only at ends.
+    most (nz,) at other times, where C or F are larger within a stretch than at its ends. Of one `row`: of
+    that alone, and only at ends.
 
     By the adjoint: c Phi(t, s) from each t backward. Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the
     integral of its modulus is that of itself. Where it does not, or may not, the straight line between its ends
