@@ -12,7 +12,16 @@ import pliant.plants
 import pliant.studies
 
 PACKAGES = (pliant.plants, pliant.envs, pliant.controllers, pliant.studies)
-OTHERS = ("control", "matplotlib.pyplot", "scipy.stats", "stable_baselines3", "torch", "distributed", "mpmath", "pytest")
+OTHERS = (
+    "control",
+    "matplotlib.pyplot",
+    "scipy.stats",
+    "stable_baselines3",
+    "torch",
+    "distributed",
+    "mpmath",
+    "pytest",
+)
 
 if __name__ == "__main__":
     for package in PACKAGES:

@@ -2,14 +2,13 @@
 
 import doctest
 import importlib
+import re
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pliant.controllers import LQR
-from pliant.envs import scenes
 from pliant.plants.tables import plant_types
 
 HOUSE = Path(__file__).parents[1] / "docs" / "house"
@@ -31,11 +30,11 @@ OWN = {name: item for name, item in PUBLIC.items() if ">>>" in item.doc}
 
 @pytest.fixture(scope="module")
 def known():
-    """What examples take as known beside their own module's names, as docs/api.md says."""
-    scene = scenes.get("single-link-slew")
-    law = LQR.for_scene(scene)
-    motion = scene.plant.simulate(scene.initial[0], law, scene.times, rtol=1e-8, atol=1e-10)
-    return {"np": np, "scene": scene, "arm": scene.plant, "law": law, "motion": motion}
+    """What examples take as known beside their own module's names: what the block of docs/api.md makes."""
+    [block] = re.findall(r"```python\n(.*?)```", (HOUSE.parent / "api.md").read_text(encoding="utf-8"), re.DOTALL)
+    names: dict = {}
+    exec(block, names)
+    return {name: names[name] for name in ("np", "scene", "arm", "law", "motion")}
 
 
 def outcome(test):
