@@ -226,7 +226,7 @@ def test_operations_of_a_right_hand_side(robots):
     assert operations(FlexibleTree.from_urdf(path, **options)) < 2700
 
 
-REFUSED = {  # what these files lack: bodies, a joint that moves, a mass beyond a joint, a link
+LACKING = {  # what these files lack: bodies, a joint that moves, a mass beyond a joint, a link
     "quadrotor_base.urdf": r"bodies = \(\) must be one body at least",
     "iris_simple.urdf": "must have a joint that moves",
     "romeo.urdf": "of mass = 0.0 and nothing heavier beyond it",
@@ -241,8 +241,8 @@ def test_every_robot_of_the_collection_is_pinocchios_or_refused_by_the_name_of_w
     """69 files of example-robot-data 6.0.0, up to 202 states: M and M a + bias = torque at one random state."""
     files, compared = sorted(robots.glob("**/*.urdf")), 0
     for file in files:
-        if file.name in REFUSED:
-            with pytest.raises(ValueError, match=REFUSED[file.name]):
+        if file.name in LACKING:
+            with pytest.raises(ValueError, match=LACKING[file.name]):
                 FlexibleTree.from_urdf(file, mimic="free", inertias="repair")
             continue
         tree = FlexibleTree.from_urdf(file, mimic="free", inertias="repair")
