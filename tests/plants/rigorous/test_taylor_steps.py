@@ -2,6 +2,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from pliant.plants.rigorous import taylor_steps
 from pliant.plants.rigorous.balls import flint, identity, matrix
 from pliant.plants.rigorous.taylor_steps import parts, shifted, step
 
@@ -45,3 +46,13 @@ def test_shift():
         A = [matrix(np.array([[c]])) for c in (1.0, -2.0, 3.0, -4.0)]
         at = [float(a[0, 0]) for a in shifted(A, flint().arb(0.5))]  # p, p', p''/2, p'''/6 at 1/2
     assert at == [0.25, -2.0, -3.0, -4.0]
+
+
+def test_the_remainder_of_few_terms(monkeypatch):
+    # e = 1 + 1 + 1/2 + 1/6 + ..: what four terms leave is inside, and hardly more
+    monkeypatch.setattr(taylor_steps, "MOST_TERMS", 3)
+    zero = matrix(np.zeros((1, 1)))
+    with flint().ctx.workprec(100):
+        Phi = step([matrix(np.eye(1)), zero, zero, zero], flint().arb(1))
+        e = flint().arb(1).exp()
+        assert Phi[0, 0].contains(e) and Phi[0, 0].rad() < 1.0001 * (e - 8 / flint().arb(3)).upper()
