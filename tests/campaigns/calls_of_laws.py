@@ -63,6 +63,7 @@ REASONS = {  # patterns of module and name
     "controllers.base.solver_record*": RESULT,
     "controllers.estimation.kalman.Kalman": "made by design, along and for_scene",
     "controllers.estimation.kalman_gains*": INNER,
+    "controllers.estimation.parameter_noise.*": INNER,
     "controllers.estimation.sensors.encoder": "as Sensor",
     "controllers.estimation.sensors.accelerometer": "as Sensor",
     "controllers.estimation.square_root*": INNER,
