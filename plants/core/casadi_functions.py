@@ -171,6 +171,12 @@ class built_once(cached_property[T]):
         return found
 
     @classmethod
+    def has(cls, instance: Any, name: str) -> bool:
+        """Whether it is built for an instance, or an equal one."""
+        shared = instance.__dict__.get("_shared")
+        return name in (cls._kept.get(instance, {}) if shared is None else shared)
+
+    @classmethod
     def _of_equals(cls, instance: Any) -> dict[str, Any]:
         try:
             found = cls._kept.setdefault(instance, {})

@@ -6,8 +6,8 @@ import pytest
 
 from pliant.plants import TwoLinkArm
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.rows import instruction_tape
-from pliant.plants.rows.instruction_tape import BLOCK, COMPILING, READING, Tape, library
+from pliant.plants.rows.instruction_tape import READING, Tape, library
+from pliant.plants.rows.tape_programs import BLOCK, COMPILING
 
 ROWS = READING + BLOCK + 3  # more than reading takes, and no whole number of blocks
 
@@ -67,10 +67,3 @@ def test_few_rows_and_what_c_has_not_stay_on_the_virtual_machine(compiled, monke
     unwanted = NumericFunction(ca.Function("unwanted", [x], [x + x]))
     assert unwanted(np.ones((ROWS, 1)), batch=ROWS)[0].min() == 2.0
     assert unwanted._rows._tape is None
-
-
-def test_c_with_other_numbers_is_refused(compiled, monkeypatch):
-    monkeypatch.setitem(instruction_tape.UNARY, "SQ", "a * a * (1 + 2e-16)")
-    found = instruction_tape._Library()
-    found.spent = COMPILING
-    assert found.at_hand(1.0) is None
