@@ -133,7 +133,9 @@ class FixedMotion:
 class AdaptiveMotion:
     """A motion of adaptive steps and its arrays."""
 
-    def __init__(self, function: Any, arrays: Sequence[Array]) -> None:
+    def __init__(self, function: Any, arrays: Sequence[Array], scratch: Array | None = None) -> None:
+        """scratch: what the function writes to beside."""
+        self._scratch = scratch
         self._function, self._now, self._at = function, np.zeros(3), np.zeros(3, dtype=LONG)
         self._arrays = (*arrays, self._now, self._at)
 
