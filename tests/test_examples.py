@@ -140,6 +140,8 @@ assert abs(cost - 2.4825) < 1e-3 and told.verdict.startswith("holds") and stands
 URDF_ARM = """
 assert told.verdict.startswith("unstable") and missed < 1e-6
 assert [s.name for s in arm.states][2:4] == ["fore_z1", "fore_z2"]
+chosen = choose(scene)
+assert chosen.met and chosen.plant.label.startswith("linear")
 Path("arm.urdf").unlink()
 """
 SLEW = """

@@ -6,6 +6,7 @@ A step of RK4 takes four right-hand sides; of Pinocchio's a call of its ABA from
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -31,6 +32,7 @@ GROUP, LANES = "trees", 1024
 SIX, THREE = "six-axis-pick", "three-link-flexible"
 BENT, RIGID, ABA = f"RK4 step, {SIX}", f"RK4 step, {SIX}, rigid", "Pinocchio's ABA through Python, the rigid arm"
 JACOBIANS, ENVIRONMENT, COLD = f"exact A, B, {SIX}, native", f"environment, {SIX}", f"kernels of {SIX}, empty cache"
+GENERATED = Path(__file__).resolve().parents[1] / "results/trees/pinocchio_code.json"
 SHORT, LONG = 20, 125  # control periods of the horizons
 ACTS = {
     f"LQR, {SIX}": (SIX, "LQR", {}),
@@ -176,7 +178,10 @@ def notes(rows: Sequence[Row]) -> list[str]:
         return []
     assert isinstance(scenes.get(SIX).plant, FlexibleTree)
     each = ", ".join(f"{name} {operations(name):,}" for name in (SIX, "rigid", THREE))
+    theirs = json.loads(GENERATED.read_text(encoding="utf-8"))
     return [
-        f"Trees: operations of a right-hand side: {each} (rigid: {SIX}'s arm without bending). Acts are those of an "
+        f"Trees: operations of a right-hand side: {each} (rigid: {SIX}'s arm without bending, with its payload and "
+        f"damped joints). The code that Pinocchio {theirs['pinocchio']} generates of its ABA of that rigid arm, common "
+        f"subexpressions removed: {theirs['operations']:,} (`peers/pinocchio_code/count.py`). Acts are those of an "
         "episode's first 100 periods; the first act, which makes a first plan, is left out."
     ]

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.signals import names
+from pliant.plants.core.signals import Joint, names
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.files import toml_text
 
 from .scene_tables import to_tables
 
 MOVED = 0.5  # of a joint, in its own unit
+FASTEST, SLOWEST = 1e-3, 0.02  # of control periods [s]
+FEW = 4  # joints are named, more counted
 ROOM = 2.0  # limits over what the motion takes
 WIDTH = 120  # characters of a line
 UNKNOWN = 1e6  # a limit while it is asked what the motion takes
@@ -25,7 +28,7 @@ SAID = {
     "observe": "what an environment and a controller see",
     "compare": "outputs whose error tells models apart ..",
     "tolerance": ".. and how large it may be, in their unit",
-    "limits": "largest |input|: put your machine's in place of twice what the motion takes",
+    "limits": "largest |input|: put your machine's where its data did not say it (then twice what the motion takes)",
     "start": "coordinates of a rest; what is not named is as in the plant's rest_state, or in equilibrium",
     "weights": "cost: dt times weight times (signal - its value at the goal)^2, summed",
     "effort": "the same of inputs",
@@ -43,16 +46,17 @@ def first_scene(name: str, plant: Plant) -> Scene:
     """
     rest = dict(zip(names(plant.states), np.asarray(plant.rest_state).tolist()))
     shared = [n for n in names(plant.states) if all(n in names(rung.states) for rung in plant.ladder())]
-    joints = [joint.position for joint in plant.joints if joint.position in plant.rates and joint.position in shared]
-    moved = joints or [n for n in plant.rates if n in shared][: plant.nu]
+    joints = {j.position: j for j in plant.joints if j.position in plant.rates and j.position in shared}
+    moved = list(joints) or [n for n in plant.rates if n in shared][: plant.nu]
+    manoeuvre = {n: _manoeuvre(rest[n], joints.get(n)) for n in moved}
     if not moved:
         raise ValueError(f"new scene: {type(plant).__name__} has no coordinate whose rate is a state, must have one")
     given: dict[str, Any] = {
         "name": name,
-        "about": f"move {', '.join(moved)}, rest to rest",
+        "about": f"move {', '.join(moved) if len(moved) < FEW else f'{len(moved)} joints'}, rest to rest",
         "plant": plant,
-        "start": tuple((joint, rest[joint]) for joint in moved),
-        "goal": tuple((joint, rest[joint] + MOVED) for joint in moved),
+        "start": tuple((joint, manoeuvre[joint][0]) for joint in moved),
+        "goal": tuple((joint, manoeuvre[joint][1]) for joint in moved),
         "duration": 6.0,
         "move_time": 3.0,
         "observe": tuple(shared),
@@ -65,9 +69,36 @@ def first_scene(name: str, plant: Plant) -> Scene:
         used = np.maximum(used, np.maximum(abs(free.initial[1]), abs(free.target[1])))
     except (PliantError, ValueError):  # the motion is to be said otherwise
         used = np.zeros(plant.nu)
-    limits = tuple(float(f"{ROOM * u:.2g}") if u > 1e-9 * used.max(initial=0.0) else 1.0 for u in used)
+    asked = [float(f"{ROOM * u:.2g}") if u > 1e-9 * used.max(initial=0.0) else 1.0 for u in used]
+    told = {joint.input: joint.effort for joint in plant.joints if 0 < joint.effort < math.inf}
+    limits = tuple(told.get(s.name, least) for s, least in zip(plant.inputs, asked))
     effort = tuple((s.name, float(f"{0.1 / limit**2:.2g}")) for s, limit in zip(plant.inputs, limits))
-    return Scene(**given, limits=limits, effort=effort)
+    return Scene(**given, dt=_period(free, len(moved)), limits=limits, effort=effort)
+
+
+def _period(scene: Scene, joints: int) -> float:
+    """A tenth of the period, at the goal with joints free, of the slowest vibration that is not theirs, as 1, 2 or 5
+    times a power of ten [s].
+    """
+    bending = len(scene.plant.rates) - joints
+    try:
+        found = scene.plant.natural_frequencies(scene.target[0])
+    except (PliantError, ValueError):  # no rest that could vibrate
+        found = None
+    vibrating = [] if found is None or not bending else [w for w in sorted(found)[-bending:] if w > 0]
+    longest = min(SLOWEST, max(FASTEST, 2 * math.pi / min(vibrating) / 10)) if vibrating else SLOWEST
+    power = 10.0 ** math.floor(math.log10(longest))
+    return float(f"{max(step * power for step in (1, 2, 5) if step * power <= longest * (1 + 1e-9)):.3g}")
+
+
+def _manoeuvre(rest: float, joint: Joint | None) -> tuple[float, float]:
+    """Where a coordinate starts and ends: within its joint's range, a quarter of that or MOVED, away from its ends."""
+    if joint is None:
+        return rest, rest + MOVED
+    step = min(MOVED, (joint.upper - joint.lower) / 4)
+    start = min(max(rest, joint.lower + step), joint.upper - step)
+    goal = start + step if start + 2 * step <= joint.upper else start - step
+    return float(f"{start:.6g}"), float(f"{goal:.6g}")
 
 
 def written(scene: Scene) -> str:
@@ -87,4 +118,4 @@ def written(scene: Scene) -> str:
 
 def _ordered(tables: dict[str, Any]) -> dict[str, Any]:
     """With what a scene leaves at its default written out where a start should show it."""
-    return {"name": tables.pop("name"), "about": tables.pop("about"), "dt": 0.02, "tolerance": 1e-3} | tables
+    return {"name": tables.pop("name"), "about": tables.pop("about"), "dt": SLOWEST, "tolerance": 1e-3} | tables

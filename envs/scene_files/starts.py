@@ -10,7 +10,7 @@ from pliant.envs.scenes import registry
 from pliant.plants.core.argument_gates import shown
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.files import toml_text
-from pliant.plants.tables import plant_types
+from pliant.plants.tables import machine_files, plant_types
 
 from . import plant_scene
 from .scene_tables import to_tables
@@ -127,9 +127,12 @@ def plant_start(name: str) -> dict[str, str]:
 def scene_start(name: str, base: str = "two-link-reach") -> dict[str, str]:
     """{file: text} of a scene that changes `base`, all that the base says in comments. ValueError for bad names.
 
-    base: a scene's name; a type of plants, of which a first scene is made; or a scene's file, which is written anew.
+    base: a scene's name; a scene's file, which is written anew; or what a first scene is made of: a type of plants, a
+    robot's URDF file, or a machine's TOML file as `FlexibleTree.to_toml` writes it.
     """
     registry.require_name("new scene: NAME", name)
+    if machine_files.is_machine(base):
+        return {f"{name}.toml": plant_scene.written(plant_scene.first_scene(name, machine_files.read(base)))}
     if registry.is_file(base):
         copied = dataclasses.replace(registry.get(base), name=name)
         return {f"{name}.toml": toml_text.dumps(to_tables(copied), f"{name}: as {base} was")}
@@ -138,7 +141,7 @@ def scene_start(name: str, base: str = "two-link-reach") -> dict[str, str]:
     if base not in registry.names():
         raise ValueError(
             f"new scene: --base {shown(base)} must be one of {', '.join(registry.names())}; or a scene's file, "
-            f"or a type of plants, {', '.join(plant_types.names())}"
+            f"a machine's file (.urdf, .toml), or a type of plants, {', '.join(plant_types.names())}"
         )
     scene = registry.get(base)
     units = {s.name: s.unit for s in (*scene.plant.states, *scene.plant.outputs, *scene.plant.inputs)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -42,11 +43,16 @@ class Sensed:
 
 @dataclass(frozen=True)
 class Joint:
-    """An input and the one coordinate that it drives, by names of inputs and of states or outputs."""
+    """An input and the one coordinate that it drives, by names of inputs and of states or outputs; where data say it,
+    how far the coordinate may go and how large the input may be, each in its signal's unit.
+    """
 
     input: str
     position: str
     rate: str
+    lower: float = -math.inf
+    upper: float = math.inf
+    effort: float = math.inf
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """A body given by its modes, in the floating frame of its attachment point: `deformed_body`'s energy.
 
 A point stands at p = r + sum phi_k eta_k - (1/2) sum g_kl eta_k eta_l, the last ("stiffened") where it is known; a node
-has turned by sum psi_k eta_k. Forces are Lagrange's in quasi-coordinates, so that momentum and energy hold with any
-number of modes.
+has turned by sum psi_k eta_k. Forces are d'Alembert's of that motion of its points, so that momentum and energy hold
+with any number of modes.
 
 Source   "Equations of Motion of Flexible Spacecraft", Eqs (2)-(13)
 """
@@ -18,6 +18,7 @@ import numpy as np
 
 from pliant.plants.core.signals import Signal
 from pliant.plants.modal_data.deformed_body import Deformed, constant
+from pliant.plants.modal_data.inertial_forces import inertial_forces
 from pliant.plants.modal_data.modal_fields import ModalFields
 from pliant.plants.multibody_parts.joint import Frame, Joint
 from pliant.plants.multibody_parts.spatial import Inertia, Motion, Wrench, upper
@@ -75,9 +76,8 @@ class ModalBody(ElasticBody):
         return ca.densify(self.deformed(eta).m)
 
     def inertial(self, motion: Motion, U: ca.SX, eta: ca.SX, rate: ca.SX) -> tuple[Wrench, ca.SX]:
-        found = self.deformed(eta)
-        pushed = found.matrix[:, :6] @ ca.vertcat(motion.a, motion.alpha)
-        load = ca.densify(pushed + found.bias(motion.omega, eta, rate))
+        still = ca.SX.zeros(self.n)
+        load = inertial_forces(self.data, eta, rate, still, motion.omega, motion.a, motion.alpha, self.stiffened)
         return Wrench(load[:3], load[3:6]), load[6:]
 
     def section(self, place: Place, eta: ca.SX, rate: ca.SX) -> Section:

@@ -1,8 +1,6 @@
-"""The moments of a body given by its modes as it bends, and what its motion takes: functions of its coordinates.
+"""The moments of a body given by its modes as it bends: functions of its coordinates.
 
-Source   "Equations of Motion of Flexible Spacecraft", Eqs (2)-(13): the energy of (8) gives M_A(eta) below, and
-         Lagrange's equations in quasi-coordinates (Hamel) the rest, so that momentum and energy hold for every
-         truncation.
+Source   "Equations of Motion of Flexible Spacecraft", Eqs (2)-(13): the energy of (8) gives M_A(eta) below
 """
 
 from __future__ import annotations
@@ -117,18 +115,3 @@ class Deformed:
             ca.horzcat(S, self.tensor, self.Y),
             ca.horzcat(self.R.T, self.Y.T, self.m),
         )
-
-    def momenta(self, omega: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Linear, angular and modal momentum of the motion relative to the origin's."""
-        p = cross(omega) @ self.S + self.R @ rate
-        h = self.tensor @ omega + self.Y @ rate
-        return p, h, self.Y.T @ omega + self.m @ rate
-
-    def bias(self, omega: ca.SX, eta: ca.SX, rate: ca.SX) -> ca.SX:
-        """(6 + n,): what M_A (a0, alpha, d2eta/dt2) lacks of the rates of the momenta; without strain forces."""
-        p, h, modal = self.momenta(omega, rate)
-        if not eta.shape[0]:
-            return ca.vertcat(cross(omega) @ p, cross(omega) @ h)
-        T = ca.dot(omega, self.tensor @ omega) / 2 + ca.dot(rate, self.Y.T @ omega) + ca.dot(rate, self.m @ rate) / 2
-        along = ca.jtimes(ca.vertcat(p, h, modal), eta, rate)
-        return along + ca.vertcat(cross(omega) @ p, cross(omega) @ h, -ca.gradient(T, eta))

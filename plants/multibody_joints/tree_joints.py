@@ -14,7 +14,7 @@ from pliant.plants.attitudes.turning_plant import TurningPlant
 from pliant.plants.core.signals import Joint as Driven
 from pliant.plants.core.signals import Signal
 from pliant.plants.integration.inverse_dynamics import InverseDynamics
-from pliant.plants.multibody_parts.joint import Joint
+from pliant.plants.multibody_parts.joint import SINGLE, Joint
 
 from .floating import Floating
 from .freedoms import TURNS, Freedom, Slot, coordinates, ends, freedoms, motor_of, slots
@@ -106,7 +106,11 @@ class TreeJoints(TurningPlant):
 
     @property
     def joints(self) -> tuple[Driven, ...]:
-        return tuple(Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name) for s, v in self._inputs)
+        ranges = {slot.v: _range(slot.joint) for slot in self.slots if slot.joint.kind in SINGLE}
+        return tuple(
+            Driven(s.name, self.freedoms[v].place.name, self.freedoms[v].rate.name, **ranges.get(v, {}))
+            for s, v in self._inputs
+        )
 
     def told(self, q: ca.SX) -> list[ca.SX]:
         """What is told of each freedom: its coordinate, or of a turn twice the quaternion's vector."""
@@ -132,3 +136,10 @@ class TreeJoints(TurningPlant):
         driven = {v for _, v in self._inputs}
         passive = [v for v in range(ends(self.slots)[1]) if v not in driven]
         return [*passive, *sorted(driven)]
+
+
+def _range(joint: Joint) -> dict[str, float]:
+    """How far the coordinate may go, and the largest torque of a joint whose motor is stiff, where they are told."""
+    stiff = joint.elastic is None and joint.drive == "torque"
+    told = {"lower": joint.lower, "upper": joint.upper, "effort": joint.effort if stiff else None}
+    return {name: value for name, value in told.items() if value is not None}

@@ -81,7 +81,11 @@ def new(
     kind: Annotated[Literal["plant", "scene"], typer.Argument(help="What to start.")],
     name: Annotated[str, typer.Argument(help="Its name: words of a-z and 0-9 joined by '-', as crane.")],
     base: Annotated[
-        str, typer.Option(help="What a new scene changes: a scene, or its file; or a type of plants (Crane).")
+        str,
+        typer.Option(
+            help="What a new scene changes: a scene, or its file; or what it is of: a robot's .urdf, a tree's .toml, a "
+            "type of plants (Crane)."
+        ),
     ] = "two-link-reach",
 ) -> None:
     """Write a commented start into this folder: a plant with its scene, or a scene that changes another."""

@@ -1,13 +1,18 @@
 """A first scene of a plant that comes without one: it plays as it is written."""
 
+import dataclasses
+import math
+import xml.etree.ElementTree as xml
+
 import pytest
 from hoist import Hoist
 
 from pliant.envs import check_scene, scenes
+from pliant.envs.machines.trees import SIX_AXIS
 from pliant.envs.scene_files.plant_scene import first_scene, written
 from pliant.envs.scene_files.scene_tables import from_tables
 from pliant.envs.scene_files.starts import scene_start
-from pliant.plants import SingleLinkArm
+from pliant.plants import ElasticJoint, FlexibleTree, Joint, SingleLinkArm, TreeBody
 from pliant.plants.files.toml_text import loads
 from pliant.plants.tables import plant_types
 
@@ -43,3 +48,27 @@ def test_weights_and_efforts_are_of_squares():
     text = scene_start("far", "two-link-reach")["far.toml"]
     weights = text[text.index("# [weights]") : text.index("# [effort]")]
     assert "# theta1 = 10.0  # of its square [(rad)^2]" in weights and "# theta1 = -0.9  # [rad]" in text
+
+
+def test_a_robots_file_gives_its_own_limits_and_a_motion_within_its_joints_ranges():
+    """What the URDF says: effort 150, 150, 150, 28, 28, 28 N m; the start clear of a range that leaves zero out."""
+    robot = xml.parse(SIX_AXIS).getroot()
+    efforts = [float(limit.get("effort")) for limit in robot.iter("limit")]
+    ((name, text),) = scene_start("pick", str(SIX_AXIS)).items()
+    scene = from_tables(loads(text))
+    assert name == "pick.toml" and list(scene.limits) == efforts and "6 joints" in scene.about
+    bent = dataclasses.replace(scene.plant.bodies[2].joint, lower=0.2, upper=1.0)
+    bodies = list(scene.plant.bodies)
+    bodies[2] = dataclasses.replace(bodies[2], joint=bent)
+    moved = first_scene("bent", dataclasses.replace(scene.plant, bodies=tuple(bodies)))
+    assert dict(moved.start)["elbow"] == 0.4 and dict(moved.goal)["elbow"] == 0.6
+
+
+@pytest.mark.parametrize(("stiffness", "period"), [(1e2, 0.02), (4e3, 0.01), (1e4, 0.005), (1e6, 0.001)])
+def test_the_control_period_samples_the_slowest_vibration_ten_times(stiffness, period):
+    """A motor behind an elastic gear, both sides free: w^2 = k (1/J + 1/(n^2 J_m)); rounded down to 1, 2 or 5."""
+    gear = ElasticJoint(rotor_inertia=1e-3, ratio=50.0, stiffness=stiffness)
+    link = TreeBody(name="link", joint=Joint(name="hub", elastic=gear), mass=1.0, inertia=2.0)
+    tree = FlexibleTree(bodies=(link,), gravity=(0, 0, 0))
+    w = (stiffness * (1 / 2.0 + 1 / 2.5)) ** 0.5
+    assert first_scene("sprung", tree).dt == period <= max(0.2 * math.pi / w, 1e-3)

@@ -1,10 +1,13 @@
 """Frozen roots and slow variation against closed forms."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 from pliant.plants import SingleLinkArm
 from pliant.plants.stability import assess, frozen_time, slow_variation
+from pliant.plants.stability.frozen_time import off_by_rounding
 
 
 def test_slow_variation_gives_a_rate_that_the_truth_keeps_and_scales_with_the_speed(model_of, integrated):
@@ -60,3 +63,11 @@ def test_sampled_models_have_no_frozen_roots_in_the_s_plane(method):
     with pytest.raises(ValueError, match=r"model\.dt = 0\.01 must be None"):
         method(sampled)
     assert assess(sampled).verdict in ("marginal", "unstable")
+
+
+def test_a_chain_of_integrators_says_nothing_of_its_roots_and_warns_of_nothing():
+    """Its eigenvectors are one to 1e-292: any root within the root of rounding belongs to it."""
+    chain = np.array([[0.0, 1.0], [0.0, 0.0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert off_by_rounding(*np.linalg.eig(chain), chain) == np.inf
