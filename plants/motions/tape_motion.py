@@ -23,7 +23,6 @@ from pliant.plants.rows.instruction_tape import Tape
 from pliant.plants.rows.tape_programs import Program, run_source
 from pliant.plants.toolchain import shared_library
 
-from . import motion_library
 from .motion_library import AdaptiveMotion
 
 Array = np.ndarray

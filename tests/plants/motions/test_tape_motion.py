@@ -8,7 +8,7 @@ import pytest
 
 from pliant.plants import SingleLinkArm
 from pliant.plants.integration import dormand_prince
-from pliant.plants.motions import tape_motion
+from pliant.plants.motions import motion_library, tape_motion
 from pliant.plants.motions.adaptive_steps import TOO_MANY, limits
 from pliant.plants.motions.tape_motion import TapePair
 from pliant.plants.rows.tape_programs import COMPILING
@@ -54,7 +54,7 @@ def test_a_motion_stops_after_as_many_steps_as_it_may_take(arm):
 
 
 def test_simulate_takes_it_and_says_that_no_compiled_code_took_the_steps(arm, monkeypatch):
-    monkeypatch.setattr(tape_motion.motion_library, "cached", lambda *a: None)
+    monkeypatch.setattr(motion_library, "cached", lambda *a: None)
     asked, adapted = [], TapePair.adapted
     monkeypatch.setattr(TapePair, "adapted", lambda *given: asked.append(1) or adapted(*given))
     other = dataclasses.replace(arm, hub_inertia=0.1234)
