@@ -148,7 +148,7 @@ def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox
             found = met if found is None or met[0] < found[0] else found
         if edge * seen.stood > stood:
             stood, parts, left, form = edge * seen.stood, seen.parts, seen.left, None
-            cut_short = seen.cut_short
+        cut_short = seen.cut_short
     return RobustStability(
         box=dict(zip(names, zip((middle - half).tolist(), (middle + half).tolist()))),
         stable_to=float(stood),
