@@ -53,8 +53,8 @@ class Parts(NamedTuple):
     cut_short: bool = False
 
 
-def shown(state_matrix: Callable[[Array], Array], count: int, dt: float | None, most: int, scaled: int = 0) -> Parts:
-    """Of the box |delta_i| <= 1, by at most so many looks at a part; by scalings at most at so many of them."""
+def shown(state_matrix: Callable[[Array], Array], count: int, dt: float | None, most: int, work: float = 0.0) -> Parts:
+    """Of the box |delta_i| <= 1, by at most so many looks at a part; `work` on scalings: looks for those of 20 rows."""
     seen: dict[bytes, Array] = {}
     raw = state_matrix(np.zeros(count))
     turn = None if dt is not None else _period(raw)
@@ -84,11 +84,11 @@ def shown(state_matrix: Callable[[Array], Array], count: int, dt: float | None, 
         if held.holds:
             parts, left = parts + 1, max(left, held.left)
             continue
-        if held.worth and scaled > 0:
-            scaled -= 1
-            holds, rest = holds_by_scalings(at, centre, half)
-            if holds:
-                parts, left = parts + 1, max(left, rest)
+        if held.worth and work > 0:
+            by = holds_by_scalings(at, centre, half)
+            work -= by.cost
+            if by.holds:
+                parts, left = parts + 1, max(left, by.left)
                 continue
         if half.max() < SMALLEST:
             return Parts(near, parts, left, unstable)

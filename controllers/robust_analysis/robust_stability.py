@@ -40,7 +40,7 @@ MOST = 8  # boxes that are looked at
 KEPT = 0.95  # of a value, that it may fall by where boxes larger than the given one would take it past zero
 QUICK = 3.0  # boxes, that a quick look tries
 FIRST, LOOKS = 600, 3000  # at parts of a box: by norms alone, then ..
-BY_SCALINGS = 100  # .. by scalings as well, at so many of them
+BY_SCALINGS = 60.0  # .. by scalings as well: so many looks for those of 20 rows
 NEAR = 0.99  # of the nearest instability: the box that is shown in parts
 SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3, 0.15, 0.05)  # of the nearest instability: boxes that are tried
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,16 +25,26 @@ from .modal_norms import Norms, lyapunov_norms, modal_norms
 
 Array = np.ndarray
 TWICE = 2.0
+ROWS = 20
 ALIKE, SHARE = 0.6, 0.5
 
 
-def holds_by_scalings(at: Callable[[Array], Array], centre: Array, half: Array) -> tuple[bool, float]:
-    """Whether all of centre +- half is shown, and |rest|/|A| in the coordinates of the middle's modes."""
+class Scaled(NamedTuple):
+    """Whether it is shown; |rest|/|A| in the coordinates of the middle's modes; what looking for scalings cost beside
+    that of ROWS rows, 0 where a rest too large for the middle alone makes it idle."""
+
+    holds: bool
+    left: float
+    cost: float
+
+
+def holds_by_scalings(at: Callable[[Array], Array], centre: Array, half: Array) -> Scaled:
+    """Of all of centre +- half."""
     corners = [at(centre + half * d) for d in product((-1.0, 1.0), repeat=len(half))]
     every = np.array([at(centre), *corners])
     norms = modal_norms(every, ALIKE) or lyapunov_norms(every[:1], SHARE)
     if norms is None:
-        return False, 0.0
+        return Scaled(False, 0.0, 0.0)
 
     def seen(delta: Array) -> Array:
         return norms.T @ at(centre + half * delta) @ norms.inverse
@@ -41,10 +52,10 @@ def holds_by_scalings(at: Callable[[Array], Array], centre: Array, half: Array) 
     try:
         form = fitted(seen, len(half), 1.0)
     except ValueError:  # a parameter that hardly counts in this part
-        return False, 0.0
+        return Scaled(False, 0.0, 0.0)
     rest = max(float(np.linalg.norm(seen(d) - form.at(d), 2)) for d in check_points(len(half)))
     if TWICE * rest * _resolvent(every[0], norms) >= 1:
-        return False, 0.0  # in the middle alone
+        return Scaled(False, rest, 0.0)  # in the middle alone
     n, r = len(form.A), float(np.sqrt(TWICE * rest))
     whole = FractionalForm(
         form.A,
@@ -54,7 +65,8 @@ def holds_by_scalings(at: Callable[[Array], Array], centre: Array, half: Array) 
         (*form.blocks, Block("full", n)),
         form.dt,
     )
-    return bound(whole, 1.0, 1.0).beta <= 1, rest / float(np.linalg.norm(form.A, 2))
+    cost = (len(whole.D) / ROWS) ** 4
+    return Scaled(bound(whole, 1.0, 1.0).beta <= 1, rest / float(np.linalg.norm(form.A, 2)), cost)
 
 
 def _resolvent(A: Array, norms: Norms) -> float:

@@ -15,8 +15,8 @@ def turning(d):
 
 @pytest.mark.parametrize("wide, told", [(0.3, True), (0.5001, False), (0.6, False)])
 def test_the_edge_is_kept(wide, told):
-    holds, left = holds_by_scalings(turning, np.zeros(2), np.array([1.0, wide]))
-    assert holds is told and left < 0.01  # cos and sin beside their parabolas: (1/5)^3 / 6 and less
+    found = holds_by_scalings(turning, np.zeros(2), np.array([1.0, wide]))
+    assert found.holds is told and found.left < 0.01  # cos and sin beside their parabolas: (1/5)^3 / 6 and less
 
 
 def test_real_parameters_count_as_real():
@@ -25,13 +25,14 @@ def test_real_parameters_count_as_real():
     J = np.array([[0.0, -1.0], [1.0, 0.0]])
     assert 0.8 * np.hypot(1, 0.74) < 1 < 0.8 * np.hypot(1, 0.76) and 0.8 * (1 + 0.25) == 1
     for wide, told in ((0.7, True), (0.76, False)):
-        assert holds_by_scalings(lambda d: R @ (np.eye(2) + d[0] * J), np.zeros(1), np.array([wide]))[0] is told
+        assert holds_by_scalings(lambda d: R @ (np.eye(2) + d[0] * J), np.zeros(1), np.array([wide])).holds is told
 
 
 def test_what_the_form_lacks_counts():
     """0.99 cos(3 d) is no parabola: what is missed is more than what is left to the circle."""
-    assert not holds_by_scalings(lambda d: np.array([[0.99 * np.cos(3 * d[0])]]), np.zeros(1), np.ones(1))[0]
-    assert holds_by_scalings(lambda d: np.array([[0.5 * np.cos(0.5 * d[0])]]), np.zeros(1), np.ones(1))[0]
+    lost = holds_by_scalings(lambda d: np.array([[0.99 * np.cos(3 * d[0])]]), np.zeros(1), np.ones(1))
+    assert not lost.holds and lost.cost == 0
+    assert holds_by_scalings(lambda d: np.array([[0.5 * np.cos(0.5 * d[0])]]), np.zeros(1), np.ones(1)).holds
 
 
 def test_three_parameters_in_few_parts():
