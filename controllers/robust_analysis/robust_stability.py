@@ -41,6 +41,7 @@ KEPT = 0.95  # of a value, that it may fall by where boxes larger than the given
 QUICK = 3.0  # boxes, that a quick look tries
 FIRST, LOOKS = 600, 3000  # at parts of a box: by norms alone, then ..
 BY_SCALINGS = 60.0  # .. by scalings as well: so many looks for those of 20 rows
+NEUTRAL = 1e-10  # of the fastest rate: decay that is rounding
 NEAR = 0.99  # of the nearest instability: the box that is shown in parts
 SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3, 0.15, 0.05)  # of the nearest instability: boxes that are tried
 
@@ -129,8 +130,11 @@ def over_box(
 
 def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox) -> RobustStability:
     most, count, dt = _most(middle, half, loop), len(names), loop.dt
-    if (rate := growth(loop.state_matrix(np.zeros(count)), dt)) >= 0:
-        raise PliantError(f"the loop is not stable in the middle of the box: it grows by {rate:.4g} 1/s")
+    middle_loop = loop.state_matrix(np.zeros(count))
+    fastest = 1 / dt if dt is not None else float(np.abs(np.linalg.eigvals(middle_loop)).max())
+    if (rate := growth(middle_loop, dt)) >= -NEUTRAL * fastest:
+        how = f"it grows by {rate:.4g} 1/s" if rate > NEUTRAL * fastest else "a motion of it neither grows nor dies out"
+        raise PliantError(f"the loop is not stable in the middle of the box: {how}")
     found = nearest(loop.state_matrix, count, dt, most)
     form, stood, parts, left, cut_short = None, 0.0, 0, np.inf, False
     edge = most if found is None else found[0]

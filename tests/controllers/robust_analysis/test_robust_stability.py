@@ -41,6 +41,8 @@ def test_what_is_no_box():
             over_box(lambda d: -np.eye(1), box)
     with pytest.raises(PliantError, match="grows by 1"):
         over_box(lambda d: np.eye(1), {"a": (0.0, 1.0)})
+    with pytest.raises(PliantError, match="neither grows nor dies out"):
+        over_box(lambda d: np.diag([1 - 1e-15, 0.5 + 0.1 * d[0]]), {"a": (0.0, 1.0)}, dt=0.1)
 
 
 def test_a_sample_of_the_campaign():
