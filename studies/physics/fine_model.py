@@ -55,6 +55,18 @@ def masses(fine: Any, t: Array, x: Array, u: Array) -> Array | None:
     return np.asarray(M)
 
 
+def jacobians(fine: Any, t: Array, x: Array, u: Array, rate: Array, M: Array | None) -> Array:
+    """A (k, nx, nx) at points and their rates, for Newton's method: of mechanical plants nearly, with masses M."""
+    balance = fine.force_balance
+    if balance is not None:
+        return np.asarray(balance.near_jacobians(t, x, u, rate[:, balance.first :], M))
+    if len(t) == 1:  # a motion has two times
+        both = [np.repeat(v, 2, axis=0) for v in (x, u, rate)]
+        return jacobians(fine, np.append(t, t + 1.0), *both, M)[:1]
+    y = np.zeros((len(t), fine.ny))  # unused
+    return np.asarray(fine.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=fine, y=y, dx=rate)))
+
+
 def outputs(fine: Any, t: Array, x: Array, u: Array, asked: Sequence[int]) -> Array:
     """y (k, ny) at points; of outputs that depend on accelerations only those `asked` for are known to be right."""
     balance = fine.force_balance

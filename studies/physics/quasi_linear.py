@@ -25,7 +25,7 @@ from pliant.plants.core.signals import GAUSS
 from pliant.plants.motions.time_limit import check_time
 
 from .block_collocation import BUTCHER, BlockCollocation, HeldModel
-from .fine_model import lacking, masses, outputs, trajectory
+from .fine_model import jacobians, lacking, masses, outputs, trajectory
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
@@ -187,24 +187,16 @@ class CorrectedMotion:
         edges = np.round(np.linspace(0, len(ends) - 1, self._blocks + 1)).astype(int)
         at = 2 * ((edges[:-1] + edges[1:] - 1) // 2)  # the first Gauss point of the part in the middle
         x, rate, t = ((values[at] + values[at + 1]) / 2 for values in (self.x, self.rate, self.t))
-        A = self._jacobians(t, x, self.u[at], rate)
-        if not np.isfinite(A).all():
-            raise NotSettled("the linear model along the motion is not finite")
-        M = masses(self.fine, t, x, self.u[at])
+        u = self.u[at]
+        M = masses(self.fine, t, x, u)
         if M is not None and not np.isfinite(M).all():
             raise NotSettled("the mass matrix along the motion is not finite")
+        A = jacobians(self.fine, t, x, u, rate, M)
+        if not np.isfinite(A).all():
+            raise NotSettled("the linear model along the motion is not finite")
         made = HeldModel(ends[edges], A, M)
         self._model, self._steps, self._own = made, None, True
         return made
-
-    def _jacobians(self, t: Array, x: Array, u: Array, rate: Array) -> Array:
-        """A (b, nx, nx) at points, of the plant that serves Newton's method."""
-        if len(t) == 1:  # a motion has two times
-            both = self._jacobians(np.append(t, t + 1.0), *(np.repeat(v, 2, axis=0) for v in (x, u, rate)))
-            return both[:1]
-        tangent: Plant = self.fine.newton
-        y = np.zeros((len(t), tangent.ny))  # unused
-        return tangent.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=tangent, y=y, dx=rate))
 
     def _measured(self) -> Array:
         at = self.at_ends[self.nodes.control]
