@@ -19,6 +19,7 @@ from pliant.studies.common.reference_motions import Motions
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
+BEYOND = 1e9  # of a state: nothing moves so
 ENDS = 1e-4  # of the largest value of a state: how near a motion between control times must come to the next of them
 
 
@@ -100,7 +101,7 @@ def between_control_times(simple: Plant, motion: Trajectory, nodes: MotionNodes)
         for k in range(3 * nodes.parts):
             t = nodes.all[start + k]
             here = _stepped(simple, t, here, u, nodes.all[start + k + 1] - t)
-            if not np.isfinite(here).all():
+            if not (np.abs(here) < BEYOND).all():
                 return None
             if k + 1 < 3 * nodes.parts:
                 x[start + k + 1] = here
@@ -113,9 +114,12 @@ def between_control_times(simple: Plant, motion: Trajectory, nodes: MotionNodes)
 
 
 def _stepped(plant: Plant, t: Array, x: Array, u: Array, h: Array) -> Array:
-    """A step of RK4 of each row."""
-    k1 = plant.dynamics(x, u, t=t)
-    k2 = plant.dynamics(x + h[:, None] / 2 * k1, u, t=t + h / 2)
-    k3 = plant.dynamics(x + h[:, None] / 2 * k2, u, t=t + h / 2)
-    k4 = plant.dynamics(x + h[:, None] * k3, u, t=t + h)
+    """A step of RK4 of each row; no numbers where one of its stages has none."""
+    slopes = [plant.dynamics(x, u, t=t)]
+    for share in (0.5, 0.5, 1.0):
+        stage = x + share * h[:, None] * slopes[-1]
+        if not np.isfinite(stage).all():
+            return stage
+        slopes.append(plant.dynamics(stage, u, t=t + share * h))
+    k1, k2, k3, k4 = slopes
     return np.asarray(x + h[:, None] / 6 * (k1 + 2 * k2 + 2 * k3 + k4))

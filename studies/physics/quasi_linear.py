@@ -25,7 +25,7 @@ from pliant.plants.core.signals import GAUSS
 from pliant.plants.motions.time_limit import check_time
 
 from .block_collocation import BUTCHER, BlockCollocation, HeldModel
-from .fine_model import jacobians, lacking, masses, outputs, trajectory
+from .fine_model import BEYOND, jacobians, lacking, masses, outputs, trajectory
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
@@ -36,7 +36,6 @@ SLOW = 0.25  # of a pass's change that the next one still changes
 NEAR = 30.0  # times what is wanted: after a change of less, the linear model is kept
 AT_ONCE = 0.01  # of what is wanted: where a motion that goes on changes by less, its first pass is its last
 SLOWEST = 0.3  # of a pass's change is what the next one changes, with the linear model kept, at least so it is told
-BEYOND = 1e9  # of a state: nothing moves so
 FAR = 3.0  # times what the first pass changes: a pass that changes more runs away
 SHRINKS = 0.7  # a pass that changes more than this share of what the last one changed does not settle
 
