@@ -174,6 +174,20 @@ class CorrectedMotion:
         before, self.outputs = self.outputs, self._measured()
         self.changes.append(float(np.abs(self.outputs - before).max()))
 
+    def lacked_by(self, plant: Plant) -> Array:
+        """What this motion lacks of being one of another plant of the same states, (m, 2, nx), as a pass takes it."""
+        c = lacking(plant, self.t, self.x, self.u, self.rate, self._inverse(self.model))
+        return c.reshape(-1, 2, self.x.shape[1])
+
+    @property
+    def model(self) -> HeldModel:
+        """The linear model of its last pass."""
+        return self._model if self._model is not None else self._linearise()
+
+    def collocation(self) -> BlockCollocation:
+        """Of that model over the parts."""
+        return self.model.over(self.nodes.all[self.nodes.ends])
+
     def _inverse(self, model: HeldModel) -> Array | None:
         """The inverse mass matrix (2 m, n, n) that each Gauss point's linear model is held with, if any."""
         if model.mass is None:
