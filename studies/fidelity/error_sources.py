@@ -81,7 +81,7 @@ def error_sources(scene: Scene, time: float | None = None) -> ErrorSources:
     if (motion := known.motion) is None:
         raise PliantError(f"{known.how}: its error has no sources that a linear model tells")
     at, parts = int(np.argmin(np.abs(scene.times - time))), motion.nodes.parts
-    slopes = output_slopes(motions, motion, at)
+    slopes = _output_slopes(motions, motion, at)
     weights = np.zeros((len(motion.nodes.h) + 1, *slopes.T.shape))
     weights[motion.nodes.control[at]] = slopes.T
     influence, _ = motion.collocation().influence(weights)
@@ -111,7 +111,7 @@ def error_sources(scene: Scene, time: float | None = None) -> ErrorSources:
     )
 
 
-def output_slopes(motions: Motions, motion: CorrectedMotion, at: int) -> Array:
+def _output_slopes(motions: Motions, motion: CorrectedMotion, at: int) -> Array:
     """d(compared outputs)/dx (n, nx) of a motion of physics at a control time, by central differences."""
     x, held = motion.at_ends[motion.nodes.control[at]], motion.nodes.held[at]
     h = MOVE * np.maximum(np.abs(motion.at_ends).max(axis=0), 1.0)

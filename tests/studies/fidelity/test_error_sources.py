@@ -5,7 +5,7 @@ import pytest
 
 from pliant.envs import scenes
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.fidelity.error_sources import error_sources, output_slopes
+from pliant.studies.fidelity.error_sources import _output_slopes, error_sources
 from pliant.studies.physics.physics_motion import physics_motion
 
 SCENE = scenes.get("single-link-slew", duration=1.0, move_time=0.4)
@@ -21,7 +21,7 @@ def test_the_transpose_agrees_with_the_steps_taken_forward_to_rounding(found):
     motions = Motions(SCENE)
     known = physics_motion(motions, SCENE.tolerance)
     k = int(np.argmin(abs(SCENE.times - AT)))
-    slopes, motion = output_slopes(motions, known.motion, k), known.motion
+    slopes, motion = _output_slopes(motions, known.motion, k), known.motion
     assert found.changes
     for name, change in found.changes.items():
         c = motion.lacked_by(known.physics.without(name)) - motion.lacked_by(known.physics)
