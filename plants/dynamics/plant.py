@@ -95,7 +95,7 @@ class Plant(PlantContract):
     def _rate(self, values: tuple[Any, ...], batch: int | None) -> Array:
         return self._sound_rate(values[1], self._dynamics(*values, batch=batch))
 
-    def told_rates(self, values: tuple[Any, ...], results: list[Array]) -> Array:
+    def _told_rates(self, values: tuple[Any, ...], results: list[Array]) -> Array:
         """What `dynamics` gives at checked arguments, and tells, from what `_dynamics` gave there: (..., nx)."""
         return arguments.told(self, "dynamics", [self._sound_rate(values[1], results)], values[1])[0]
 
