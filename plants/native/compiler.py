@@ -33,7 +33,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from pliant.plants.toolchain import compiler_process, shared_library
+from pliant.plants.toolchain import compiler_process, shared_library, straight_line
 from pliant.plants.toolchain.compiler_process import (
     CompileError,
     CompilerTimeout,
@@ -277,8 +277,7 @@ def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
 
 def _built(tools: Toolchain, source: str, flags: tuple[str, ...] = (), limit: float | None = None) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
-        c, so = (str(Path(folder, f"kernel.{end}")) for end in ("c", "so"))
-        Path(c).write_text(source)
+        so = str(Path(folder, "kernel.so"))
         units = UNITS if len(source) > LONG_SOURCE and "#if IN_UNIT(" in source else 1
         objects = [str(Path(folder, f"kernel{k}.o")) for k in range(units)]
 
@@ -290,6 +289,8 @@ def _built(tools: Toolchain, source: str, flags: tuple[str, ...] = (), limit: fl
 
         def unit(k: int) -> None:
             parts = (f"-DUNITS={units}", f"-DUNIT={k}") if units > 1 else ()
+            c = str(Path(folder, f"kernel{k if parts else ''}.c"))
+            Path(c).write_text(straight_line.of_unit(source, units, k) if units > 1 else source)
             run(*_flags_for(source, tools), *parts, "-c", c, "-o", objects[k])
 
         with ThreadPoolExecutor(min(units, os.cpu_count() or 1)) as pool:
