@@ -84,13 +84,6 @@ class PlanarArm(LagrangianPlant):
         return {"extension": (dataclasses.replace(arm, **links), dataclasses.replace(arm, extensible=True))}
 
     @property
-    def newton(self) -> Self:
-        """The stiffened arm in place of exact rotations."""
-        arm: Any = self
-        exact = arm.kinematics == "strain" and not arm.extensible
-        return cast(Self, dataclasses.replace(arm, kinematics="stiffened") if exact else arm)
-
-    @property
     def unmodelled(self) -> tuple[str, ...]:
         return UNMODELLED
 

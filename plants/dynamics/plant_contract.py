@@ -85,11 +85,6 @@ class PhysicsContract(Declaration):
         return "its machine is not told as a planar chain of beams"
 
     @property
-    def newton(self) -> Self:
-        """A model of the same states and inputs whose Jacobians, cheaper, serve Newton's method. Default: itself."""
-        return self
-
-    @property
     def force_balance(self) -> ForceBalance | None:
         """Its equations of motion M a = r as they stand, where they are known as such. Default: None."""
         return None

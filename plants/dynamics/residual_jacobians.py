@@ -19,8 +19,12 @@ import numpy as np
 from pliant.plants.core.casadi_functions import NumericFunction, function
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.native.batch_kernels import NativeFunction, random_points
+from pliant.plants.native.kernel_loader import wanted
 
 Array = np.ndarray
+
+UNIT = 2.0**40  # [m/s^2, rad/s^2] at which M is read off: beside M a all other forces are rounding then
+MOVE, LEAST = 1e-6, 1e-2  # of a state's largest value, or this share of the largest of its kind, or of one
 
 
 class Differentiated(NamedTuple):
@@ -124,22 +128,26 @@ class ForceBalance:
         self._turning = NumericFunction(ca.Function("turning", [x], [ca.densify(ca.jacobian(rates, x))]), matrices=True)
         self.free = [i for i in range(self.n) if i not in driven]
         at = [*plant.symbols, a]
-        along, pull = ca.SX.sym("dx", plant.nx), ca.SX.sym("da", a.shape[0])
-        lacking = ca.cse(lacking)
+        if not wanted():  # of what is read once, and done for rows, finding them takes longer than they do
+            lacking = ca.cse(lacking)
         self._lacking = _numeric("lacking", at, lacking)
         self._mass = (
             None
             if mass is None
             else NumericFunction(ca.Function("mass", list(plant.symbols), [ca.densify(mass)]), matrices=True)
         )
-        self._weighed = _numeric("weighed", [*at, pull], ca.jtimes(-lacking, a, pull)) if mass is None else None
-        self._changed = _numeric("changed", [*at, along], ca.jtimes(lacking, x, along))
-        self._expressions = at, lacking, u
+        self._expressions = at, lacking, x, u
 
     @cached_property
     def _pushed(self) -> NumericFunction:
-        at, lacking, u = self._expressions
+        at, lacking, _, u = self._expressions
         return _numeric("pushed", at, ca.jacobian(lacking, u))
+
+    @cached_property
+    def _changed(self) -> NumericFunction:
+        at, lacking, x, _ = self._expressions
+        along = ca.SX.sym("dx", x.shape[0])
+        return _numeric("changed", [*at, along], ca.jtimes(lacking, x, along))
 
     def _values(self, t: Array, x: Array, u: Array, w: Any, p: Any) -> tuple[Array, ...]:
         quiet_w, quiet_p = self.plant.quiet
@@ -158,9 +166,19 @@ class ForceBalance:
             return np.zeros((len(x), 0, 0))
         if self._mass is not None:
             return self._mass(*self._values(t, x, u, w, p), batch=len(x))[0]
-        assert self._weighed is not None
-        M = _columns(self._weighed, (*self._values(t, x, u, w, p), np.zeros((len(x), m))), m)
+        values, still = self._values(t, x, u, w, p), np.zeros((len(x), m))
+        M = -self._differences(values, still, np.full((len(x), m), UNIT), 5) / UNIT
         return (M + np.swapaxes(M, 1, 2)) / 2
+
+    def _differences(self, values: tuple[Array, ...], a: Array, moves: Array, k: int) -> Array:
+        """(B, m, c): what moves (B, c) of the entries of the k-th argument, each alone, change r - M a by."""
+        rows, count = moves.shape
+        given = [*(np.broadcast_to(v, (rows, np.shape(v)[-1])) for v in values), a]
+        several = [np.repeat(v, count + 1, axis=0) for v in given]
+        at = several[k].reshape(rows, count + 1, count)
+        at[:, np.arange(count), np.arange(count)] += moves
+        found = self._lacking(*several, batch=rows * (count + 1))[0].reshape(rows, count + 1, -1)
+        return np.swapaxes(found[:, :-1] - found[:, -1:], 1, 2)
 
     def at_rest(self, t: Array, x: Array, u: Array, *, w: Any = None, p: Any = None) -> list[Array]:
         """[r (n, 1), dr/dq, dr/dv, dr/du, M] at one row, where nothing moves and no speed is driven."""
@@ -191,6 +209,19 @@ class ForceBalance:
         if self.free:
             slopes = _columns(self._changed, (*self._values(t, x, u, w, p), a[:, self.free]), nx)
             A[:, [first + i for i in self.free]] = np.linalg.solve(self.mass(t, x, u, w=w, p=p), slopes)
+        return A
+
+    def near_jacobians(self, t: Array, x: Array, u: Array, a: Array, M: Array) -> Array:
+        """The same by differences of the equations themselves, with M of `mass`: to some parts in a million."""
+        nx, first = self.plant.nx, self.first
+        A = np.zeros((len(x), nx, nx))
+        A[:, :first] = self._turning(x, batch=len(x))[0]
+        if self.free:
+            size, kind = np.abs(x).max(axis=0), np.arange(nx) < first
+            least = np.where(kind, size[kind].max(initial=0.0), size[~kind].max(initial=0.0))
+            h = MOVE * np.maximum(np.maximum(size, LEAST * least), LEAST)
+            slopes = self._differences(self._values(t, x, u, None, None), a[:, self.free], np.tile(h, (len(x), 1)), 1)
+            A[:, [first + i for i in self.free]] = np.linalg.solve(M, slopes / h)
         return A
 
 

@@ -33,7 +33,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from pliant.plants.toolchain import compiler_process, shared_library
+from pliant.plants.toolchain import compiler_process, shared_library, straight_line
 from pliant.plants.toolchain.compiler_process import (
     CompileError,
     CompilerTimeout,
@@ -60,7 +60,8 @@ CLANG = ("-O3", "-fno-unroll-loops", "-fveclib=libmvec")
 WIDE = "-mprefer-vector-width=512"
 WIDTHS = ((512, "__AVX512F__"), (256, "__AVX__"), (128, "__SSE2__"), (128, "__ARM_NEON"))  # [bit], and its macro
 LINKS = (("-lmvec", "-lm"), ("-lm",), ())
-LONG_SOURCE, QUICK = 100_000, ("-O1", "-ftree-vectorize")  # half the time to compile, a twentieth more to run
+LONG_SOURCE, LONGEST, QUICK = 1e5, 4e6, ("-O1", "-ftree-vectorize")  # half the time to compile, a twentieth more to run
+PASSES = ("fre", "dominator-opts", "reassoc", "dse", "forwprop")  # a fifth of the time; the longest run as fast without
 UNITS = 4  # of a long source that is in parts, compiled beside each other; the same on every machine
 PROBE = """#include <math.h>
 void probe(double *x) { _Pragma("omp simd") for (int l = 0; l < 8; l++) x[l] = sin(x[l]) + cos(x[l]); }
@@ -243,6 +244,7 @@ def _flags_for(source: str, tools: Toolchain) -> tuple[str, ...]:
     """The toolchain's compile flags, and for a long source those that gcc is quicker with; added ones stay last."""
     own = len(tools.compile_flags) - len(extra_flags())
     quick = QUICK if len(source) > LONG_SOURCE and CLANG[1] not in tools.compile_flags else ()
+    quick += tuple(f"-fno-tree-{name}" for name in PASSES if quick and len(source) > LONGEST)
     return (*tools.compile_flags[:own], *quick, *tools.compile_flags[own:])
 
 
@@ -277,8 +279,6 @@ def build(source: str, flags: tuple[str, ...] = ()) -> bytes:
 
 def _built(tools: Toolchain, source: str, flags: tuple[str, ...] = (), limit: float | None = None) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
-        c, so = (str(Path(folder, f"kernel.{end}")) for end in ("c", "so"))
-        Path(c).write_text(source)
         units = UNITS if len(source) > LONG_SOURCE and "#if IN_UNIT(" in source else 1
         objects = [str(Path(folder, f"kernel{k}.o")) for k in range(units)]
 
@@ -290,9 +290,11 @@ def _built(tools: Toolchain, source: str, flags: tuple[str, ...] = (), limit: fl
 
         def unit(k: int) -> None:
             parts = (f"-DUNITS={units}", f"-DUNIT={k}") if units > 1 else ()
+            c = str(Path(folder, f"kernel{k if parts else ''}.c"))
+            Path(c).write_text(straight_line.of_unit(source, units, k) if units > 1 else source)
             run(*_flags_for(source, tools), *parts, "-c", c, "-o", objects[k])
 
         with ThreadPoolExecutor(min(units, os.cpu_count() or 1)) as pool:
             list(pool.map(unit, range(units)))
-        run("-shared", *objects, "-o", so, *tools.link_flags)
-        return shared_library.written(Path(so), tools.command[0])
+        run("-shared", *objects, "-o", str(so := Path(folder, "kernel.so")), *tools.link_flags)
+        return shared_library.written(so, tools.command[0])

@@ -55,7 +55,7 @@ def told(chart: Chart) -> dict[str, dict[str, Any]]:
                 peer.peer,
                 peer.setting,
                 f"{number((peer.seconds or 0.0) * 1e3)} ms per simulated second",
-                f"error {measured(peer.error or 0.0, chart.unit)}",
+                _error(chart, peer.error or 0.0),
                 f"{peer.searched} settings searched",
             ]
             found[f"peer-{i}"] = {"variant": "", "lines": lines}
@@ -67,7 +67,7 @@ def _lines(chart: Chart, row: Row) -> list[str]:
         f"{row.variant} ({row.states} states)",
         row.setting,
         f"{number((row.seconds or 0.0) * 1e3)} ms per simulated second{' and lane' if row.lanes > 1 else ''}",
-        f"error {measured(row.error or 0.0, chart.unit)}",
+        _error(chart, row.error or 0.0),
     ]
     if row.step_error is not None:
         lines.append(f"{measured(row.step_error, chart.unit)} of it by the step")
@@ -78,6 +78,13 @@ def _lines(chart: Chart, row: Row) -> list[str]:
     if row.native is False and row.path != "linear":
         lines.append("on the virtual machine")
     return [*lines, "on the Pareto front"] if row.pareto else lines
+
+
+def _error(chart: Chart, error: float) -> str:
+    """In words; one that is not told apart from physics as that."""
+    if error < chart.told_from:
+        return f"error below {measured(chart.told_from, chart.unit)}: not told apart from physics"
+    return f"error {measured(error, chart.unit)}"
 
 
 def sentence(chart: Chart) -> str:
@@ -122,7 +129,10 @@ def tables(chart: Chart) -> str:
     """The front, all rows, other programs, what has no result."""
 
     def line(row: Row) -> tuple[Any, ...]:
-        return row.variant, row.setting, (row.seconds or 0) * 1e3, row.error, row.step_error
+        return row.variant, row.setting, (row.seconds or 0) * 1e3, at_least(row.error), row.step_error
+
+    def at_least(error: float | None) -> float | str | None:
+        return f"< {number(chart.told_from)}" if error is not None and error < chart.told_from else error
 
     head = (
         "variant",
@@ -139,7 +149,7 @@ def tables(chart: Chart) -> str:
                 p.peer,
                 p.setting,
                 None if p.seconds is None else p.seconds * 1e3,
-                p.error,
+                at_least(p.error),
                 chart.ahead(p),
                 p.failure or "",
             )
@@ -165,7 +175,8 @@ def build(chart: Chart, svg: str, about: str = "") -> str:
         "What was measured",
         paragraph(
             f"Error: largest difference of {', '.join(chart.compare)} over the {chart.duration:g} s open-loop motion, "
-            f"inputs held over each control period, from physics: {ref.how}, known to {known}. Time: wall time per "
+            f"inputs held over each control period, from physics: {ref.how}, known to {known}; errors "
+            f"below ten times that are not told apart from it. Time: wall time per "
             "simulated second and lane, median of several runs after a warm-up. The stepper is called once a "
             "control period, in one thread, and gives states; linear models are at hand, and what making them took is "
             "told beside."

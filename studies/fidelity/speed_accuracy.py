@@ -40,6 +40,7 @@ METHODS = ("dop853", "rk4", "rk8", "rodas5p", "rosenbrock", "midpoint", "cvodes"
 ROOTS = {"rodas5p": 5}  # the root of a tolerance by which steps become shorter; else the eighth
 LINEAR = {"ltv": "LTV along a motion", "linear": "linear about the start", "reduced": "linear, half the states"}
 PATHS, LANES, PRECISIONS = ("simulate", "stepper", "linear"), (1, 1024), ("double", "single")
+TOLD_FROM = 10.0  # times what the reference is known to: errors below are not told apart from it
 RUNS_AWAY = 1e5  # times the tolerance: a variant that goes so far from the reference is not timed
 SPENT = "not run: the time budget was spent"
 REASONS = {  # how a failure begins, and what it is in a few words
@@ -134,6 +135,11 @@ class Chart:
     needed: float | None = None  # [s] about the budget that buys each variant a row, where this one did not
 
     @property
+    def told_from(self) -> float:
+        """The least error that is told as a number: ten times what the reference is known to."""
+        return TOLD_FROM * self.reference.uncertainty
+
+    @property
     def measured(self) -> tuple[Row, ...]:
         return tuple(row for row in self.rows if row.failure is None)
 
@@ -192,10 +198,12 @@ class Chart:
             return self
         rows = [own for own in self.rows if own.key != row.key]
         last = max((i for i, own in enumerate(rows) if own.variant == row.variant), default=len(rows) - 1)
-        return dataclasses.replace(self, rows=with_fronts([*rows[: last + 1], row, *rows[last + 1 :]]))
+        return dataclasses.replace(self, rows=with_fronts([*rows[: last + 1], row, *rows[last + 1 :]], self.told_from))
 
     def to_json(self) -> dict[str, Any]:
-        return asdict(self)
+        """With "not_told", where in rows the errors are that are not told apart from the reference."""
+        errors = [row.error for row in self.rows]
+        return asdict(self) | {"not_told": [i for i, e in enumerate(errors) if e is not None and e < self.told_from]}
 
     @classmethod
     def from_json(cls, content: dict[str, Any]) -> Chart:
@@ -207,7 +215,7 @@ class Chart:
             "outside": tuple((variant, words) for variant, words in content["outside"]),
             "peers": tuple(PeerRow(**row) for row in content["peers"]),
         }
-        return cls(**(content | made))
+        return cls(**({k: v for k, v in content.items() if k != "not_told"} | made))
 
     @property
     def not_run(self) -> int:
@@ -233,12 +241,14 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[bool]:
     return [not beaten(e, s) for e, s in points]
 
 
-def with_fronts(rows: Sequence[Row]) -> tuple[Row, ...]:
-    """The rows with `pareto` told among the measured ones of as many lanes; linear models stand apart."""
+def with_fronts(rows: Sequence[Row], told_from: float = 0.0) -> tuple[Row, ...]:
+    """The rows with `pareto` told among the measured ones of as many lanes; linear models stand apart. Errors below
+    `told_from` are as good as one another.
+    """
     found = list(rows)
     for lanes in LANES:
         own = [i for i, r in enumerate(found) if r.failure is None and r.path != "linear" and r.lanes == lanes]
-        kept = pareto([(found[i].error or 0.0, found[i].seconds or 0.0) for i in own])
+        kept = pareto([(max(found[i].error or 0.0, told_from), found[i].seconds or 0.0) for i in own])
         for i, keep in zip(own, kept, strict=True):
             found[i] = dataclasses.replace(found[i], pareto=keep)
     return tuple(found)

@@ -2,7 +2,7 @@
 
 Colour     the variant: a hue for each kinematics, from light to dark as the ladder climbs
 Marker     the method; a rim where the stepper played it, hollow in single precision
-Band       what the reference is known to: errors in it are not told apart
+Band       errors below ten times what the reference is known to: not told apart from it, arrows that point down
 Line       the Pareto front of its panel; linear models at hand stand apart from it
 """
 
@@ -45,7 +45,8 @@ PEER = "#6a6f76"
 FEW_DECADES = 60.0  # times: axes that are shorter have more labels
 WIDTH, HEIGHT = 11.0, 4.4  # [in], of the panels
 FAR = 1e3  # times the tolerance: errors beyond stand at the edge
-BELOW = 3.0  # times: how far into the band errors are told apart in the picture
+BELOW = 2.0  # times: how far below what is told the arrows of the others stand
+UNTOLD = 11  # Matplotlib's caret that points down from its place
 LEGEND = 0.165  # [in] of a line of the legend
 LONGEST_TITLE = 85  # characters of a line
 
@@ -114,7 +115,7 @@ def _between(light: str, dark: str, share: float) -> str:
 
 def _range(chart: Chart) -> tuple[float, float]:
     """Errors that the picture goes from and to; those beyond stand at the edge."""
-    band = chart.reference.uncertainty
+    band = chart.told_from
     told = [*(row.error for row in chart.measured), *(peer.error for peer in chart.peers)]
     errors = [error for error in told if error]
     lowest = max(min(errors, default=chart.tolerance), band / BELOW, 1e-9 * chart.tolerance)
@@ -127,15 +128,18 @@ def _panel(
 ) -> None:
     low, high = ends
     ax.set(xscale="log", yscale="log", ylim=(low / 1.8, high * 1.8))
-    if chart.reference.uncertainty > low / 1.8:
-        ax.axhspan(low / 2, chart.reference.uncertainty, color=QUIET, alpha=0.22, lw=0, zorder=0)
+    if chart.told_from > low / 1.8:
+        ax.axhspan(low / 2, chart.told_from, color=QUIET, alpha=0.22, lw=0, zorder=0)
     ax.axhline(chart.tolerance, color=COLOURS[7], lw=1.2, ls="--", zorder=1)
     front = []
     for i, row in enumerate(chart.rows):
         if row.failure is not None or row.lanes != lanes:
             continue
-        at = (row.seconds or 0.0) * 1e3, min(max(row.error or 0.0, low), high)
-        ax.plot(*at, **marker(row, colours[row.variant]), gid=f"row-{i}")
+        at = (row.seconds or 0.0) * 1e3, _height(chart, row.error or 0.0, ends)
+        look = marker(row, colours[row.variant])
+        if (row.error or 0.0) < chart.told_from:
+            look |= {"marker": UNTOLD, "ms": 6.5}
+        ax.plot(*at, **look, gid=f"row-{i}")
         if row.pareto:
             front.append(at)
         if mark is not None and row.key == mark.key:
@@ -155,14 +159,21 @@ def _panel(
     _readable(ax.yaxis)
 
 
+def _height(chart: Chart, error: float, ends: tuple[float, float]) -> float:
+    """Where an error is drawn: all that are not told apart from physics as high as each other."""
+    low, high = ends
+    return chart.told_from / BELOW**0.5 if error < chart.told_from else min(max(error, low), high)
+
+
 def _draw_peers(ax: Axes, chart: Chart, ends: tuple[float, float]) -> None:
     """Markers in grey, those of one program on a thin line."""
     lines: dict[str, list[tuple[float, float]]] = {}
     for i, peer in enumerate(chart.peers):
         if peer.failure is None and peer.seconds is not None and peer.error is not None:
-            at = peer.seconds * 1e3, min(max(peer.error, ends[0]), ends[1])
+            at = peer.seconds * 1e3, _height(chart, peer.error, ends)
             lines.setdefault(peer.peer, []).append(at)
-            ax.plot(*at, _peer_marker(chart, peer.peer), color=PEER, ms=6, ls="none", gid=f"peer-{i}", zorder=2)
+            shape = UNTOLD if peer.error < chart.told_from else _peer_marker(chart, peer.peer)
+            ax.plot(*at, marker=shape, color=PEER, ms=6, ls="none", gid=f"peer-{i}", zorder=2)
     for points in lines.values():
         ax.plot(*zip(*sorted(points)), color=PEER, lw=0.8, alpha=0.6, zorder=1)
 
@@ -232,6 +243,9 @@ def _legend(chart: Chart, colours: dict[str, str], low: float, mark: Row | None)
         handles.append(entry("chosen", "o", ms=10, mfc="none", mec=INK, mew=1.6))
     tolerance = f"tolerance, {measured(chart.tolerance, chart.unit)}"
     handles.append(Line2D([], [], color=COLOURS[7], lw=1.2, ls="--", label=tolerance))
-    if chart.reference.uncertainty > low / 1.8:
-        handles.append(Patch(color=QUIET, alpha=0.22, lw=0, label="physics is not known better"))
+    if chart.told_from > low / 1.8:
+        if any((r.error or 0.0) < chart.told_from for r in (*rows, *(p for p in chart.peers if p.failure is None))):
+            handles.append(entry("not told apart from physics", UNTOLD, ms=6.5))
+        label = f"below ten times what physics\nis known to, {measured(chart.told_from, chart.unit)}"
+        handles.append(Patch(color=QUIET, alpha=0.22, lw=0, label=label))
     return handles

@@ -84,3 +84,19 @@ class BlockCollocation:
         slopes = K.reshape(m, 2, n)
         inner = ends[:-1, None] + self.h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, slopes)
         return ends, inner, slopes
+
+    def influence(self, weights: Array) -> tuple[Array, Array]:
+        """The transpose of `response`: of functionals sum_k weights_k . delta_k, weights (m + 1, n, q) at the ends,
+        what c (m, 2, n) and the start make of each, (m, 2, n, q) and (n, q). For any c and start
+
+            sum_k weights_k . delta_k = influence . c + of_start . start
+        """
+        m, n, q = len(self.h), self.n, weights.shape[-1]
+        solve, _, onward = self._inverses
+        pushed = solve[:, :n] + solve[:, n:]  # (runs, n, 2 n): of a step, twice over h
+        adjoint, found = weights[-1].astype(float), np.empty((m, 2 * n, q))
+        for r, run in reversed(list(enumerate(self._runs))):
+            for k in reversed(range(run.start, run.stop)):
+                found[k] = self.h[k] / 2 * (pushed[r].T @ adjoint)
+                adjoint = onward[r].T @ adjoint + weights[k]
+        return found.reshape(m, 2, n, q), adjoint

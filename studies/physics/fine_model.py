@@ -19,6 +19,7 @@ from pliant.studies.common.reference_motions import Motions
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
+BEYOND = 1e9  # of a state: nothing moves so
 ENDS = 1e-4  # of the largest value of a state: how near a motion between control times must come to the next of them
 
 
@@ -55,6 +56,18 @@ def masses(fine: Any, t: Array, x: Array, u: Array) -> Array | None:
     return np.asarray(M)
 
 
+def jacobians(fine: Any, t: Array, x: Array, u: Array, rate: Array, M: Array | None) -> Array:
+    """A (k, nx, nx) at points and their rates, for Newton's method: of mechanical plants nearly, with masses M."""
+    balance = fine.force_balance
+    if balance is not None:
+        return np.asarray(balance.near_jacobians(t, x, u, rate[:, balance.first :], M))
+    if len(t) == 1:  # a motion has two times
+        both = [np.repeat(v, 2, axis=0) for v in (x, u, rate)]
+        return jacobians(fine, np.append(t, t + 1.0), *both, M)[:1]
+    y = np.zeros((len(t), fine.ny))  # unused
+    return np.asarray(fine.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=fine, y=y, dx=rate)))
+
+
 def outputs(fine: Any, t: Array, x: Array, u: Array, asked: Sequence[int]) -> Array:
     """y (k, ny) at points; of outputs that depend on accelerations only those `asked` for are known to be right."""
     balance = fine.force_balance
@@ -88,7 +101,7 @@ def between_control_times(simple: Plant, motion: Trajectory, nodes: MotionNodes)
         for k in range(3 * nodes.parts):
             t = nodes.all[start + k]
             here = _stepped(simple, t, here, u, nodes.all[start + k + 1] - t)
-            if not np.isfinite(here).all():
+            if not (np.abs(here) < BEYOND).all():
                 return None
             if k + 1 < 3 * nodes.parts:
                 x[start + k + 1] = here
@@ -101,9 +114,12 @@ def between_control_times(simple: Plant, motion: Trajectory, nodes: MotionNodes)
 
 
 def _stepped(plant: Plant, t: Array, x: Array, u: Array, h: Array) -> Array:
-    """A step of RK4 of each row."""
-    k1 = plant.dynamics(x, u, t=t)
-    k2 = plant.dynamics(x + h[:, None] / 2 * k1, u, t=t + h / 2)
-    k3 = plant.dynamics(x + h[:, None] / 2 * k2, u, t=t + h / 2)
-    k4 = plant.dynamics(x + h[:, None] * k3, u, t=t + h)
+    """A step of RK4 of each row; no numbers where one of its stages has none."""
+    slopes = [plant.dynamics(x, u, t=t)]
+    for share in (0.5, 0.5, 1.0):
+        stage = x + share * h[:, None] * slopes[-1]
+        if not np.isfinite(stage).all():
+            return stage
+        slopes.append(plant.dynamics(stage, u, t=t + share * h))
+    k1, k2, k3, k4 = slopes
     return np.asarray(x + h[:, None] / 6 * (k1 + 2 * k2 + 2 * k3 + k4))

@@ -25,7 +25,7 @@ from pliant.plants.core.signals import GAUSS
 from pliant.plants.motions.time_limit import check_time
 
 from .block_collocation import BUTCHER, BlockCollocation, HeldModel
-from .fine_model import lacking, masses, outputs, trajectory
+from .fine_model import BEYOND, jacobians, lacking, masses, outputs, trajectory
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
@@ -36,7 +36,6 @@ SLOW = 0.25  # of a pass's change that the next one still changes
 NEAR = 30.0  # times what is wanted: after a change of less, the linear model is kept
 AT_ONCE = 0.01  # of what is wanted: where a motion that goes on changes by less, its first pass is its last
 SLOWEST = 0.3  # of a pass's change is what the next one changes, with the linear model kept, at least so it is told
-BEYOND = 1e9  # of a state: nothing moves so
 FAR = 3.0  # times what the first pass changes: a pass that changes more runs away
 SHRINKS = 0.7  # a pass that changes more than this share of what the last one changed does not settle
 
@@ -175,6 +174,20 @@ class CorrectedMotion:
         before, self.outputs = self.outputs, self._measured()
         self.changes.append(float(np.abs(self.outputs - before).max()))
 
+    def lacked_by(self, plant: Plant) -> Array:
+        """What this motion lacks of being one of another plant of the same states, (m, 2, nx), as a pass takes it."""
+        c = lacking(plant, self.t, self.x, self.u, self.rate, self._inverse(self.model))
+        return c.reshape(-1, 2, self.x.shape[1])
+
+    @property
+    def model(self) -> HeldModel:
+        """The linear model of its last pass."""
+        return self._model if self._model is not None else self._linearise()
+
+    def collocation(self) -> BlockCollocation:
+        """Of that model over the parts."""
+        return self.model.over(self.nodes.all[self.nodes.ends])
+
     def _inverse(self, model: HeldModel) -> Array | None:
         """The inverse mass matrix (2 m, n, n) that each Gauss point's linear model is held with, if any."""
         if model.mass is None:
@@ -187,24 +200,16 @@ class CorrectedMotion:
         edges = np.round(np.linspace(0, len(ends) - 1, self._blocks + 1)).astype(int)
         at = 2 * ((edges[:-1] + edges[1:] - 1) // 2)  # the first Gauss point of the part in the middle
         x, rate, t = ((values[at] + values[at + 1]) / 2 for values in (self.x, self.rate, self.t))
-        A = self._jacobians(t, x, self.u[at], rate)
-        if not np.isfinite(A).all():
-            raise NotSettled("the linear model along the motion is not finite")
-        M = masses(self.fine, t, x, self.u[at])
+        u = self.u[at]
+        M = masses(self.fine, t, x, u)
         if M is not None and not np.isfinite(M).all():
             raise NotSettled("the mass matrix along the motion is not finite")
+        A = jacobians(self.fine, t, x, u, rate, M)
+        if not np.isfinite(A).all():
+            raise NotSettled("the linear model along the motion is not finite")
         made = HeldModel(ends[edges], A, M)
         self._model, self._steps, self._own = made, None, True
         return made
-
-    def _jacobians(self, t: Array, x: Array, u: Array, rate: Array) -> Array:
-        """A (b, nx, nx) at points, of the plant that serves Newton's method."""
-        if len(t) == 1:  # a motion has two times
-            both = self._jacobians(np.append(t, t + 1.0), *(np.repeat(v, 2, axis=0) for v in (x, u, rate)))
-            return both[:1]
-        tangent: Plant = self.fine.newton
-        y = np.zeros((len(t), tangent.ny))  # unused
-        return tangent.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=tangent, y=y, dx=rate))
 
     def _measured(self) -> Array:
         at = self.at_ends[self.nodes.control]

@@ -242,6 +242,7 @@ REASONS = {  # patterns of module and name
     "studies.fidelity.mode_count.*": RESULT,
     "studies.fidelity.speed_accuracy.*": RESULT,
     "studies.fidelity.stiffening.Stiffening": RESULT,
+    "studies.fidelity.error_sources.ErrorSources*": RESULT,
     "studies.figures*": DRAWN,
     "studies.papers*": DRAWN,
     "studies.peers.*": INNER,

@@ -15,6 +15,7 @@ from pliant.studies.charts.gallery import gallery
 from pliant.studies.closed_loop.contestants import playable
 from pliant.studies.closed_loop.rollout import nominal, randomised, reading_noise, rollout
 from pliant.studies.common.reference_motions import Motions
+from pliant.studies.fidelity.error_sources import error_sources
 from pliant.studies.fidelity.mode_count import modes_needed
 from pliant.studies.fidelity.stiffening import stiffening_needed
 from pliant.studies.figures import style
@@ -135,6 +136,7 @@ def long_calls() -> list[Call]:
             long=True,
         ),
         Call("stiffening_needed", stiffening_needed, SCENES, long=True),
+        Call("error_sources", error_sources, SCENES | {"time": Number(0.1, low=0.0, none=True)}, long=True),
         Call(
             "judge",
             judge,

@@ -18,7 +18,6 @@ def test_physics_has_every_effect_and_one_shape_more_where_asked(arm):
     bodies = len(arm.modes) if isinstance(arm.modes, tuple) else 1
     assert arm.physics(1).nx - physics.nx == 2 * bodies
     assert arm.physics(40).nx == arm.physics(50).nx  # as many as polynomials are told apart
-    assert physics.newton.states == physics.states and physics.newton.kinematics == "stiffened"
     assert arm.unmodelled
 
 

@@ -114,3 +114,10 @@ def test_operations_grow_at_most_as_the_cube_of_the_states() -> None:
     row = kernel_growth.run(0, longest=400)
     assert not kernel_growth.faulty(row), row
     assert row["operations"] == sorted(row["operations"])
+
+
+def test_a_unit_reads_its_own_parts_and_of_others_what_they_are_called():
+    parts = ("head", *["#if IN_UNIT(0)", "zero {}", "#else", "zero;", "#endif"], "mid")
+    source = "\n".join([*parts, *["#if IN_UNIT(5)", "five {}", "#else", "five;", "#endif"], "#endif"])
+    assert straight_line.of_unit(source, 4, 0) == "head\nzero {}\nmid\nfive;\n#endif"
+    assert straight_line.of_unit(source, 4, 1) == "head\nzero;\nmid\nfive {}\n#endif"

@@ -6,7 +6,7 @@ import json
 import pytest
 from made_up_charts import UNSTABLE, made_up_chart, row
 
-from pliant.studies.fidelity.speed_accuracy import SPENT, Chart, pareto
+from pliant.studies.fidelity.speed_accuracy import SPENT, Chart, pareto, with_fronts
 
 FOUND = made_up_chart()
 
@@ -72,4 +72,14 @@ def test_how_far_ahead_of_another_program_at_the_same_error():
 
 def test_json_and_back(tmp_path):
     FOUND.save(tmp_path / "chart.json")
-    assert Chart.from_json(json.loads((tmp_path / "chart.json").read_text())) == FOUND
+    content = json.loads((tmp_path / "chart.json").read_text())
+    assert Chart.from_json(content) == FOUND
+    assert [FOUND.rows[i].error for i in content["not_told"]] == [1e-5]  # physics is known to 2e-5
+
+
+def test_errors_that_are_not_told_apart_are_as_good_as_one_another_on_the_front():
+    fast, slow = (dataclasses.replace(r, pareto=False) for r in (FOUND.rows[6], FOUND.rows[4]))
+    slow = dataclasses.replace(slow, path="stepper")
+    assert slow.error < fast.error and slow.seconds > fast.seconds
+    assert [r.pareto for r in with_fronts([fast, slow])] == [True, True]
+    assert [r.pareto for r in with_fronts([fast, slow], 3e-4)] == [True, False]

@@ -62,3 +62,14 @@ def test_a_mode_too_fast_for_the_steps_follows_its_load(stiffness):
     c = np.stack([np.zeros_like(load), load], axis=2)
     delta, _, _ = HeldModel(np.array([0.0, 1.0]), M[None]).over(ends).response(c, np.zeros(2))
     np.testing.assert_allclose(delta[-1, 0], 1 / stiffness, rtol=0.05)
+
+
+def test_the_transpose_agrees_with_the_response_to_rounding():
+    """Two functionals of deltas at all ends, over blocks and steps of different lengths."""
+    rng, ends = np.random.default_rng(5), np.array([0.0, 0.1, 0.3, 0.35, 0.7, 1.0, 1.4])
+    steps = HeldModel(np.array([0.0, 0.5, 1.4]), np.array([A, A.T])).over(ends)
+    c, weights = rng.normal(size=(6, 2, 3)), rng.normal(size=(7, 3, 2))
+    delta = steps.response(c, START)[0]
+    influence, of_start = steps.influence(weights)
+    found = np.einsum("mgnq,mgn->q", influence, c) + of_start.T @ START
+    np.testing.assert_allclose(found, np.einsum("mnq,mn->q", weights, delta), rtol=1e-12)
