@@ -92,7 +92,7 @@ class LQG(OwnsArrays):
         input_delay: float = 0.0,
         recovery: float = 0.0,
     ) -> Self:
-        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost. It is dimensionless.
+        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost [-]. W: densities [unit^2 s].
 
         input_delay: as in `design`; recovery: as there, in limits of the inputs.
         """
