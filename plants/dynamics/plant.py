@@ -21,6 +21,7 @@ from pliant.plants.integration.simulation import Input, simulate
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.native.batch_kernels import as_dtype
+from pliant.plants.rows.instruction_tape import RowsRead
 from pliant.plants.validity.ranges import Left, Range, left
 
 from . import arguments, equilibrium, linear_models, python_control
@@ -30,6 +31,8 @@ from .plant_contract import PlantContract
 
 if TYPE_CHECKING:
     import control
+
+NumericFunction.rows_read = RowsRead  # which the room of functions does not know
 
 
 @dataclass(frozen=True, kw_only=True)

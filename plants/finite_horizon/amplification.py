@@ -54,7 +54,7 @@ def amplification(on: Stretches, sizes: Array) -> Amplification:
 
 def check_growth(on: Stretches, sizes: Array) -> None:
     """ValueError where |x / sizes| grows beyond the range of numbers."""
-    if not grows_within(on.held[0] * sizes[None, None, :] / sizes[None, :, None]):
+    if not grows_within(on.wholes * sizes[None, None, :] / sizes[None, :, None]):
         raise ValueError(
             f"finite_horizon: deviations grow by more than e^{LARGEST:g} from {on.t[0]:.4g} to {on.t[-1]:.4g} s, "
             "beyond the range of numbers: take a shorter part of the motion"

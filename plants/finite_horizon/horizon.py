@@ -99,7 +99,7 @@ class FiniteHorizon(OwnsArrays):
 
     @cached_property
     def _by_energy(self) -> tuple[Array, Array]:
-        return pushed_outputs.by_energy(self._on, pushed_outputs.gramians(self._on))
+        return pushed_outputs.by_energy(self._on)
 
     @cached_property
     def _by_bounds(self) -> tuple[Array, Array, Array]:
@@ -130,7 +130,7 @@ class FiniteHorizon(OwnsArrays):
         if len(at) < len(self.t):
             first, last = int(at[max(best - 1, 0)]), int(at[min(best + 1, len(at) - 1)])
             near = np.unique(np.linspace(first, last, min(last - first, FINER) + 1).round().astype(int))
-            finer = pushed_outputs.by_bounded(self._on, self._allowed, near)[0][:, row]
+            finer = pushed_outputs.by_bounded(self._on, self._allowed, near, row)[0][:, 0]
             top, furthest = int(near[finer.argmax()]), float(finer.max())
         worst, lower = pushed_outputs.worst_bounded(self._on, top, row, self._allowed)
         unit, w = self._unit[row], self._sizes(self.disturbances)

@@ -8,74 +8,101 @@ White, of unit intensity, and a start of covariance P0: the standard deviation s
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from pliant.plants.linear.ltv import splined
 
+from .pushed_moduli import pushed_moduli
 from .stretches import ACROSS, Stretches
 
 Array = np.ndarray
 BETWEEN = (0.2, 0.4, 0.6, 0.8)  # parts of a stretch
 STEADY = 1e-3  # by which C and F may be larger within a stretch than at its ends, and yet not be looked at there
-CURVED = ACROSS**2 / 8  # of its height, that a swing may be off the straight line between the ends of a stretch
-NEAR = 4  # stretches that hold a quarter of the fastest swing
+KEPT = 500_000  # numbers of W at once
 WORK, FEWEST_LOOKED = 4e8, 40  # multiplications, and times, for what bounded disturbances can do
-ROWS = 500_000  # numbers kept at once
 
 
 def gramians(on: Stretches, start: Array | None = None) -> Array:
     """W (m + 1, n, n) at the ends of stretches; `start` (n, n): its value at the first."""
-    Phi, step = on.held[0], on.gramians
-    W = np.zeros((len(on.h) + 1, on.n, on.n))
+    found = np.empty((len(on.h) + 1, on.n, on.n))
+    for begin, W in _gramians(on, start):
+        found[begin : begin + len(W)] = W
+    return found
+
+
+def _gramians(on: Stretches, start: Array | None = None) -> Iterator[tuple[int, Array]]:
+    """The same some at a time: the first end's place, and W (.., n, n) from it to that of the next part."""
+    Phi, step, m = on.moves[0], on.reached, len(on.h)
+    count = max(16, KEPT // on.n**2)
+    W = np.zeros((count + 1, on.n, on.n))
     if start is not None:
         W[0] = start
-    for k in range(len(on.h)):
-        W[k + 1] = Phi[k] @ W[k] @ Phi[k].T + step[k]
-    return W
+    for begin in range(0, m, count):
+        groups = on.group[begin : begin + count].tolist()
+        for k, g in enumerate(groups):
+            W[k + 1] = Phi[g] @ W[k] @ Phi[g].T + step[g]
+        yield begin, W[: len(groups) + 1]
+        W[0] = W[len(groups)]
 
 
-def by_energy(on: Stretches, W: Array) -> tuple[Array, Array]:
+def by_energy(on: Stretches) -> tuple[Array, Array]:
     """The most that |z_i| can be at each end of a stretch (m + 1, nz), and what it is at most on the stretch before it.
 
     Between the ends W is a cubic of its rates there, to within the fourth derivative's share, (2 |lambda| h)^4/384 of
     the largest; C is what it is. What passes through without delay (F) has no bound at one time: it is left out of the
     first, and makes the second infinite.
     """
-    (E, C, F), (early, late), h = on.nodes, on.rates, on.h[:, None]
-    squares = np.maximum(_quadratic(C, W), 0.0)
-    within = [squares[:-1], squares[1:]]
-    for s in BETWEEN:  # the cubic through values and slopes at both ends
-        first, last = (1 + 2 * s) * (1 - s) ** 2, s**2 * (3 - 2 * s)
-        sees = on.between(s)[0]
-        begin = 2 * _quadratic(sees, W[:-1], sees @ early) + np.square(sees @ E[:-1]).sum(axis=-1)
-        end = 2 * _quadratic(sees, W[1:], sees @ late) + np.square(sees @ E[1:]).sum(axis=-1)
-        values = first * _quadratic(sees, W[:-1]) + last * _quadratic(sees, W[1:])
-        within.append(values + h * (s * (1 - s) ** 2 * begin - s**2 * (1 - s) * end))
-    error = (2 * ACROSS) ** 4 / 384 * squares.max(axis=0)
-    upper = np.vstack([squares[:1], np.max(within, axis=0) + error])
+    (E, C, F), m, nz = on.nodes, len(on.h), on.nz
+    between = np.concatenate([on.between(s)[0] for s in BETWEEN], axis=1)  # (m, 4 nz, n)
+    early, late = on.rates(between)
+    squares, upper = np.zeros((m + 1, nz)), np.zeros((m + 1, nz))
+    for begin, W in _gramians(on):
+        own, ends = slice(begin, begin + len(W) - 1), slice(begin, begin + len(W))
+        sees, h = between[own], on.h[own, None]
+        squares[ends] = np.maximum(_quadratic(C[ends], W), 0.0)
+        before, after = sees @ W[:-1], sees @ W[1:]
+        drives = (np.square(sees @ E[at]).sum(axis=-1) for at in (own, slice(begin + 1, begin + len(W))))
+        slopes = [2 * (w * rate[own]).sum(axis=-1) + d for w, rate, d in zip((before, after), (early, late), drives)]
+        values = [(w * sees).sum(axis=-1) for w in (before, after)]
+        most = np.maximum(squares[own], squares[begin + 1 : begin + len(W)])
+        for i, s in enumerate(BETWEEN):  # the cubic through values and slopes at both ends
+            a, b, rise, fall = (v[:, i * nz : (i + 1) * nz] for v in (*values, *slopes))
+            cubic = (1 + 2 * s) * (1 - s) ** 2 * a + s**2 * (3 - 2 * s) * b
+            most = np.maximum(most, cubic + h * (s * (1 - s) ** 2 * rise - s**2 * (1 - s) * fall))
+        upper[begin + 1 : begin + len(W)] = most
+    upper[1:] += (2 * ACROSS) ** 4 / 384 * squares.max(axis=0)
+    upper[0] = squares[0]
     upper[:, np.abs(F).max(axis=(0, 2)) > 0] = np.inf
     return np.sqrt(squares), np.sqrt(np.maximum(upper, 0.0))
 
 
-def _quadratic(sees: Array, W: Array, other: Array | None = None) -> Array:
-    """(m, nz) c_i W d_i' of the rows c_i of `sees` and d_i of `other`, `sees` itself if not given."""
-    return np.asarray(((sees @ W) * (sees if other is None else other)).sum(axis=-1))
+def _quadratic(sees: Array, W: Array) -> Array:
+    """(m, nz) c_i W c_i' of the rows c_i of `sees`."""
+    return np.asarray(((sees @ W) * sees).sum(axis=-1))
 
 
 def backward(on: Stretches, at: int, row: int) -> Array:
     """c Phi(t, s) at the starts of stretches before t = t[at], (at + 1, n); the last is c itself."""
-    Phi, found = on.held[0], np.zeros((at + 1, on.n))
+    Phi, found = on.moves[0], np.zeros((at + 1, on.n))
     found[at] = on.nodes[1][at, row]
-    for k in range(at - 1, -1, -1):
-        found[k] = found[k + 1] @ Phi[k]
+    for k, g in zip(range(at - 1, -1, -1), on.group[:at][::-1].tolist()):
+        found[k] = found[k + 1] @ Phi[g]
     return found
+
+
+def _effect(on: Stretches, at: int, row: int) -> Array:
+    """(at, nw) of disturbances held at one over each stretch before t[at], on z_row there."""
+    later, Gamma = backward(on, at, row)[1:], on.moves[1]
+    if not on.alike:
+        return np.einsum("ki,kij->kj", later, Gamma[:at])
+    return np.asarray((later[:, None] @ Gamma[on.group[:at]])[:, 0])
 
 
 def worst_of_energy(on: Stretches, at: int, row: int) -> tuple[Array, float]:
     """The disturbance (m + 1, nw) of unit energy, held from row to row, that pushes z_row most at t[at]; how far."""
-    later, Gamma = backward(on, at, row), on.held[1]
-    found = np.zeros((len(on.t), on.nw))
-    effect = np.einsum("ki,kij->kj", later[1:], Gamma[:at])  # of w held at one
+    effect, found = _effect(on, at, row), np.zeros((len(on.t), on.nw))
     found[:at] = effect / on.h[:at, None]
     size = float(np.sqrt((np.square(found[:-1]) * on.h[:, None]).sum()))
     return (found / size if size > 0 else found), size
@@ -83,9 +110,7 @@ def worst_of_energy(on: Stretches, at: int, row: int) -> tuple[Array, float]:
 
 def worst_bounded(on: Stretches, at: int, row: int, limits: Array) -> tuple[Array, float]:
     """The disturbance (m + 1, nw) of +-limits (nw,) that pushes z_row furthest at t[at]; how far."""
-    later, Gamma, through = backward(on, at, row), on.held[1], on.nodes[2][at, row]
-    effect = np.einsum("ki,kij->kj", later[1:], Gamma[:at])
-    found = np.zeros((len(on.t), on.nw))
+    effect, through, found = _effect(on, at, row), on.nodes[2][at, row], np.zeros((len(on.t), on.nw))
     found[:at], found[at] = np.where(effect < 0, -1.0, 1.0), np.where(through < 0, -1.0, 1.0)
     return found * limits, float((np.abs(effect).sum(axis=0) + np.abs(through)) @ limits)
 
@@ -98,78 +123,28 @@ def looked_at(on: Stretches) -> Array:
     return np.unique(np.linspace(0, m, min(count, m + 1)).round().astype(int))
 
 
-def by_bounded(on: Stretches, limits: Array, at: Array) -> tuple[Array, Array]:
+def by_bounded(on: Stretches, limits: Array, at: Array, row: int | None = None) -> tuple[Array, Array]:
     """At most how far |z_i| can be where |w_j| <= limits (nw,): at the ends `at` (nk,) of stretches (nk, nz), and at
-    most (nz,) at other times, where C or F are larger within a stretch than at its ends.
+    most (nz,) at other times, where C or F are larger within a stretch than at its ends. Of one `row`: of
+    that alone, and only at ends.
 
     By the adjoint: c Phi(t, s) from each t backward. Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the
     integral of its modulus is that of itself. Where it does not, or may not, the straight line between its ends
     serves, with what the second derivative may add.
     """
-    found = (_pushed_at(on, at, on.nodes[1][at]) + np.abs(on.nodes[2][at])) @ limits
-    beside, looked, more = np.zeros(on.nz), set(at.tolist()), []
+    rows = slice(None) if row is None else slice(row, row + 1)
+    (_, C, F), more, looked = on.nodes, [], set(at.tolist())
+    found = (pushed_moduli(on, at, C[at, rows]) + np.abs(F[at, rows])) @ limits
+    beside = np.zeros(found.shape[1])
+    if row is not None:
+        return found, beside
     for k, values in _larger_within(on).items():  # what stands between moves as at the nearer end
         more += [(end, *value) for end in {k, k + 1} & looked for value in values]
     if more:
         more.sort(key=lambda one: one[0])
-        pushed = _pushed_at(on, np.array([m[0] for m in more]), np.array([m[1] for m in more]))
+        pushed = pushed_moduli(on, np.array([m[0] for m in more]), np.array([m[1] for m in more]))
         beside = ((pushed + np.abs(np.array([m[2] for m in more]))) @ limits).max(axis=0)
     return found, beside
-
-
-def _pushed_at(on: Stretches, at: Array, sees: Array) -> Array:
-    """(nk, nz, nw) the integral of |sees Phi(t, s) E(s)| up to each t[at], ascending, of sees (nk, nz, n)."""
-    (Phi, Gamma), E, nz, count = on.held, on.nodes[0], on.nz, len(at)
-    last, rows, begun = int(at[-1]), np.zeros((count * nz, on.n)), count
-    total, until = np.zeros((count * nz, on.nw)), np.repeat(at, nz)
-    block = max(2 * NEAR, ROWS // (count * nz * on.nw))
-    held, ends = np.zeros((block + NEAR, *total.shape)), np.zeros((block + 2 * NEAR + 1, *total.shape))
-    top = last  # the last stretch of the block is top - 1; ends[i] belongs to k = top - block - NEAR + i
-    kept = 0  # of the latest ends, already known
-    while top > 0:
-        base = top - block - NEAR
-        for k in range(top - kept, max(base, 0) - 1, -1):
-            if k < last:
-                live = rows[begun * nz :]
-                if k - base < len(held):
-                    held[k - base, begun * nz :] = live @ Gamma[k]
-                rows[begun * nz :] = live @ Phi[k]
-            while begun and at[begun - 1] == k:
-                begun -= 1
-                rows[begun * nz : (begun + 1) * nz] = sees[begun]
-            ends[k - base, begun * nz :] = rows[begun * nz :] @ E[k]
-        first = max(top - block, 0)
-        whole, f = held[first - base : top - base], ends[first - base : top - base + 1]
-        live_at = until[None, :, None] > np.arange(first, top)[:, None, None]
-        total += np.where(
-            live_at, _moduli(whole, f, _about(ends)[first - base : top - base], on.h[first:top]), 0.0
-        ).sum(axis=0)
-        later = ends[: 2 * NEAR + 1].copy(), held[:NEAR].copy()
-        ends[:], held[:] = 0.0, 0.0
-        ends[block:], held[block:] = later
-        top, kept = top - block, NEAR + 1
-    return total.reshape(count, nz, on.nw)
-
-
-def _moduli(held: Array, f: Array, about: Array, h: Array) -> Array:
-    """(k, .., nw) the integral of |f| over each stretch from that of f (k, .., nw), f (k + 1, .., nw) at their ends."""
-    whole, size = np.abs(held), np.abs(f)
-    a, b, curved = size[:-1], size[1:], CURVED * about
-    crosses = (f[:-1] * f[1:] < 0) | (np.minimum(a, b) <= curved)
-    line = (a**2 + b**2) / (2 * np.maximum(a + b, np.finfo(float).tiny)) + curved
-    return np.asarray(np.where(crosses, np.maximum(whole, h[:, None, None] * line), whole))
-
-
-def _about(f: Array) -> Array:
-    """The largest |f| (k + 1, ..) within NEAR ends of a stretch, the height of its swing, (k, ..)."""
-    size = np.abs(f)
-    found = np.maximum(size[:-1], size[1:])
-    for _ in range(NEAR):
-        wider = found.copy()
-        wider[1:] = np.maximum(wider[1:], found[:-1])
-        wider[:-1] = np.maximum(wider[:-1], found[1:])
-        found = wider
-    return found
 
 
 def _larger_within(on: Stretches) -> dict[int, list[tuple[Array, Array]]]:

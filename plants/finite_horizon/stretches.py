@@ -45,6 +45,8 @@ class Stretches:
         shared = np.repeat(parts // groups, groups)  # stretches of each group
         self.group = np.repeat(np.arange(len(shared)), shared)  # (m,) of each stretch
         first = np.cumsum(shared) - shared
+        self.first, self.last = first, first + shared  # stretches of a group: from the first until before the last
+        self._between: dict[float, tuple[Array, Array]] = {}
         self._h = self.h[first]
         gauss = (self.t[first, None] + (shared * self._h)[:, None] * GAUSS).ravel()
         self._values = model.A, into, seen, direct
@@ -62,20 +64,31 @@ class Stretches:
         found = tuple(splined(self.model.t, a, self.t) for a in self._values[1:])
         return found[0], found[1], found[2]
 
-    @cached_property
-    def rates(self) -> tuple[Array, Array]:
-        """A at the start and at the end of each stretch, (m, n, n)."""
-        if len(self._h) < len(self.h):
-            own = self.A[self.group, 0]
+    @property
+    def alike(self) -> bool:
+        """Whether stretches share exponents."""
+        return len(self._h) < len(self.h)
+
+    def rates(self, sees: Array) -> tuple[Array, Array]:
+        """`sees` (m, k, n) times A at the start and at the end of each stretch, (m, k, n)."""
+        if self.alike:
+            own = np.empty_like(sees)
+            for begin, end, A in zip(self.first, self.last, self.A[:, 0]):
+                own[begin:end] = (sees[begin:end].reshape(-1, self.n) @ A).reshape(own[begin:end].shape)
             return own, own
-        found = splined(self.model.t, self._values[0], self.t)
-        return found[:-1], found[1:]
+        return sees @ self._nodes_A[:-1], sees @ self._nodes_A[1:]
+
+    @cached_property
+    def _nodes_A(self) -> Array:
+        return splined(self.model.t, self._values[0], self.t)
 
     def between(self, share: float) -> tuple[Array, Array]:
         """C and F at a share of each stretch, (m, ..)."""
-        at = self.t[:-1] + share * self.h
-        found = tuple(splined(self.model.t, a, at) for a in self._values[2:])
-        return found[0], found[1]
+        if share not in self._between:
+            at = self.t[:-1] + share * self.h
+            found = tuple(splined(self.model.t, a, at) for a in self._values[2:])
+            self._between[share] = found[0], found[1]
+        return self._between[share]
 
     @property
     def passed(self) -> tuple[Array, ...]:
@@ -85,13 +98,38 @@ class Stretches:
     @cached_property
     def held(self) -> tuple[Array, Array]:
         """Phi (m, n, n), Gamma (m, n, nw)."""
-        Phi, Gamma = held_steps(self.A, self.E, self._h)
+        Phi, Gamma = self.moves
         return self._each(Phi), self._each(Gamma)
 
     @cached_property
+    def moves(self) -> tuple[Array, Array]:
+        """The same of each group, of which `group` says the stretches."""
+        return held_steps(self.A, self.E, self._h)
+
+    @cached_property
+    def wholes(self) -> Array:
+        """The transition over each group, all its stretches."""
+        Phi, count = self.moves[0], self.last - self.first
+        if not self.alike:
+            return Phi
+        found, power = np.repeat(np.eye(self.n)[None], len(Phi), axis=0), Phi
+        while count.any():
+            odd = count % 2 == 1
+            found[odd] = found[odd] @ power[odd]
+            count = count // 2
+            if count.any():
+                power = power @ power
+        return found
+
+    @property
     def gramians(self) -> Array:
         """W (m, n, n)."""
-        if len(self._h) == len(self.h):
+        return self._each(self.reached)
+
+    @cached_property
+    def reached(self) -> Array:
+        """W of a stretch of each group."""
+        if not self.alike:
             return magnus.reached(self.A, self.E @ _t(self.E), self.h)
         A, term, h = self.A[:, 0], self.E[:, 0], self._h[:, None, None]
         series = [term]
@@ -102,11 +140,11 @@ class Stretches:
         pushes = np.stack(series, axis=1)
         later = np.einsum("jk,gknw->gjnw", weights, pushes)
         flat = (np.moveaxis(v, 1, 2).reshape(len(A), self.n, -1) for v in (pushes, later))
-        return self._each(h * (next(flat) @ _t(next(flat))))
+        return np.asarray(h * (next(flat) @ _t(next(flat))))
 
     def _each(self, found: Array) -> Array:
         """Of each stretch from that of each group."""
-        return found if len(found) == len(self.h) else found[self.group]
+        return found[self.group] if self.alike else found
 
     @cached_property
     def costs(self) -> Array:

@@ -251,9 +251,11 @@ def periodic_path(
         return Path(np.array([0.0, period]), A.repeat(2, axis=0), scaling(A)), float(period), "A is constant"
     span = float(model.t[-1] - model.t[0])
     if period is None:
-        found, source = periods.find(model)
+        found, source, known = periods.find(model)
         if found is None:
             raise ValueError(f"floquet: the model is not periodic: {source}")
+        if known is not None and len(keep) == model.A.shape[-1]:
+            return known, found, source
         length = found
     else:
         length, source = periods.require_period(period), "given"

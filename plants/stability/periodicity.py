@@ -30,13 +30,15 @@ def varying(model: LTVModel) -> tuple[np.ndarray, float]:
 
 def why_not(model: LTVModel, period: float) -> str:
     """Why A(t) does not have this period [s] as far as the model reaches; "" where it has."""
-    flat, _ = varying(model)
+    return _tried(model, period)[1]
+
+
+def _tried(model: LTVModel, period: float) -> tuple[Path | None, str]:
+    """A(t) over the first period [s], and `why_not`."""
     span = float(model.t[-1] - model.t[0])
     if period > span * (1 + 1e-9):
-        return f"the model covers {span:.6g} s, less than the period {period:.6g} s"
-    if not flat.shape[1]:
-        return ""
-    return one_period(model.t, model.A, period, model.state_names, found=True)[1]
+        return None, f"the model covers {span:.6g} s, less than the period {period:.6g} s"
+    return one_period(model.t, model.A, period, model.state_names, found=True)
 
 
 def one_period(
@@ -135,8 +137,8 @@ def pieced(joined: PiecewiseLTV, period: float, keep: list[int]) -> tuple[list[P
     return paths, jumps, period, f"given, {count} pieces"
 
 
-def find(model: LTVModel) -> tuple[float | None, str]:
-    """The period [s] and where it comes from, or None and why there is none.
+def find(model: LTVModel) -> tuple[float | None, str, Path | None]:
+    """The period [s] and where it comes from, or None and why there is none; A(t) over it, where A(t) varies.
 
     Either A(t) repeats itself at least once within the model, or the whole model closes: A, its rate and the nominal
     state come back (angles up to whole turns, quaternions up to their sign).
@@ -144,14 +146,15 @@ def find(model: LTVModel) -> tuple[float | None, str]:
     flat, _ = varying(model)
     span = float(model.t[-1] - model.t[0])
     if not flat.shape[1]:
-        return span, "A is constant"
-    repeated = _repeats(model, flat)
+        return span, "A is constant", None
+    repeated, path = _repeats(model, flat)
     if repeated is not None:
-        return repeated, f"A(t) repeats every {repeated:.6g} s"
-    reason = why_not(model, span) or _why_not_smooth(model, flat) or _why_not_closed(model)
+        return repeated, f"A(t) repeats every {repeated:.6g} s", path
+    path, reason = _tried(model, span)
+    reason = reason or _why_not_smooth(model, flat) or _why_not_closed(model)
     if reason:
-        return None, reason
-    return span, f"the nominal closes after {span:.6g} s and is taken as one period"
+        return None, reason, None
+    return span, f"the nominal closes after {span:.6g} s and is taken as one period", path
 
 
 def _spline(t: np.ndarray, values: np.ndarray) -> Any:
@@ -188,11 +191,11 @@ def _why_not_closed(model: LTVModel) -> str:
     return ""
 
 
-def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
-    """The shortest shift [s], at most half the span, after which A(t) is the same."""
+def _repeats(model: LTVModel, flat: np.ndarray) -> tuple[float | None, Path | None]:
+    """The shortest shift [s], at most half the span, after which A(t) is the same, and A(t) up to it."""
     t, n = model.t, len(model.t)
     if n < 17:
-        return None
+        return None, None
     rng = np.random.default_rng(0)
     centred = (flat - flat.mean(axis=0)) / np.ptp(flat, axis=0)
     few = centred @ rng.uniform(0.5, 1.0, (flat.shape[1], 2)) / flat.shape[1]
@@ -210,9 +213,11 @@ def _repeats(model: LTVModel, flat: np.ndarray) -> float | None:
     path = _spline(t, few) if len(near) else None
     for k in near:
         found = _refined(path, t, float(k * step), step)
-        if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9) and not why_not(model, found):
-            return found
-    return None
+        if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9):
+            period, reason = _tried(model, found)
+            if not reason:
+                return found, period
+    return None, None
 
 
 def _refined(path: Any, t: np.ndarray, shift: float, step: float) -> float:

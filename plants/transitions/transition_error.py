@@ -27,7 +27,8 @@ KEPT = 1 << 22  # numbers in the stacks of partial products
 HELD = 1 << 21  # numbers in a stack of steps
 STRETCHES, LITTLE = (12, 192), 0.02  # of higher orders: so few if they add little of the first order, else so many
 SEEN = 0.7  # |eigenvalue| times distance of two partial products between which they hide little
-HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it
+HALVED = 1 / 16  # of the change under halving, of order six and so 1/63 of it, ..
+RESOLVED = 0.5  # .. where |eigenvalue| times step is at most this, or steps are halved again; else all of it
 EPS = float(np.finfo(float).eps)
 
 
@@ -100,46 +101,54 @@ def transition(
     V, W, D_V = None, one, None
     grids = [refined(path) for path in paths]
     chosen = [_edges(path, *grid) for path, grid in zip(paths, grids)]
-    steps, halvings, before = sum(len(grid) - 1 for grid, _ in grids), 0, None
+    steps, halvings = sum(len(grid) - 1 for grid, _ in grids), 0
+    before = _joined([_coarse(path, grid) for path, (grid, _) in zip(paths, grids)], jumps)
+    fine = all(path.fastest() * np.diff(grid).max() <= RESOLVED for path, (grid, _) in zip(paths, grids))
+    share = HALVED if fine else 1.0  # of the change, that M may be off
     D, S = np.zeros((n, n)), np.zeros((n, n))
     while True:
         Phi = [_products(path, grid, edges, 1 << halvings) for path, (grid, _), edges in zip(paths, grids, chosen)]
         M = _joined([magnus.product(P) for P in Phi], jumps)
-        if before is None:
+        if not halvings:
             D, S = _first_order(paths, grids, chosen, Phi, jumps, one, one)
             if modal and np.isfinite(M).all():
                 _, V, W, off = eigenvectors(M)
                 V = V if np.isfinite(off).all() else None
             if V is not None:
                 D_V, _ = _first_order(paths, grids, chosen, Phi, jumps, W, V)
-        if before is not None:
-            change = np.abs(M - before)
-            size = float(np.linalg.norm(M))
-            enough = max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
-            done = np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size)
-        else:
-            change, done = np.zeros((n, n)), all(path.constant for path in paths)
+        change = np.abs(M - before)
+        if all(path.constant for path in paths):
+            change = np.zeros((n, n))
+        size = float(np.linalg.norm(M))
+        enough = HALVED * max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
+        done = share * np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size)
         if done:
             break
-        before, halvings = M, halvings + 1
+        before, halvings, share = M, halvings + 1, HALVED
     for J, P in zip(jumps, Phi[1:]):
         P[0] = P[0] @ J
     times = [grids[0][0][:1], *(grid[edges[1:]] for (grid, _), edges in zip(grids, chosen))]
     M_V = None
     if V is not None and D_V is not None:
         M_V = W @ M @ V
-        D_V = D_V + np.abs(W) @ (HALVED * change + 4 * n * EPS * np.abs(M)) @ np.abs(V)
+        D_V = D_V + np.abs(W) @ (share * change + 4 * n * EPS * np.abs(M)) @ np.abs(V)
         apart = np.abs(W @ V - one) + 2 * n * EPS * np.abs(W) @ np.abs(V)  # W is V^-1 to rounding
         D_V = D_V + 2 * (apart @ (np.abs(M_V) + D_V))
         D_V = D_V if apart.sum(axis=1).max() < 0.1 else np.full((n, n), np.inf)
     return Transition(
         M,
-        D + HALVED * change,
+        D + share * change,
         steps << halvings,
-        *(*_rates(paths), S + np.diag(np.diagonal(HALVED * change))),
+        *(*_rates(paths), S + np.diag(np.diagonal(share * change))),
         *(np.concatenate(times), np.concatenate(Phi)),
         *(V, M_V, D_V),
     )
+
+
+def _coarse(path: Path, grid: np.ndarray) -> np.ndarray:
+    """The product over the grid in half as many steps, each two of them in one."""
+    few = np.append(grid[:-1:2], grid[-1])
+    return magnus.product(_products(path, few, np.append(np.arange(0, len(few) - 1, 64), len(few) - 1), 1))
 
 
 def _joined(Phi: Sequence[np.ndarray], jumps: Sequence[np.ndarray]) -> np.ndarray:

@@ -70,8 +70,13 @@ def evidence(verdict: Verdict, *, title: str = "Stability", height: float = 2.3)
             for time in verdict.critical_times:
                 ax.axvline(time, color=COLOURS[1], ls=":", lw=1.0)
     timed = [draw in (_tube, _growth, _real_parts, _frequencies) for draw, _ in drawers]
+    over_time = [ax for ax, here in zip(axes, timed) if here]
+    for ax in over_time:
+        ax.set_xlim(min(a.get_xlim()[0] for a in over_time), max(a.get_xlim()[1] for a in over_time))
     for ax, here, below in zip(axes, timed, [*timed[1:], False]):
-        if here and not below:  # the lowest of those over time
+        if here and below:
+            ax.tick_params(labelbottom=False)
+        elif here:  # the lowest of those over time
             ax.set_xlabel("time [s]")
     head = verdict.verdict + (f" of {listed(verdict.drifting[:3])}" if verdict.drifting else "")
     axes[0].set_title(f"{title}: {head}")

@@ -121,8 +121,23 @@ def save(figure: Figure, path: str | Path, together: Together | None = None) -> 
     ending = require_ending("picture", path)
     writing = replacing(path) if together is None else together.file(path)
     with matplotlib.rc_context(RC), writing as file:
-        figure.savefig(file, format=ending, dpi=DPI, facecolor="white")
+        if ending == "png":
+            _png(figure, file)
+        else:
+            figure.savefig(file, format=ending, dpi=DPI, facecolor="white")
     figure.set_layout_engine("none")  # done
+
+
+def _png(figure: Figure, file: Any) -> None:
+    """What savefig writes, drawn once: it draws a figure twice, the first time for its layout alone."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    before = figure.dpi, figure.get_facecolor()
+    figure.set_dpi(DPI)
+    figure.set_facecolor("white")
+    FigureCanvasAgg(figure).print_png(file)
+    figure.set_dpi(before[0])
+    figure.set_facecolor(before[1])
 
 
 def inline(figure: Figure) -> str:

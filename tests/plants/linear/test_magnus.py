@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
+from scipy.linalg import expm, svdvals
 
 from pliant.plants.core.signals import GAUSS
 from pliant.plants.linear import magnus
@@ -87,3 +87,14 @@ def test_halvings():
     assert magnus.halvings(np.zeros((2, 2))) == 0
     assert magnus.halvings(np.array([[1.0]])) == 0
     assert magnus.halvings(np.array([[[0.5, 0.0], [0.0, 0.5]], [[3.0, 5.0], [0.0, 1.0]]])) == 3
+
+
+def test_largest_growths():
+    """Against SciPy's singular values; far from one, zero, and what is no number."""
+    size = 10.0 ** np.array([0, 150, -150, 3, 0, 0, -8])[:, None, None]
+    Phi = np.random.default_rng(4).standard_normal((7, 5, 5))
+    Phi[4] = 0.0
+    wanted = [svdvals(P)[0] * unit for P, unit in zip(Phi, size[:, 0, 0])]
+    np.testing.assert_allclose(magnus.largest_growths(Phi * size), wanted, rtol=1e-13)
+    Phi[2, 0, 0] = np.nan
+    assert np.isnan(magnus.largest_growths(Phi)[2])
