@@ -20,7 +20,6 @@ free = max(model.eigenvalues.imag)  # of a pendulum of 8 kg under a free trolley
 assert abs(free / (9.81 / 3.0 * (1 + 8.0 / 20.0)) ** 0.5 - 1) < 1e-3
 assert tree.nx == 8
 """,
-    "choose_model.md": "assert choice.met and len(choice.rungs) > 2 and choice.effects\n",
     "integrators.md": "assert off < 1e-6 and 1e-4 < limit < 0.02 and coarse.stats['steps'] > 50\n",
     "choose_controller.md": "assert found.holds in (True, False)\nassert reach.cost(played) < 6.0\n",
     "limits.md": "assert arm.unmodelled\n",
