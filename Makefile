@@ -29,6 +29,7 @@ $(VENV)/ready-to-learn: pyproject.toml setup.py constraints.txt | $(VENV)/python
 	@touch $(VENV)/ready $@
 
 report: $(VENV)/ready
+	@echo "report $(SCENE)" >&2
 	@$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
 
 test: $(VENV)/ready-to-learn

@@ -47,6 +47,8 @@ def outcome(test):
 
 def test_public_names_lack_nothing():
     assert docstrings.gaps(PUBLIC) == {}
+    told = (HOUSE.parent / "api.md").read_text(encoding="utf-8")
+    assert [name for name in docstrings.USUAL if f"| `{name}` |" not in told] == []
     assert set(NEEDS) <= set(OWN)
 
 
@@ -64,8 +66,18 @@ def half_told(mass: float) -> float:
     return mass
 
 
+def unnamed(mass: float, width: float, p: float) -> float:
+    """The mass [kg].
+
+    >>> unnamed(1.0, 2.0, 3.0)
+    """
+    return mass * width * p
+
+
 def test_a_planted_gap_is_found():
-    """Without a docstring all is lacking; without unit and error those are."""
+    """Without a docstring all is lacking; without unit, error or the name of an argument those are."""
+    assert docstrings.lacks(docstrings.Public("tests.unnamed", unnamed)) == ["arguments"]
+    assert docstrings.unnamed(docstrings.Public("tests.unnamed", unnamed)) == ["width"]
     assert docstrings.lacks(docstrings.Public("tests.bare", bare)) == list(docstrings.KINDS)
     assert docstrings.lacks(docstrings.Public("tests.half_told", half_told)) == ["measure", "errors"]
     beam = PUBLIC["pliant.plants.beams.section.Beam"]

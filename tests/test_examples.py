@@ -157,6 +157,7 @@ from pathlib import Path
 assert all(same) and len(more.rows) == 16
 Path("runs.jsonl").unlink()
 """
+CHOSEN = "assert choice.met and len(choice.rungs) > 2 and choice.effects\n"
 UNDECIDED = """
 assert coarse.verdict == "undecided" and fine.verdict == "bounded" and later.verdict == "stable"
 assert drifts.verdict == "drift" and held.verdict == "bounded" and push.upper - push.lower < 1e-4 * push.upper
@@ -177,6 +178,7 @@ assert drifts.verdict == "drift" and held.verdict == "bounded" and push.upper - 
         pytest.param("docs/tutorials/train_a_policy.md", 3, TRAINED, id="train_a_policy", marks=pytest.mark.docs),
         pytest.param("docs/tutorials/cluster.md", 2, CLUSTER, id="cluster", marks=pytest.mark.docs),
         pytest.param("docs/undecided.md", 4, UNDECIDED, id="undecided", marks=pytest.mark.docs),
+        pytest.param("docs/choose_model.md", 1, CHOSEN, id="choose_model", marks=pytest.mark.docs),
     ],
 )
 def test_blocks_run_in_order(page, least, checks, alone, tmp_path_factory) -> None:

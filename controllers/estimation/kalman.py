@@ -89,10 +89,10 @@ class Kalman(OwnsArrays):
     ) -> Self:
         """About the point of a continuous-time linear model; the gain is the steady one.
 
-        W: densities [unit^2 s] by name of disturbance, input or state; of white noise, integrated over the period, or
-        of noise that is "held" over each period. P0 (nx, nx): covariance of the first estimate;
-        the gains then start from it and run until they are steady. UncontrollableError names modes that do not decay
-        and that the sensors do not see or the noise does not drive.
+        input_delay [periods]: how late inputs act. W: densities [unit^2 s] by name of disturbance, input or state; of
+        white noise, integrated over the period, or of noise that is "held" over each period. P0 (nx, nx): covariance of
+        the first estimate; the gains then start from it and run until they are steady. UncontrollableError names modes
+        that do not decay and that the sensors do not see or the noise does not drive.
         """
         require_instance("Kalman.design: model", model, LinearModel)
         if model.dt is not None:

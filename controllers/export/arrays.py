@@ -25,9 +25,9 @@ LONGEST = 31  # characters of a variable's name in a .mat file
 
 
 def arrays_of(what: Any) -> dict[str, Any]:
-    """{name: array} of a LinearModel (A .. F, x0, u0, y0, names), or of a controller: its linear form A, B, C, D in
-    u = -(C s + D y), s' = A s + B y where it has one, and its own numbers and arrays, of a policy W1, b1 .., of an MPC
-    its programs; `dt` = 0 where it is continuous. ValueError for anything else.
+    """{name: array} of `what`: a LinearModel (A .. F, x0, u0, y0, names), or a controller: its linear form A, B, C, D
+    in u = -(C s + D y), s' = A s + B y where it has one, and its own numbers and arrays, of a policy W1, b1 .., of an
+    MPC its programs; `dt` = 0 where it is continuous. ValueError for anything else.
 
     Example
     -------

@@ -52,7 +52,7 @@ class Filter(OwnsArrays):
     def from_coefficients(
         cls, numerator: Any, denominator: Any, *, dt: float | None = None, frequency: float | None = None
     ) -> Self:
-        """Polynomials in s (in z where dt is given), highest power first; the numerator's degree is no higher.
+        """Polynomials numerator (m,) over denominator (n,) in s (in z where dt is given), highest power first, m <= n.
 
         dt: sampling time [s]; frequency: where it is warped least [rad/s]. ValueError where it is not proper.
         """

@@ -100,7 +100,7 @@ class ComputedTorque(OwnsArrays):
 
     @classmethod
     def for_scene(cls, scene: CostedScene, *, bandwidth: float | None = None, damping: float = 1.0) -> ComputedTorque:
-        """Along the rigid motion of the scene. bandwidth [rad/s], None: 5 / move_time."""
+        """Along the rigid motion of the scene. bandwidth [rad/s], None: 5 / move_time. damping: a ratio [-]."""
         require_scene("ComputedTorque.for_scene", scene)
         at, high = joints(scene.plant), np.array(scene.limits)
         return cls.design(

@@ -92,7 +92,7 @@ class Shaper(OwnsArrays):
         return Shaper(times[fresh], np.bincount(np.cumsum(fresh) - 1, weights=amplitudes))
 
     def residual(self, frequency: Any, damping: float = 0.0) -> Any:
-        """V [-] at natural frequencies [rad/s], a number or an array (m,): the sensitivity curve.
+        """V [-] at natural frequencies [rad/s], a number or (m,), of a damping ratio [-]: the sensitivity curve.
 
         ValueError where a frequency is negative or not finite.
         """
@@ -123,6 +123,7 @@ def shape(
     command: Command, modes: LinearModel | Iterable[Mode | float], kind: str = "zvd", *, tolerance: float = 0.05
 ) -> Command:
     """The command (a function of t [s]) that leaves none of the modes vibrating; see `shaper_for`.
+    tolerance: what "ei" may leave, as a share of what an unshaped command leaves [-].
 
     Example
     -------
@@ -145,7 +146,7 @@ def shaper_for(
 
     Of a model, sampled or not, those count that oscillate with a damping ratio below 0.2; the `most` slowest where
     given. A sampled model shows what oscillates faster than half its sampling rate at a lower frequency: take the
-    continuous model where it has such modes. ValueError where none oscillates.
+    continuous model where it has such modes. ValueError where none oscillates. tolerance [-]: what "ei" may leave.
 
     Example
     -------

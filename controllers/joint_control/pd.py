@@ -125,7 +125,7 @@ class PD(OwnsArrays):
         """Kp = bandwidth^2 J, Kd = 2 damping bandwidth J with J the rigid inertia at the equilibrium (x0, u0).
 
         bandwidth [rad/s]; reference: None holds x0; at: names of positions and rates, one an input, None: the plant's
-        joints.
+        joints; limits: (lowest, highest), or {input: (lowest, highest)}.
         """
         bandwidth = require_number("PD.bandwidth", bandwidth, "positive", "rad/s")
         damping = require_number("PD.damping", damping, "positive")

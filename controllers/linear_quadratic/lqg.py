@@ -104,7 +104,7 @@ class LQG(OwnsArrays):
         recovery: float = 0.0,
         uncertain: float | None = None,
     ) -> Self:
-        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost. It is dimensionless.
+        """LQR.for_scene and Kalman.for_scene. effort: a factor on what the inputs cost [-]. W: densities [unit^2 s].
 
         input_delay: as in `design`; recovery: as there, in limits of the inputs. uncertain: spread of the
         parameters that the plant calls uncertain, 0.1 for +-10 %, whose errors the filter counts as process noise; 0

@@ -151,7 +151,7 @@ class LQR(OwnsArrays):
         integral: Mapping[str, float] | None = None,
         limits: Any = None,
     ) -> LQR:
-        """`design` on the plant's linear model about the equilibrium (x0, u0); EquilibriumError where it is none."""
+        """`design` (Q, R, integral, limits) about an equilibrium (x0, u0); EquilibriumError where it is none."""
         require_instance("LQR.for_plant: plant", plant, Plant)
         x0 = require_finite("LQR.x0", x0, (plant.nx,))
         model = plant.linearize(x0, None if u0 is None else require_finite("LQR.u0", u0, (plant.nu,)))
@@ -170,7 +170,8 @@ class LQR(OwnsArrays):
         """`design` about a scene's goal, moving or not, with its cost, limits and control period.
 
         delay [periods]: as in `design`; what acts first is the input of the scene's start.
-        effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held. Integrals: [unit s].
+        effort: a factor on what the inputs cost. EquilibriumError where the goal cannot be held. integral:
+        weights by name [1/(unit s)^2].
         """
         require_scene("LQR.for_scene", scene)
         effort = require_number("LQR.for_scene.effort", effort, "positive")

@@ -141,7 +141,8 @@ class TVLQR(OwnsArrays):
 
         The nominal input is held at its mean between nodes. Options as in `along`. NodeWarning, and `regulator.error`,
         where the nodes are too far apart for the cost to go to be known to a thousandth (riccati/node_distance.py).
-        Q (nx, nx), R (nu, nu), N (nx, nu), end (nx, nx). ValueError where nodes are not equally far apart.
+        Q (nx, nx), R (nu, nu), N (nx, nu), end (nx, nx). hold, limits: as in
+        `along`. ValueError where nodes are not equally far apart.
         """
         hold = given_hold(hold)
         steps = np.diff(require_instance("TVLQR.design: ltv", ltv, LTVModel).t)

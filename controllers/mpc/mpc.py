@@ -160,8 +160,8 @@ class MPC:
         """Along a nominal with nodes dt apart, past whose end the last node stays, which should be an equilibrium.
 
         The cost is the sum over steps of dt times the rate x'Qx + u'Ru of deviations from the nominal; P (nx, nx)
-        weighs the state at the end of the last step's horizon, None: the cost to go there. Others as in `design`.
-        """
+        weighs the state at the end of the last step's horizon, None: the cost to go there. Q, R, limits, rates,
+        bounds, blocks, terminal and penalty as in `design`."""
         return cls(**follower(ltv, (Q, R, P), horizon, (limits, rates, bounds, terminal, penalty), blocks, reads))
 
     @classmethod

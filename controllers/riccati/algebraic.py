@@ -70,7 +70,7 @@ def lqr(A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] |
 def dlqr(
     A: Any, B: Any, Q: Any, R: Any, N: Any = None, *, names: Sequence[str] | None = None, dt: float = 1.0
 ) -> Regulator:
-    """Discrete-time regulator; arrays as for `lqr`. `dt` [s] is used only to name modes in Hz in errors.
+    """Discrete-time regulator; A, B, Q, R, N as for `lqr`. `dt` [s] is used only to name modes in Hz in errors.
 
     Example
     -------
@@ -82,7 +82,7 @@ def dlqr(
 
 
 def lqi(A: Any, B: Any, C: Any, Q: Any, R: Any, *, D: Any = None, names: Sequence[str] | None = None) -> Regulator:
-    """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny).
+    """Regulator with integral action on y = C x + D u: states [x, int y], Q (nx + ny, nx + ny), R (nu, nu).
 
     Example
     -------

@@ -113,7 +113,7 @@ def over_box(
     dt: float | None = None,
     mass: Callable[[Array], Array] | None = None,
 ) -> RobustStability:
-    """The same of any closed loop by its state matrix (n, n), a function of delta (k,), each in [-1, 1] in one box;
+    """The same of any closed loop by its `state_matrix` (n, n), a function of delta (k,), each in [-1, 1] in one box;
     `box` only names and scales them. dt [s]: of a sampled loop. mass: E(delta) (n, n), by which E A is a polynomial.
 
     Example

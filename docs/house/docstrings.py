@@ -5,6 +5,7 @@ of exported classes, each counted where it is defined. Asked of each:
 
 doc       a docstring
 measure   a shape or a unit, where an argument or the result is an array or a float
+arguments the names of its arguments that are numbers or arrays, but those of USUAL, which docs/api.md tells once
 errors    the ValueError (or what is derived of it) that its own body raises, named
 example   a prompt `>>>` of its own, or in the docstring or the session (docs/sessions) of its class, which uses it by
           name; an override has the example of what it overrides
@@ -28,9 +29,11 @@ from typing import Any
 from sessions import PAGES, sections
 
 PACKAGES = ("plants", "controllers", "envs", "studies")
-KINDS = ("doc", "measure", "errors", "example")
+KINDS = ("doc", "measure", "arguments", "errors", "example")
+USUAL = {*["t", "x", "u", "w", "p", "q", "v", "a", "y", "dt"], "path", "progress", "options"}
 
 QUANTITY = re.compile(r"\b(float|NDArray|ndarray|ArrayLike|Array|Vector|Matrix|Floats)\b")
+NUMBERS = re.compile(QUANTITY.pattern + r"|\bAny\b")
 # A shape "(nx,)", "(nt, nx)", "n x n", "(3,)", or a unit in brackets, or said to have none.
 MEASURE = re.compile(
     r"(?i)\(\w+,\)|\((?:\.\.\.|\w+), [\w ,.*+-]+\)|\[[^\]\n]*(?:\d|m|s|rad|N|Hz|kg|Pa|W|J|V|%|-|deg|dB|B)[^\]\n]*\]"
@@ -118,6 +121,16 @@ def annotations(item: Public) -> str:
     return " ".join(str(t) for t in vars(item.what).get("__annotations__", {}).values())
 
 
+def unnamed(item: Public) -> list[str]:
+    """Arguments that are numbers or arrays, and that neither its docstring nor its class's names."""
+    if item.function is None:
+        return []
+    text = item.doc + (inspect.getdoc(item.owner) or "" if item.owner else "")
+    given = inspect.signature(item.function).parameters.values()
+    asked = [a.name for a in given if a.name not in USUAL and NUMBERS.search(str(a.annotation))]
+    return [name for name in asked if not re.search(rf"\b{name}\b", text)]
+
+
 def raises(item: Public) -> bool:
     """Whether its own body raises ValueError or asks a gate that does."""
     if item.function is None or not item.source:
@@ -179,6 +192,8 @@ def lacks(item: Public) -> list[str]:
     found = []
     if QUANTITY.search(annotations(item)) and not measured(item):
         found.append("measure")
+    if unnamed(item):
+        found.append("arguments")
     if raises(item) and not ERROR.search(item.doc):
         found.append("errors")
     if not shown(item):

@@ -14,7 +14,12 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("plants", "controllers", "envs", "studies")
-COPIED = {"index.md": "README.md", "house.md": "CONTRIBUTING.md", "security.md": "SECURITY.md"}
+COPIED = {
+    "index.md": "README.md",
+    "house.md": "CONTRIBUTING.md",
+    "security.md": "SECURITY.md",
+    "benchmarks.md": "benchmarks/results/benchmark.md",
+}
 
 
 def on_startup(**_: Any) -> None:

@@ -97,7 +97,7 @@ def _inputs(scene: Scene) -> str:
         warnings.simplefilter("ignore", NominalWarning)  # a fault here
         inputs = scene.nominal_input
     if beyond := beyond_limits(scene, inputs):
-        raise ValueError(f"inputs beyond the limits: {beyond}")
+        raise ValueError(f"inputs beyond the limits: {beyond}; raise `limits`, or lengthen `move_time`")
     return "inputs within the limits"
 
 

@@ -164,8 +164,8 @@ def _own(name: str, **given: Any) -> Scene:
 
 
 def get(name: str, **overrides: Any) -> Scene:
-    """A scene by name, or by the path of its file (.toml); keywords are its own ("spin-up": speed, "spacecraft-spin":
-    axis) or override its fields (limits=(80.0, 30.0)).
+    """A scene by name, or by the path of its file (.toml); `overrides` are its own keywords ("spin-up": speed,
+    "spacecraft-spin": axis) or take the place of its fields (limits=(80.0, 30.0)).
 
     Example
     -------

@@ -217,7 +217,7 @@ class Scene(Manoeuvre, SceneTable):
         return [index(self.plant.inputs, name, "input") for name, _ in self.effort]
 
     def cost_rate(self, errors: Iterable[Any], excess: Iterable[Any]) -> Any:
-        """Cost rate [1/s] from deviations of the weighted signals and inputs: numbers, arrays or SX."""
+        """Cost rate [1/s] from deviations, `errors` of weighted signals, `excess` of inputs: numbers, arrays, SX."""
         return cost.weighed((*self.weights, *self.effort), (*errors, *excess))
 
     @cached_property

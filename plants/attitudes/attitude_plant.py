@@ -81,7 +81,8 @@ class AttitudePlant(MechanicalPlant):
         return x
 
     def state(self, values: Mapping[str, float] | None = None, **named: float) -> Array:
-        """x (nx,) with these states by name; the others zero, nothing turned where no quaternion is named."""
+        """x (nx,) with these states by name, in `values` or as keywords; the others zero, nothing turned where no
+        quaternion is named."""
         owner = f"{type(self).__name__}.state"
         x = np.array(self.rest_state)
         given = {} if values is None else require_by_name(f"{owner}.values", values)

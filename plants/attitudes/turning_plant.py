@@ -122,7 +122,7 @@ class TurningPlant(AttitudePlant, LagrangianPlant):
     ) -> tuple[Array, Array]:
         """A rest point as in Plant.equilibrium. The search begins with nothing turned, and where that finds none with
         one joint that turns in space turned a quarter; place and attitude of a free base are held, at zero where they
-        are not named. The state (nx,) and the inputs (nu,).
+        are not named. `fixed` and `guess` as there. The state (nx,) and the inputs (nu,).
         """
         first = {self.states[a.q].name: 1.0 for a in self.attitudes}
         given = first | ({} if guess is None else dict(require_by_name("equilibrium.guess", guess)))

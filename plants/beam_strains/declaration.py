@@ -163,6 +163,7 @@ class StrainDeclaration(LagrangianPlant):
     ) -> tuple[Array, Array]:
         """As of every plant. A clamped beam of strains under given loads is followed from the unloaded beam, or from
         the guess, in steps of the load: EquilibriumError where that branch is lost, never a rest on another one.
+        `fixed` and `named` hold coordinates and loads by name.
         The state (nx,) and the inputs (nu,).
         """
         if self.strained and self.root == "clamped":

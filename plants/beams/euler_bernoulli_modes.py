@@ -229,6 +229,7 @@ def shapes(boundary: str, n: int, *, mass: float = 0.0, inertia: float = 0.0, co
     """The lowest n modes of a beam with these ends; "payload" is clamped-free with a loaded tip, "pinned-payload"
     pinned-free with one.
 
+    mass, inertia and coupling of the load over rho A L, rho A L^3 and rho A L^2 [-].
     The coefficients are the null vector of the 4 x 4 matrix of end conditions, by singular value
     decomposition. Loaded modes are orthogonal in the mass of beam and load together, but scaled to int phi^2
     dxi = 1 as the rest.

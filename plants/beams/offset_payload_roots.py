@@ -100,7 +100,7 @@ class OffsetPayload:
         return np.array([[m, m * ax, -m * az], [m * ax, about_z, -product], [-m * az, -product, about_x]])
 
     def equation(self, lam: np.ndarray) -> np.ndarray:
-        """Eq (7) times e^-lambda and a positive factor: zero at the roots, finite for any lambda (...,).
+        """Eq (7) times e^-lambda and a positive factor: zero at the roots, finite for any lambda, lam (...,).
 
         It is dimensionless.
         """
@@ -108,7 +108,7 @@ class OffsetPayload:
         return determinant * turning
 
     def count(self, lam: np.ndarray) -> np.ndarray:
-        """How many roots lie below each lambda (...,), by Wittrick and Williams: exact, close pairs included.
+        """How many roots lie below each lambda, lam (...,), by Wittrick and Williams: exact, close pairs included.
 
         The dynamic stiffness of the tip is reduced from bending to torsion: the bending of the loaded beam is
         counted as in `euler_bernoulli_modes`, and what is left of torsion, its stiffness less the bending's share, is
@@ -207,6 +207,8 @@ def clamped_payload_roots(
     mu: float,
 ) -> np.ndarray:
     """The lowest n roots lambda (n,), none missed, of a clamped beam with an offset payload; see OffsetPayload.
+
+    inertia: (I_xx, I_zz, I_xz) about its mass centre over rho A L^3, one number for the first two alike.
 
     Example
     -------

@@ -42,7 +42,8 @@ def rotating_frequencies(
 ) -> np.ndarray:
     """The lowest n dimensionless frequencies (n,), ascending; -sqrt(|omega^2|) where omega^2 < 0 is unstable.
 
-    tip_mass/(rho A L), tip_inertia/(rho A L^3) the same about every axis, hub_radius/L. `rotary` = I/(A L^2) and
+    gamma: the speed over sqrt(E I/(rho A L^4)). tip_mass/(rho A L), tip_inertia/(rho A L^3) the same about every axis,
+    hub_radius/L. `rotary` = I/(A L^2) and
     `shear` = E I/(kappa G A L^2) need theory "timoshenko". ValueError names a bad argument.
 
     Example

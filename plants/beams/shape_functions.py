@@ -131,11 +131,11 @@ def basis(
 ) -> Basis:
     """The first n shape functions of a kind in BASES, each scaled to int phi^2 dxi = 1. Cached.
 
-    The ratios, mass/(rho A L), inertia about the tip/(rho A L^3) and mass times the offset of its centre along the
-    beam/(rho A L^2), shape the kinds of a payload and of a tip force; others ignore them. `shear` =
-    E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2); with it, `stretches` more shapes stretch
-    the beam's axis and do nothing else. ValueError for another kind, n above 200 (30 for polynomials, 40 with shear),
-    or a ratio outside [0, 1e12].
+    tip_mass_ratio, mass/(rho A L), tip_inertia_ratio, inertia about the tip/(rho A L^3), and tip_coupling_ratio, mass
+    times the offset of its centre along the beam/(rho A L^2), shape the kinds of a payload and of a tip force; others
+    ignore them. `shear` = E I/(kappa G A L^2) > 0 makes a Timoshenko beam with `rotary` = I/(A L^2); with it,
+    `stretches` more shapes stretch the beam's axis and do nothing else. ValueError for another kind, n above 200 (30
+    for polynomials, 40 with shear), or a ratio outside [0, 1e12].
 
     Example
     -------

@@ -80,7 +80,7 @@ class Trajectory(OwnsArrays, TrajectoryTable):
         dx: Any = None,
         hold: str = "linear",
     ) -> Trajectory:
-        """A motion that another program made: t (nt,) [s], x (nt, nx), u (nt, nu) (None: zero).
+        """A motion that another program made: t (nt,) [s], x (nt, nx), u (nt, nu) (None: zero), dx: dx/dt (nt, nx).
 
         With `plant` the signals are the plant's and y, where None, is what the plant measures. Without it
         the names are given; states and inputs default to x1.., u1...

@@ -117,7 +117,7 @@ class Plant(PlantContract):
         p: Any = None,
         **named: float,
     ) -> tuple[Array, Array]:
-        """A rest point (x0, u0) with the named states or inputs held: `equilibrium(theta1=-pi/2, theta2=0)`.
+        """A rest point (x0, u0) with the named states or inputs held, `theta1=-pi/2, theta2=0` or `fixed`.
 
         Rates are held at zero, and so is every input unless as many states are held as there are inputs; then the
         inputs are solved for. `guess` starts the search. Raises EquilibriumError with the residual, and warns
@@ -183,10 +183,10 @@ class Plant(PlantContract):
     ) -> Stepper:
         """A batch step `step(x, u, p) -> x` of dt [s] in `substeps` fixed steps, the input held, on a native kernel.
 
-        x, u, p: (batch, n), or (n,) for all lanes; a Fortran-ordered (batch, nx) array is used without a copy.
-        threads None: all processors for large batches. Runs on CasADi's virtual machine where nothing compiles.
-        Raises StabilityLimitError where a step is past the method's limit, here at rest and then at the lanes;
-        check=False leaves that to the caller. `step.sound` (batch,) tells which lanes are finite numbers.
+        x, u, p: (batch, n), or (n,) for all lanes; a Fortran-ordered (batch, nx) array is used without a copy. dtype:
+        float64 or float32. threads None: all processors for large batches. Runs on CasADi's virtual machine where
+        nothing compiles. Raises StabilityLimitError where a step is past the method's limit, here at rest and then at
+        the lanes; check=False leaves that to the caller. `step.sound` (batch,) tells which lanes are finite numbers.
         """
         return Stepper(self, dt, method, batch, as_dtype(dtype), threads, substeps, check)
 

@@ -83,11 +83,19 @@ def fields_of_factors(
     """
     n = len(L)
     second = np.trace(I) / 2 * np.eye(3) - I
+    least = float(np.linalg.eigvalsh(second - np.outer(first, first) / mass)[0])
+    if least < -ROUNDED * np.abs(second).max():
+        raise ValueError(
+            f"{owner}.inertia = {I.tolist()} about the attachment point is too small for {mass:g} kg whose centre is "
+            f"at {(first / mass).tolist()} m: int z^2 dm about that centre would be {least:.3g} kg m^2 along some axis"
+        )
     a, b = field[:, :3], skew(field[:, 3:])  # b w = turn x w
     rest = np.eye(n) - field @ L.T
     if n and (least := np.linalg.eigvalsh((rest + rest.T) / 2)[0]) < -ROUNDED:
+        alone = np.diag(field @ L.T)
         raise ValueError(
-            f"{owner}: the modes take {1 - least:.8g} times what mass or inertia the body has, must be at most 1"
+            f"{owner}: the modes take {1 - least:.8g} times what mass or inertia the body has, must be at most 1; "
+            f"most takes mode {alone.argmax() + 1}, {alone.max():.3g} times by itself"
         )
     turned = b @ first
     overlaps = mass * np.einsum("ki,lj->klij", a, a) + np.einsum("ki,lj->klij", a, turned)

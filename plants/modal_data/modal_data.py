@@ -35,7 +35,7 @@ class ModalData(ModalFields):
 
     @classmethod
     def rigid(cls, mass: float, first: Any, inertia: Any) -> ModalData:
-        """A rigid body: first moment (3,) [kg m] and inertia (3, 3) [kg m^2] about the attachment point."""
+        """A rigid body: mass [kg], first moment (3,) [kg m], inertia (3, 3) [kg m^2] about the attachment point."""
         return cls(**rigid(mass, first, inertia))
 
     @classmethod
@@ -109,8 +109,8 @@ class ModalData(ModalFields):
         damping: float = 0.0,
         nodes: Mapping[str, int] | None = None,
     ) -> ModalData:
-        """The slowest clamped modes of a structural model: M, K (6 N, 6 N) or (3 N, 3 N), nodes at positions (N, 3)
-        [m].
+        """The slowest clamped modes of a structural model: mass and stiffness (6 N, 6 N) or (3 N, 3 N), nodes at
+        positions (N, 3) [m]; damping: a ratio for every mode [-].
 
         Freedoms of a node stand together: three translations, then three turns. `root`: the clamped nodes, one of
         them at the attachment point. Masses are lumped at the nodes (rows summed over translations along each
@@ -170,11 +170,11 @@ class ModalData(ModalFields):
         """The slowest modes (None: all) of a body handed over as boundary and modal freedoms: NASTRAN's mxx and kxx,
         or maa and kaa, of an external superelement.
 
-        M, K (6 N + n, 6 N + n): six freedoms of each boundary node at `boundary` (N, 3) [m], in `axes` (N, 3, 3)
-        (None: the body's), then n modal freedoms; fewer where `freedoms` names those of each node, as (1, 2, 3, 5):
-        shifts 1 to 3 and turns 4 to 6 along and about its axes. A rigid interface holds the nodes; the attachment point
-        is `origin` (3,) (None: their mean). `nodes`: named points with shapes and turns by modal freedom (rows of the
-        recovery matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and
+        mass, stiffness (6 N + n, 6 N + n): six freedoms of each boundary node at `boundary` (N, 3) [m], in `axes` (N,
+        3, 3) (None: the body's), then n modal freedoms; fewer where `freedoms` names those of each node, as (1, 2, 3,
+        5): shifts 1 to 3 and turns 4 to 6 along and about its axes. A rigid interface holds the nodes; the attachment
+        point is `origin` (3,) (None: their mean). `nodes`: named points with shapes and turns by modal freedom (rows of
+        the recovery matrices), placed as the boundary is. Mass, first moment, inertia, participation factors and
         frequencies are exact; `craig_bampton` says what the matrices do not hold.
 
         >>> mxx, kxx = np.diag([2.0, 2.0, 2.0, 0.5, 0.5, 0.5, 1.0]), np.diag([0.0] * 6 + [400.0])

@@ -88,7 +88,8 @@ class TreeBody:
         mass: Any = 0.0,
         friction: Any = 0.0,
     ) -> Self:
-        """A reaction wheel: a thin disc of `inertia` J about `axis`, J/2 across it, [kg m^2], on any body.
+        """A reaction wheel: a thin disc of `inertia` J about `axis`, J/2 across it, [kg m^2], on any body, its centre
+        at `position` (3,) [m] there.
 
         Its input `name`_torque is the motor's on the wheel [N m], the negative on the body; `friction` is the bearing's
         [N m s/rad]. What carries it does not count the wheel, unlike `Wheel` of a spacecraft's hub.

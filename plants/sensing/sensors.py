@@ -176,7 +176,7 @@ def accelerometer(output: str) -> Sensor:
 
 
 def gyro(output: str, density: float = TIP_RATE) -> Sensor:
-    """Of a rate [rad/s].
+    """Of a rate [rad/s]; density: of its white noise [rad/s per sqrt(Hz)].
 
     Example
     -------

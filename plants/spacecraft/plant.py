@@ -161,7 +161,7 @@ class FlexibleSpacecraft(SpacecraftContract, BalancedPlant):
         **named: float,
     ) -> tuple[np.ndarray, np.ndarray]:
         """A rest point as in Plant.equilibrium; attitude and position are held, at zero turn where they are not
-        named. The state (nx,) and the inputs (nu,).
+        named. `fixed`, `guess` and `named` as there. The state (nx,) and the inputs (nu,).
         """
         held = {f"quaternion_{k}": float(k == 0) for k in range(4)}
         held |= {s.name: 0.0 for s in self.states[:3] if self.translation}

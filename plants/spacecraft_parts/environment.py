@@ -93,7 +93,7 @@ class Surface:
             raise ValueError(f"Surface.specular + diffuse = {self.specular + self.diffuse} must be <= 1")
 
     def force(self, sun: ca.SX, pressure: Any) -> ca.SX:
-        """Force of light (3,) [N] for the sun's direction (3,), both in the surface's axes."""
+        """Force of light (3,) [N] for the sun's direction (3,), both in the surface's axes; pressure [N/m^2]."""
         n = ca.vertcat(*self.normal)
         c = ca.dot(sun, n)
         lit = ca.fabs(c) if self.both else ca.fmax(c, 0)

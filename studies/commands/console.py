@@ -24,6 +24,7 @@ from pliant.studies.figures.style import require_ending
 USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
 LONGEST_NAME = 255  # bytes of a file's name
 REPORT_IT = "This is a fault of Pliant's: please report this line with the command that you gave and `pliant doctor`"
+SHORT = 10  # characters of a text that is not broken while there can be another table
 BORDERS = 3  # characters of a table beside each column
 __all__ = ["bar"]  # what commands take from here and other rooms made
 
@@ -185,6 +186,7 @@ def beside(columns: Sequence[Sequence[str]], room: int, whole: Sequence[int]) ->
     for i in range(1, len(columns)):
         wider = [*found[-1], i]
         least = column_widths([columns[k] for k in wider], 0, [n for n, k in enumerate(wider) if k in whole])
+        least = [max(width, min(SHORT, max(map(len, columns[k])))) for width, k in zip(least, wider)]
         if len(wider) > 2 and _taken(least) > room:
             wider = [0, i]
             found.append(wider)

@@ -106,7 +106,7 @@ def nonsense(folder: Path) -> Iterator[tuple[str, ...]]:
 
 def values(command: str, option: str, folder: Path) -> Iterator[str]:
     """What an option must not be."""
-    if option == "--set":
+    if option in ("--set", "--versus"):
         yield from SETTINGS
     elif option in NUMBER:
         yield from NUMBERS

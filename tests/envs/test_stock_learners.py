@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("stable_baselines3")
 
 PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
-FIRST, LOOP, TASKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+FIRST, LAW, LOOP, TASKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 NOTHING = 30.0  # the cost of doing nothing on single-link-slew: ten per second for three seconds
 
 
@@ -19,8 +19,16 @@ def test_ppo_beats_doing_nothing_by_five_times() -> None:
     assert found["cost"] < NOTHING / 5
 
 
-def test_the_other_blocks_run() -> None:
+def test_the_other_blocks_run(tmp_path, monkeypatch) -> None:
+    """The law without PyTorch asks for what the model predicts, in the inputs' units, within the limits."""
+    monkeypatch.chdir(tmp_path)
     found: dict = {}
+    exec(LAW, found)
+    scene, x = found["scene"], found["scene"].initial[0]
+    seen = scene.signal_values(x, scene.plant.measure(x), scene.observe) - scene.goal_values(scene.observe)
+    asked = found["plain"].predict(seen.astype("float32"), deterministic=True)[0] * scene.limits
+    y = dict(zip((s.name for s in scene.signals), [*x, *scene.plant.measure(x)]))
+    assert found["policy"].act(0.0, [y[name] for name in found["policy"].reads]) == pytest.approx(asked, rel=1e-4)
     exec(LOOP + TASKS, found)
     assert found["gains"].grad.abs().min() > 0
     assert found["hard"].observation_space.shape == (8 + 3 * (8 + 2),)

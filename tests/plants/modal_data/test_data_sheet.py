@@ -77,6 +77,15 @@ def test_its_root_is_clamped_and_its_mass_centre_moves_as_the_factors_say() -> N
     assert (body.outline_shapes[:, 1] == body.tip_shapes).all()
 
 
+def test_a_first_moment_in_place_of_the_centre_is_told() -> None:
+    """11 kg at 1.1 m, given as 12.1: the inertia about the root is less than 11 kg at 12.1 m have."""
+    I, factors = np.diag([14.0, 0.8, 14.5]), (np.zeros((1, 3)), np.ones((1, 3)))
+    with pytest.raises(ValueError, match=r"inertia = .* too small for 11 kg whose centre is at \[0.0, 12.1, 0.0\] m"):
+        ModalData.from_participation(11.0, (0.0, 12.1, 0.0), I, [1.0], 0.0, *factors)
+    with pytest.raises(ValueError, match=r"ModalData.rigid.inertia = .* too small"):
+        ModalData.rigid(11.0, (0.0, 133.1, 0.0), I)
+
+
 def test_a_mode_may_take_all_of_the_mass_and_no_more() -> None:
     """A point mass of 3 kg on a spring: L = sqrt(3) kg^0.5, which rounded up to seven digits is 1.3e-7 too much."""
 
