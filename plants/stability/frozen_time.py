@@ -24,7 +24,8 @@ from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, 
 TERMS, DOUBTED = 8, 1e-4  # times the rounding of an entry; of the fastest root: real parts whose rounding is looked at
 ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
 
-LEAP = 8
+LEAP, FIRST, LARGE = 8, 128, 40  # of times, every so many; fewer where A has more states
+WORK = 5e8  # times and states cubed, above which slow variation is not looked for
 MATTERS, BRIEF = 0.01, 0.01  # logarithm of growth between critical times up to which they are not told; of the time
 
 
@@ -209,7 +210,9 @@ def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
     as well.
     """
     t = np.sort(np.r_[t, (t[1:] + t[:-1]) / 2])
-    found = _slow_at(path, t[::LEAP])
+    found = _slow_at(path, t[:: LEAP if path.n <= LARGE else max(LEAP, len(t) // FIRST)])
+    if found and len(t) * path.n**3 > WORK:
+        return _refused(f"not looked for: it would be much work at {len(t):,} times with {path.n} states")
     return _slow_at(path, t) if found else found
 
 

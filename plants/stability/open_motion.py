@@ -12,6 +12,7 @@ from pliant.plants.transitions.state_matrix_path import Path, paths_of, scaling,
 from pliant.plants.transitions.transition_error import Transition, transition
 
 from .frozen_time import (
+    LARGE,
     FrozenTime,
     SlowVariation,
     frozen_along,
@@ -70,7 +71,7 @@ def judged_once(
 def _frozen(
     joined: Any, paths: Sequence[Path], states: Sequence[str] | None, coordinates: str | None, thorough: bool
 ) -> tuple[FrozenTime, SlowVariation]:
-    points = MOST_NODES if thorough else POINTS
+    points = MOST_NODES if thorough and paths[0].n <= LARGE else POINTS
     if len(paths) > 1:
         roots = frozen_time(joined, states=states, coordinates=coordinates, points=points)
         return roots, slow_variation(joined, states=states)
