@@ -138,8 +138,8 @@ def reached(A: np.ndarray, drive: np.ndarray, h: np.ndarray) -> np.ndarray:
 def reached_by(A: np.ndarray, E: np.ndarray, h: np.ndarray) -> np.ndarray:
     """`reached` of a drive E E' of few columns, E (m, 2, n, k) at Gauss points, for much less work.
 
-    The exponent of the drive is U S U' of few columns too, U = [E1, E2, A1 E2, A2 E1]. With F that of A, the integral of
-    e^(F s) U S U' e^(F's) over [0, 1] is the sum over i, j of F^i U S (F^j U)' / (i! j! (i + j + 1)).
+    The exponent of the drive is U S U' of few columns too, U = [E1, E2, A1 E2, A2 E1]. With F that of A, the integral
+    of e^(F s) U S U' e^(F's) over [0, 1] is the sum over i, j of F^i U S (F^j U)' / (i! j! (i + j + 1)).
     Where |F| is large it is `reached`.
     """
     n, k = E.shape[-2:]

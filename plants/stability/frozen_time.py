@@ -38,6 +38,7 @@ class FrozenTime(OwnsArrays):
     critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis, and matters: `lasting`
     coordinates: str  # in which the roots were taken; in others that move against these they differ
     threshold: float = 0.0  # real part [1/s] that rounding can make of zero
+    span: float = np.inf  # [s] over which deviations are looked at; infinite where A is constant or repeated
 
     @property
     def rightmost(self) -> np.ndarray:
@@ -47,8 +48,13 @@ class FrozenTime(OwnsArrays):
     @property
     def suggests(self) -> str:
         """stable, unstable or marginal: no verdict unless `slow_variation` allows it."""
-        worst = float(self.rightmost.max())
-        return "unstable" if worst > self.threshold else "stable" if worst < -self.threshold else "marginal"
+        worst, least = float(self.rightmost.max()), max(self.threshold, self.least)
+        return "unstable" if worst > least else "stable" if worst < -least else "marginal"
+
+    @property
+    def least(self) -> float:
+        """Real part [1/s] by which deviations change within `span` by MATTERS: no smaller one can be told from zero."""
+        return MATTERS / self.span
 
 
 def frozen_time(
