@@ -4,28 +4,35 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 SCENE  ?= two-link-reach
 STEP   := $(PYTHON) .ci/step.py
-PIP    := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt --editable
+# Bytecode is written of what is imported, once, in place of all that pip would compile: half a minute less.
+PIP    := $(BIN)/python -m pip install --disable-pip-version-check --no-compile --constraint constraints.txt --editable
+WARM   := env PYTHONDONTWRITEBYTECODE= $(BIN)/python .ci/first_import.py
 
 .PHONY: report test bench campaign check check-types check-types-user check-house docs architecture dist clean
 
-$(VENV)/ready: pyproject.toml setup.py constraints.txt
+$(VENV)/python:
 	@$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Pliant needs Python >= 3.11; set PYTHON=')"
 	@echo "Setting up $(VENV): one to three minutes, once. What pip says is in build/set-up-*.log" >&2
-	@$(STEP) "1/3 Python environment" build/set-up-1.log $(PYTHON) -m venv $(VENV)
-	@$(STEP) "2/3 pip and setuptools" build/set-up-2.log $(BIN)/python -m pip install --upgrade pip "setuptools>=77"
-	@$(STEP) "3/3 Pliant, NumPy, CasADi and the tools" build/set-up-3.log $(PIP) ".[dev]"
+	@$(STEP) "Python environment" build/set-up-venv.log $(PYTHON) -m venv $(VENV)
+	@$(STEP) "pip and setuptools" build/set-up-pip.log $(BIN)/python -m pip install --upgrade pip "setuptools>=77"
+	@touch $@
+
+$(VENV)/ready: pyproject.toml setup.py constraints.txt | $(VENV)/python
+	@$(STEP) "Pliant, NumPy, CasADi and the tools" build/set-up.log $(PIP) ".[dev]"
+	@$(STEP) "First import" build/set-up-import.log $(WARM)
 	@touch $@
 
 # The tests of learning need PyTorch; constraints.txt pins it, so that it comes without gigabytes of CUDA.
-$(VENV)/ready-to-learn: $(VENV)/ready
-	@$(STEP) "PyTorch and Stable-Baselines3" build/set-up-rl.log $(PIP) ".[dev,rl]"
-	@touch $@
+$(VENV)/ready-to-learn: pyproject.toml setup.py constraints.txt | $(VENV)/python
+	@$(STEP) "Pliant, NumPy, CasADi, PyTorch and the tools" build/set-up-rl.log $(PIP) ".[dev,rl]"
+	@$(STEP) "First import" build/set-up-import.log $(WARM)
+	@touch $(VENV)/ready $@
 
 report: $(VENV)/ready
 	@$(BIN)/pliant report $(SCENE) --out reports/$(SCENE)
 
 test: $(VENV)/ready-to-learn
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
+	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 $(VENV)/bench: $(VENV)/ready
 	@$(STEP) "The peers of the benchmarks" build/set-up-bench.log $(PIP) ".[bench]" \

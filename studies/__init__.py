@@ -10,19 +10,21 @@ from pliant.plants.core import imports
 if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.studies.charts.gallery import gallery
     from pliant.studies.charts.measure import chart
+    from pliant.studies.common.progress_bar import progress_bar
     from pliant.studies.fidelity.choice import choose
     from pliant.studies.monte_carlo.monte_carlo import monte_carlo
     from pliant.studies.report.report import report
     from pliant.studies.robust.robustify import robustify
     from pliant.studies.scoreboard.scoreboard import scoreboard
 
-__all__ = ["chart", "choose", "gallery", "monte_carlo", "report", "robustify", "scoreboard"]
+__all__ = ["chart", "choose", "gallery", "monte_carlo", "progress_bar", "report", "robustify", "scoreboard"]
 
 imports.offer(
     __name__,
     {
         "charts.gallery": "gallery",
         "charts.measure": "chart",
+        "common.progress_bar": "progress_bar",
         "fidelity.choice": "choose",
         "monte_carlo.monte_carlo": "monte_carlo",
         "report.report": "report",

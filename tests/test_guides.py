@@ -38,6 +38,18 @@ def test_a_guides_blocks_run_in_order(page, tmp_path):
     assert run.returncode == 0, run.stderr
 
 
+def test_every_page_with_blocks_is_run_by_a_test():
+    """The sessions by test_docstrings, which names api.md too; learning.md by test_stock_learners."""
+    tests = Path(__file__).parent
+    told = "".join((tests / name).read_text(encoding="utf-8") for name in ("test_examples.py", "test_docstrings.py"))
+    told += (tests / "envs" / "test_stock_learners.py").read_text(encoding="utf-8")
+    pages = [
+        p for p in DOCS.rglob("*.md") if "```python" in p.read_text(encoding="utf-8") and p.parent.name != "sessions"
+    ]
+    lacking = [p.name for p in pages if p.name not in CHECKS and f'{p.name}"' not in told]
+    assert pages and lacking == []
+
+
 def test_a_crane_from_energies_takes_at_most_60_lines():
     assert len(blocks("own_plant.md", "python")[0].splitlines()) <= 60
 

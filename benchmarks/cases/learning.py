@@ -26,11 +26,13 @@ from harness import sampling, table
 
 from pliant.controllers import rl
 from pliant.controllers.analytic_gradients.rollouts import Episodes, Rollouts
+from pliant.controllers.analytic_gradients.step_adjoints import StepAdjoints
 from pliant.controllers.learning.policy import FOLDER, Policy
 from pliant.envs import Scene, scenes
 from pliant.envs.environments.env import PlantEnv
 from pliant.plants.files.atomic_files import write_text
 from pliant.plants.files.whole_folders import renewed
+from pliant.plants.integration.step_sensitivities import StepSensitivities
 from pliant.studies.commands import console
 from pliant.studies.commands.train import draw, lqr_cost
 from pliant.studies.common import machine
@@ -38,6 +40,7 @@ from pliant.studies.common import machine
 GROUP, SCENE, LANES = "learning", "two-link-reach", 1024
 PLIANT, SYNC = "PPO on Pliant's vector environment", "PPO on Gymnasium's SyncVectorEnv of the same environment"
 GRADIENT, GRADIENT_LANES = "a gradient of whole episodes (apg): 150 periods, 12 states", 32
+STEPS_BACK, STEPS_FORMED = "of it, the steps forward and backward", "the same steps with dx+/dx and dx+/du formed"
 ASKED_RATE, ASKED_RATIO, ASKED_SECONDS = 40_000, 2.0, 600.0
 SCENES, STEPS, SEEDS = ("single-link-slew", "two-link-reach"), 8_000_000, (0, 1, 2)
 PACKAGES = ("pliant", "stable-baselines3", "torch", "numpy", "gymnasium")
@@ -132,6 +135,28 @@ def _gradient(lanes: int) -> sampling.Sampler:
     return sampling.time_of(lambda: rollouts(theta, episodes))
 
 
+def _stepped(lanes: int, formed: bool) -> sampling.Sampler:
+    """Seconds of an episode's steps and of what takes slopes back through them, by adjoints or by derivatives."""
+    scene = scenes.get(SCENE)
+    plant, u = scene.varied_plant, np.zeros((lanes, scene.plant.nu))
+    start, slope = np.tile(scene.initial[0], (lanes, 1)), np.ones((lanes, scene.plant.nx))
+    own = {"substeps": scene.substeps, "batch": lanes}
+    forward, derivatives = plant.stepper(scene.dt, check=False, **own), StepSensitivities(plant, scene.dt, **own)
+    back = StepAdjoints(plant, scene.dt, **own)
+
+    def by_derivatives() -> None:
+        for _ in range(scene.steps):
+            _, A, B = derivatives(start, u)
+            np.matmul(slope[:, None], A), np.matmul(slope[:, None], B)
+
+    def by_adjoints() -> None:
+        for _ in range(scene.steps):
+            forward(start, u)
+            back(start, u, slope)
+
+    return sampling.time_of(by_derivatives if formed else by_adjoints)
+
+
 def cases() -> list[sampling.Case]:
     """PPO on both versions of the environment, with one torch thread and with all processors."""
     scene = scenes.get(SCENE)
@@ -144,8 +169,12 @@ def cases() -> list[sampling.Case]:
     counts = sorted({1, machine.cores()})
     ours = [case(PLIANT, partial(scene.sb3_env, LANES, randomise=True, threads=n), n) for n in counts]
     step = partial(_gradient, GRADIENT_LANES)
-    own = sampling.Case(group=GROUP, name=GRADIENT, prepare=step, unit=sampling.TIME, lanes=GRADIENT_LANES)
-    return [*ours, case(SYNC, partial(sync_env, scene, LANES), 1), own]
+    made = {GRADIENT: step} | {
+        name: partial(_stepped, GRADIENT_LANES, formed) for name, formed in ((STEPS_BACK, False), (STEPS_FORMED, True))
+    }
+    options = {"group": GROUP, "unit": sampling.TIME, "lanes": GRADIENT_LANES}
+    own = [sampling.Case(name=name, prepare=prepare, **options) for name, prepare in made.items()]
+    return [*ours, case(SYNC, partial(sync_env, scene, LANES), 1), *own]
 
 
 def rows(quick: bool) -> list[dict[str, Any]]:

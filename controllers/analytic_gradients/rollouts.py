@@ -1,10 +1,12 @@
 """The cost of episodes under a network, and its exact gradient in the network's numbers.
 
 Forward, every lane plays a whole episode: the network reads, its command is cut off at the limits and acts `delay`
-periods later, the plant moves on by the environment's RK4 steps, whose derivatives S = [dx+/dx, dx+/du] the native
-kernel gives along (`StepSensitivities`). Backward, the adjoint lambda of the state goes through the same steps,
+periods later, the plant moves on by the environment's RK4 steps. Backward, the adjoint lambda of the state goes through
+the same steps,
 
     lambda_k = dl/dx + (dx+/dx)' lambda_k+1 + C' mu_k,     mu_k the slope in what is observed at k,
+
+whose products with the transposed derivatives a native kernel gives without forming these (`StepAdjoints`),
 
 and what reaches the commands goes through the network to its numbers. A command that is cut off has no slope there;
 the part that would bring it back within the limits is kept, so that it can come back.
@@ -20,10 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from pliant.plants.integration.step_sensitivities import StepSensitivities
+from pliant.plants.integration.batch_stepper import step_kernel
 
 from .network import Activations, Layers, Network
 from .scene_functions import SceneFunctions
+from .step_adjoints import StepAdjoints
 
 Array = np.ndarray
 FAR = 3.0
@@ -48,7 +51,6 @@ class Played:
     before: Array  # (steps, lanes, nu) what acted when it was observed
     u: Array  # (steps, lanes, nu) what acts over the period
     seen: Activations  # (steps, lanes, ..)
-    S: Array  # (steps, lanes, nx, nx + nu)
 
 
 class Rollouts:
@@ -65,7 +67,8 @@ class Rollouts:
         self.no = len(scene.observe)
         self.network = Network(self.no + history * (self.no + plant.nu), plant.nu, width)
         self.functions = SceneFunctions(scene)
-        self.step = StepSensitivities(plant, scene.dt, substeps=scene.substeps, batch=lanes)
+        self.back = StepAdjoints(plant, scene.dt, substeps=scene.substeps, batch=lanes)
+        self._ahead = step_kernel(plant, "rk4", np.dtype(float)).workspace(lanes)
         self.first = np.clip(scene.initial[1], -self.limits, self.limits)
 
     def __call__(self, theta: Array, episodes: Episodes) -> tuple[Array, Array]:
@@ -89,19 +92,31 @@ class Rollouts:
         _, _, cost, near = self.functions.cost_slopes(*flat)
         return cost.reshape(self.steps, -1).sum(0), near.reshape(self.steps, -1).sum(0)
 
+    def vary(self, p: Array) -> None:
+        """From now on the lanes have the randomised parameters p (lanes, np)."""
+        self._ahead.set(4, p)
+        self.back.work.set(4, p)
+
+    def after(self, x: Array, u: Array) -> Array:
+        """The states (lanes, nx) a control period later, of x (lanes, nx) and inputs u (lanes, nu) that are held."""
+        self._ahead.set(1, x)
+        self._ahead.set(2, u)
+        self._ahead.run((self.scene.dt / self.scene.substeps,), self.scene.substeps)
+        return self._ahead.get(0).copy()
+
     def play(self, theta: Array, episodes: Episodes) -> Played:
         """All periods forward."""
         K, n, plant, network = self.steps, self.lanes, self.plant, self.network
         layers = network.layers(theta)
         x, u = np.empty((K, n, plant.nx)), np.empty((K, n, plant.nu))
-        before, S = np.empty((K, n, plant.nu)), np.empty((K, n, plant.nx, plant.nx + plant.nu))
+        before = np.empty((K, n, plant.nu))
         sizes = (network.ny, network.width, network.width, network.nu)
         seen = Activations(*(np.empty((K, n, size)) for size in sizes))
         now, acting = episodes.x.copy(), np.tile(self.first, (n, 1))
         memory = np.zeros((n, self.history * (self.no + plant.nu)))
         commands = np.empty((K, n, plant.nu))
         lanes = np.arange(n)
-        self.step.work.set(4, episodes.p)
+        self.vary(episodes.p)
         for k in range(K):
             x[k], before[k] = now, acting
             read = self.functions.observe(now, acting, episodes.p) / self.std
@@ -116,10 +131,9 @@ class Rollouts:
             sent = k - episodes.delay
             acting = np.where((sent >= 0)[:, None], commands[np.maximum(sent, 0), lanes], self.first)
             u[k] = acting
-            now, _, _ = self.step(now, acting)
-            S[k], now = self.step.S, now.copy()
+            now = self.after(now, acting)
             memory = self._remembered(memory, read, commands[k] / self.limits)
-        return Played(x, before, u, seen, S)
+        return Played(x, before, u, seen)
 
     def frames(self, read: Array, commands: Array) -> Array:
         """What the network reads (steps, lanes, ny): of readings over std (steps, lanes, no), commands over limits."""
@@ -171,8 +185,8 @@ class Rollouts:
         acting = np.zeros((n, nu))  # slope, from the period after, in what acts now: it is seen there
         lanes = np.arange(n)
         for k in reversed(range(K)):
-            back = np.matmul(adjoint[:, None, :], played.S[k])[:, 0]
-            reached = lu[k] + back[:, nx:] + acting
+            back, pushed = self.back(played.x[k], played.u[k], adjoint)
+            reached = lu[k] + pushed + acting
             sent = k - episodes.delay
             from_here = sent >= 0
             command[sent[from_here], lanes[from_here]] += reached[from_here]
@@ -189,7 +203,7 @@ class Rollouts:
                     start = (h + 1) * no + (j - 1) * nu
                     command[k - j] += dz[:, start : start + nu] / self.limits
             mu = reading[k] / self.std
-            adjoint = lx[k] + back[:, :nx] + np.matmul(mu[:, None, :], C[k])[:, 0]
+            adjoint = lx[k] + back + np.matmul(mu[:, None, :], C[k])[:, 0]
             acting = np.matmul(mu[:, None, :], D[k])[:, 0]
         return self._mean(played, dv, d1, d2)
 

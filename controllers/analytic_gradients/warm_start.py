@@ -74,12 +74,12 @@ def _played(rollouts: Rollouts, law: Controller | None, episodes: Episodes) -> t
     goal = np.tile(np.clip(scene.target[1], -rollouts.limits, rollouts.limits), (lanes, 1))
     x, before = episodes.x.copy(), np.tile(rollouts.first, (lanes, 1))
     found: tuple[list[Array], list[Array], list[Array]] = [], [], []
-    rollouts.step.work.set(4, episodes.p)
+    rollouts.vary(episodes.p)
     for k in range(rollouts.steps):
         u = goal if law is None else _asked(law, scene, x, k)
         for whole, part in zip(found, (x, rollouts.functions.observe(x, before, episodes.p), u)):
             whole.append(part)
-        x, before = rollouts.step(x, u)[0].copy(), u
+        x, before = rollouts.after(x, u), u
     states, read, inputs = (np.array(whole) for whole in found)
     return states, read, inputs
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pliant.plants.core.errors import EquilibriumError
+from pliant.plants.core.signals import names
 from pliant.plants.linear.conserved import conserved, free
 from pliant.plants.linear.quadratic_cost import about_moving_goal, goal_drift, quadratic_cost
 
@@ -70,3 +71,11 @@ def goal_model(scene: CostedScene) -> tuple[LinearModel, np.ndarray]:
         f0=model.f0[kept],
     )
     return made, drift[kept]
+
+
+def away(scene: CostedScene, model: LinearModel) -> np.ndarray:
+    """The start less the goal (nx,), in the model's states; what the scene's plant does not have is zero."""
+    plant = scene.plant
+    values = [np.concatenate([x, plant.measure(x, u)]) for x, u in (scene.initial, scene.target)]
+    told = dict(zip(names(plant.states + plant.outputs), values[0] - values[1]))
+    return np.array([told.get(name, 0.0) for name in model.state_names])

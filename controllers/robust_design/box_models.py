@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pliant.controllers import riccati
-from pliant.controllers.base.goal_model import goal_model
+from pliant.controllers.base.goal_model import away, goal_model
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.base.scene_protocol import CostedScene
 from pliant.controllers.estimation.sensors import Sensor
@@ -82,14 +82,6 @@ def known_of(scene: CostedScene, sensors: Sequence[Sensor] | None, past: int) ->
     size = np.maximum(np.maximum(size, floor), 1e-9)
     told = {s.output: s.deviation(scene.dt) for s in sensors or ()}
     return Known(tuple(reads), np.array([told.get(n, READ * z) for n, z in zip(reads, size)]), size, past)
-
-
-def away(scene: CostedScene, model: LinearModel) -> Array:
-    """The start less the goal (nx,), in the model's states; what the scene's plant does not have is zero."""
-    plant = scene.plant
-    values = [np.concatenate([x, plant.measure(x, u)]) for x, u in (scene.initial, scene.target)]
-    told = dict(zip(names(plant.states + plant.outputs), values[0] - values[1]))
-    return np.array([told.get(name, 0.0) for name in model.state_names])
 
 
 def models_over(

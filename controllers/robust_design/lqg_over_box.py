@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pliant.controllers.analysis.linear_laws import law_of
+from pliant.controllers.base.goal_model import away
 from pliant.controllers.base.quadratic_weights import weight_matrices
 from pliant.controllers.base.scene_protocol import CostedScene
 from pliant.controllers.estimation.sensors import Sensor
@@ -22,7 +23,7 @@ from pliant.controllers.riccati.late_inputs import late_period, past_of
 from pliant.plants.core.signals import OwnsArrays, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 
-from .box_models import PUSH, away
+from .box_models import PUSH
 from .many_models import lyapunov
 
 Array = np.ndarray

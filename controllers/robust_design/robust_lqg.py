@@ -1,10 +1,7 @@
 """LQG that lasts over a box of parameters: what uncertain parameters push, told to its filter as process noise.
 
-Noise    an error of a parameter moves the rates of the states by (df/dp) dp and the readings by (dh/dp) dp. Along the
-         scene's motion under its LQR that has a covariance; the filter takes a share r_i of it as noise that is new in
-         each period, and a share a of the actuators' noise: parameter-robust LQG ("Parameter robust linear quadratic
-         Gaussian design synthesis with flexible structure control applications", Tahk and Speyer 1987, where constant
-         errors are stood for by white noise and the shares are left to the designer)
+Noise    of what an error of a parameter pushes along the scene's motion under its LQR the filter takes a share r_i, and
+         a share a of the actuators' noise (`parameter_noise`)
 Search   shares and the price of inputs by the simplex method of Nelder and Mead (1965) on the mean of the scene's cost
          over the corners of the box, each with each of the delays: linear about the goal, sensors with their noise
 
@@ -24,16 +21,17 @@ from scipy.optimize import minimize
 from pliant.controllers.base.goal_model import goal_model
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.estimation.kalman import Kalman
+from pliant.controllers.estimation.parameter_noise import pushed, told_parameters
 from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.estimation.sensors import Sensor
 from pliant.controllers.linear_quadratic.lqg import LQG
 from pliant.controllers.linear_quadratic.lqr import LQR
 from pliant.plants.core.argument_gates import require_count
 from pliant.plants.core.errors import PliantError
-from pliant.plants.core.signals import OwnsArrays, Signal, names
+from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.lti import LinearModel
 
-from .box_models import away, corners
+from .box_models import corners
 from .lqg_over_box import Valued, loops_over
 from .many_model_lqr import box_of, delays_of
 
@@ -89,7 +87,7 @@ def robust_lqg(
         raise PliantError("robust_lqg: the goal is no point of all states, where its models would be told apart")
     loops = loops_over(scene, plain.sensors, _models(scene, box), late)
     assert isinstance(plain.model, LinearModel)
-    pushed = _pushed(scene, plain.model, box)
+    roots = pushed(scene, plain.model, box, LQR.for_scene(scene).K)
     known: dict[float, LQR] = {}
 
     def made(theta: Array) -> LQG:
@@ -99,9 +97,7 @@ def robust_lqg(
             known[effort] = LQR.for_scene(
                 scene, effort=effort, delay=late[0] if len(late) == 1 else (late[0], late[-1])
             )
-        return LQG(
-            known[effort], _filter(scene, plain, pushed, np.exp(theta[:-1]), float(np.mean((late[0], late[-1]))))
-        )
+        return LQG(known[effort], _filter(scene, plain, roots, np.exp(theta[:-1]), float(np.mean((late[0], late[-1])))))
 
     def value(theta: Array) -> float:
         if np.abs(theta).max() > FARTHEST:
@@ -136,45 +132,8 @@ def _models(scene: CostedScene, box: Mapping[str, tuple[float, float]]) -> list[
     return [varied.feedback_model(*scene.target, p=nominal * factors) for factors in corners(box)]
 
 
-def _pushed(scene: CostedScene, model: LinearModel, box: Mapping[str, tuple[float, float]]) -> tuple[Array, ...]:
-    """For each parameter a root (nx + ny, k) of the covariance of what its error moves rates and readings by, about the
-    goal, along the linear motion under the scene's LQR."""
-    varied, law, held = scene.plant.vary(*box), LQR.for_scene(scene), model.discretize(scene.dt)
-    x, motion = away(scene, model), []
-    for _ in range(scene.steps):
-        u = -law.K @ x
-        motion.append(np.concatenate([x, u, [1.0]]))
-        x = held.A @ x + held.B @ u
-    whole, found = np.array(motion).T, []
-    for i, (low, high) in enumerate(box.values()):
-        p = varied.nominal_parameters.copy()
-        p[i] *= 1 + (high - low) / 2
-        other = varied.feedback_model(*scene.target, p=p)
-        both = [
-            np.block([[m.A, m.B, m.f0[:, None]], [m.C, m.D, m.y0[:, None]]]) @ whole / np.sqrt(3 * scene.steps)
-            for m in (other, model)  # uniform over the range: its deviation is half of it over the root of three
-        ]
-        directions, size, _ = np.linalg.svd(both[0] - both[1], full_matrices=False)
-        found.append((directions * size)[:, size > 1e-3 * max(size[0], 1e-300)])
-    return tuple(found)
-
-
-def _filter(scene: CostedScene, plain: Kalman, pushed: Sequence[Array], shares: Array, late: float) -> Kalman:
+def _filter(scene: CostedScene, plain: Kalman, roots: Sequence[Array], shares: Array, late: float) -> Kalman:
     """With shares (1 + np,) of the noise of actuators and parameters."""
-    model, nx = plain.model, len(plain.model.states)
-    assert isinstance(model, LinearModel)
-    root = np.hstack([np.sqrt(share) * one for share, one in zip(shares[1:], pushed, strict=True)])
-    own = tuple(Signal(f"parameters {k + 1}", "1") for k in range(root.shape[1]))
-    wide = replace(
-        model,
-        E=np.hstack([model.E, root[:nx]]),
-        F=np.hstack([model.F, root[nx:]]),
-        disturbances=model.disturbances + own,
-        w0=np.append(model.w0, np.zeros(root.shape[1])),
-    )
     W = {name: shares[0] * density for name, density in process_noise(scene).items()}
-    W |= dict.fromkeys(names(own), scene.dt)
-    made = Kalman.design(wide, plain.sensors, W, dt=scene.dt, input_delay=late)
-    found = replace(made, model=model, start=plain.start, before=plain.before)
-    found.reset()
-    return found
+    scaled = [np.sqrt(share) * one for share, one in zip(shares[1:], roots, strict=True)]
+    return told_parameters(replace(plain, input_delay=late), plain.sensors, scaled, W, "white", scene.dt)

@@ -45,8 +45,8 @@ the reward "cost" from the scene's own start. Learners with their defaults: [lea
 """
 MOVING = """![{name}, played](../figures/moving/{name}.webp)
 
-Played under LQR, or in open loop where there is none (`docs/figures/moving.py`). Deformations are as large as they
-are, or magnified by the number that stands in the picture.
+Played under LQR, or in open loop where there is none (`docs/figures/moving.py`). Deflections are magnified by the
+number that stands in the picture: x 1 is as large as they are.
 
 ## Facts"""
 

@@ -1,6 +1,6 @@
 """Moving pictures of the scenes, under LQR or in open loop: `python docs/figures/moving.py [SCENE ...]`.
 
-Each is drawn as its environment draws it: the true deformation, or magnified by the number that stands in it. A file
+Each is drawn as its environment draws it: the true deformation times the number that stands in it, mostly 1. A file
 may take LARGEST bytes: where it would take more, frames are left out.
 """
 

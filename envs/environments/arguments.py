@@ -147,16 +147,18 @@ def _shape(name: str, value: Any) -> tuple[int, ...]:
         raise ValueError(f"{name} = {shown(value)} must have rows of one length") from None
 
 
-def require_length(owner: str, scene: Scene, most: Any) -> int:
-    """Periods of an episode: the scene's, or the fewer of `max_episode_steps`."""
+def require_length(owner: str, scene: Scene, most: Any, hold: int = 1) -> int:
+    """Periods of an episode: the scene's, or the fewer of `max_episode_steps` actions of `hold` periods each."""
     if most is None:
         return scene.steps
     try:
-        return require_count(owner, "max_episode_steps", most, 1, scene.steps)
+        actions = require_count(owner, "max_episode_steps", most, 1, -(-scene.steps // hold))
     except ValueError as refused:
         raise ValueError(
-            f"{refused}, the periods of scene {scene.name!r}; for longer episodes give the scene a longer duration"
+            f"{refused}, the {'periods' if hold == 1 else 'actions'} of scene {scene.name!r}; for longer episodes give "
+            "the scene a longer duration"
         ) from None
+    return min(actions * hold, scene.steps)
 
 
 def require_scene(owner: str, scene: Any) -> Scene:

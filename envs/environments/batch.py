@@ -16,10 +16,10 @@ from pliant.envs.simulation.cost_terms import cost_terms, term_names
 from pliant.envs.simulation.episode_start import first_observations, initial_states
 from pliant.envs.simulation.episode_supply import EpisodeSupply
 from pliant.envs.tasks import Channel
+from pliant.envs.tasks.infos import of_parameters, of_terms
 from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.signals import OwnsArrays
 
-from .infos import of_parameters, of_terms
 from .lanes import Lanes
 from .specification import Specified
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Unpack
+from typing import Any, Unpack, cast
 
 import gymnasium
 import numpy as np
@@ -14,7 +14,8 @@ from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep, reach_function
 from pliant.envs.simulation.cost_terms import cost_terms, term_names
 from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
-from pliant.envs.tasks import Channel, Task, TaskKeywords, normalised
+from pliant.envs.tasks import Channel, Task, TaskKeywords, normalised, shares
+from pliant.envs.tasks.infos import of_both_infos
 from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.casadi_functions import NumericFunction
@@ -57,7 +58,7 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
                drawn goals, `difficulty`; see `Task`
     options of reset: "state" (nx,) to start from, "parameters" by name, each instead of what was drawn
 
-    `gymnasium.make(..., max_episode_steps=n)` ends episodes after n periods, where that is sooner than the scene does.
+    `gymnasium.make(..., max_episode_steps=n)` ends episodes after n actions, where that is sooner than the scene does.
     A longer one does not lengthen them: make the environment of a scene with a longer `duration`.
     """
 
@@ -77,21 +78,18 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         parameters.require_choice("PlantEnv", "render_mode", render_mode, (None, *self.metadata["render_modes"]))
         kind = as_dtype(dtype, "PlantEnv")
         self.randomise, self.render_mode = made.drawn(require_flag("PlantEnv.randomise", randomise)), render_mode
-        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / scene.dt))}
+        self.metadata = {**self.metadata, "render_fps": max(1, round(1 / (made.hold * scene.dt)))}
         self.action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self._channel = None if made.plain else Channel(scene, made, 1)
         width = len(scene.observe) if self._channel is None else self._channel.width
         self.observation_space = spaces.Box(-np.inf, np.inf, (width,), kind.type)
         self._dtype = kind.type
-        self._names = scene.varied_plant.varied
-        self._nominal = scene.varied_plant.nominal_parameters
+        self._names, self._nominal = scene.varied_plant.varied, scene.varied_plant.nominal_parameters
         check_substep(scene, self.randomise)
         self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
         self._reach = NumericFunction(reach_function(scene))
-        self._idle = np.zeros(scene.plant.nu)
-        self._steps = scene.steps
-        self._over, self._begun = True, False
-        self._renderer: Renderer | None = None
+        self._idle, self._steps = np.zeros(scene.plant.nu), scene.steps
+        self._over, self._begun, self._renderer = True, False, cast(Renderer | None, None)
 
     def _require_begun(self, asked: str) -> None:
         if not self._begun:
@@ -170,16 +168,30 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         return info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Hold `action` (nu,) for one control period; see the class for what comes back."""
+        """Hold `action` (nu,) for `task.hold` control periods; see the class for what comes back."""
         if self._over:
             raise gymnasium.error.ResetNeeded("PlantEnv.step: no episode is running; call reset first")
+        task = self.task
         action = arguments.require_actions("PlantEnv.step", "action", action, self._idle.shape).astype(float)
+        action = shares(self.scene, task.actions, action)
+        reward, terminated, info = self._period(action)
+        for _ in range(1, task.hold):
+            if not self._over:
+                more, terminated, later = self._period(action)
+                reward, info = reward + more, of_both_infos(info, later)
+        if task.reward != "cost":
+            reward /= task.hold
+        seen = self._obs if self._channel is None else self._seen
+        return seen.copy(), reward, terminated, self._over and not terminated, info
+
+    def _period(self, action: np.ndarray) -> tuple[float, bool, dict[str, Any]]:
+        """(reward, whether the episode ended early, info) of one control period."""
         step, channel, task = self._step, self._channel, self.task
         if channel is not None:
             action = channel.act(action[None])[0]
         step.action[:] = action[:, None]
         step.begin(self._done)
-        terms = self._terms(action) if task.terms else None
+        terms = _terms(self.scene, step, action) if task.terms else None
         unsound, outside = step.run()
         diverged, cost, early, beyond = bool(unsound[0]), float(step.cost[0]), 0.0, bool(outside[0])
         self._done += 1
@@ -194,23 +206,13 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         self._total += cost
         if self.render_mode == "human":
             self.render()
-        truncated = self._over and not terminated
         info = self._info(cost, early, diverged, step.reach)
         info["cost_constraint"] = float(beyond or diverged)
         if terms is not None:
             info["reward_terms"] = terms
         if channel is not None:
             self._seen = channel.see(self._obs[None], NO_LANES)[0].astype(self._dtype)
-        seen = self._obs if channel is None else self._seen
-        # no -0 where nothing is charged
-        return seen.copy(), 0.0 - cost if reward is None else reward, terminated, truncated, info
-
-    def _terms(self, action: np.ndarray) -> dict[str, float]:
-        """What each term adds to minus the stage cost of the period that begins."""
-        u = (np.clip(action, -1.0, 1.0) * self.scene.limits)[None]
-        x, ref, w, p = (a[:, :1].T.astype(float) for a in (self._step.x, self._step.ref, self._step.w, self._step.p))
-        names = term_names(self.scene)  # none where nothing is weighed
-        return dict(zip(names, (0.0 - cost_terms(self.scene)(x, u, ref, w, p)[0][0]).tolist())) if names else {}
+        return 0.0 - cost if reward is None else reward, terminated, info  # no -0 where nothing is charged
 
     def render(self) -> np.ndarray | None:
         """The plant, its goal and its tip's path: an image (height, width, 3) uint8, or drawn in a window."""
@@ -227,3 +229,11 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
+
+
+def _terms(scene: Scene, step: ControlStep, action: np.ndarray) -> dict[str, float]:
+    """What each term adds to minus the stage cost of the period that begins."""
+    u = (np.clip(action, -1.0, 1.0) * scene.limits)[None]
+    x, ref, w, p = (a[:, :1].T.astype(float) for a in (step.x, step.ref, step.w, step.p))
+    names = term_names(scene)  # none where nothing is weighed
+    return dict(zip(names, (0.0 - cost_terms(scene)(x, u, ref, w, p)[0][0]).tolist())) if names else {}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import VectorEnv
 
-from .infos import of_lanes
+from pliant.envs.tasks.infos import of_lanes
 
 Array = np.ndarray
 SHARED = ("randomise",)  # attributes of the environment that may be set, in all lanes at once

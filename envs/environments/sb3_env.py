@@ -14,11 +14,11 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.tasks import TaskKeywords
+from pliant.envs.tasks.infos import of_lanes
 from pliant.plants.core.argument_gates import shown
 from pliant.plants.core.signals import OwnsArrays
 
 from . import arguments
-from .infos import of_lanes
 from .vector_env import PlantVectorEnv
 
 Indices = int | Iterable[int] | None

@@ -11,12 +11,14 @@ from gymnasium.envs.registration import EnvSpec
 
 from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
+from pliant.envs.tasks import Task
 
 
 class Specified:
     """Base of an environment that ends episodes after `_steps` periods itself, and says so in its specification."""
 
     _steps: int
+    task: Task
     _spec: EnvSpec | None = None
 
     @property
@@ -26,11 +28,11 @@ class Specified:
 
     @spec.setter
     def spec(self, value: EnvSpec | None) -> None:
-        self._spec = own(value, self._steps)
+        self._spec = own(value, -(-self._steps // self.task.hold))
 
 
 def own(spec: EnvSpec | None, steps: int) -> EnvSpec | None:
-    """A copy with the number of periods that the environment enforces, its keywords as JSON can hold them."""
+    """A copy with the number of actions that the environment enforces, its keywords as JSON can hold them."""
     if spec is None:
         return None
     found = copy.copy(spec)

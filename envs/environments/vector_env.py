@@ -15,22 +15,22 @@ from gymnasium.vector.utils import batch_space
 from pliant.envs.rendering import Renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
-from pliant.envs.simulation.episode_start import early_end_cost, first_observations
+from pliant.envs.simulation.episode_start import first_observations
 from pliant.envs.simulation.episode_supply import EpisodeSupply
-from pliant.envs.tasks import Channel, Task, TaskKeywords, normalised
+from pliant.envs.tasks import Channel, Task, TaskKeywords, infos
 from pliant.plants.core.argument_gates import require_choice, require_count, require_flag
 from pliant.plants.native.batch_kernels import FEW, as_dtype
 from pliant.plants.native.thread_pool import available
 
-from . import arguments, infos
-from .batch import Batch
+from . import arguments
+from .held_periods import HeldPeriods
 
 Array = np.ndarray
 MODES = tuple(AutoresetMode)
 NO_LANES = np.zeros(0, dtype=int)
 
 
-class PlantVectorEnv(Batch):
+class PlantVectorEnv(HeldPeriods):
     """`num_envs` lanes of a scene; see PlantEnv for action, observation, reward and the ends of an episode.
 
     | what         | is                                                                        | shape            |
@@ -46,7 +46,7 @@ class PlantVectorEnv(Batch):
     randomise       draws start, parameters and disturbances of every episode of every lane, see `reset` for seeds
     dtype           float64, or float32 for observations and physics in single precision
     threads         None: all processors for large batches
-    max_episode_steps  periods after which an episode is truncated; None: the scene's, which is also the most
+    max_episode_steps  actions after which an episode is truncated; None: the scene's, which is also the most
     task            what else a scene can be made into: `reward="normalised"`, sensors with their noise, delays, memory,
                     drawn goals, `difficulty`; see `Task`. With terms=True infos hold "reward_terms", with
                     constraint="cost" "cost_constraint", of every lane that plays
@@ -78,12 +78,12 @@ class PlantVectorEnv(Batch):
         self.num_envs = require_count(owner, "num_envs", num_envs, 1, 10_000_000)
         require_choice(owner, "render_mode", render_mode, (None, "rgb_array"))
         require_choice(owner, "autoreset_mode", autoreset_mode, (*MODES, *(m.value for m in MODES)))
-        self._steps = arguments.require_length(owner, scene, max_episode_steps)
+        self._steps = arguments.require_length(owner, scene, max_episode_steps, made.hold)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {
             **self.metadata,
             "autoreset_mode": self.autoreset_mode,
-            "render_fps": max(1, round(1 / scene.dt)),
+            "render_fps": max(1, round(1 / (made.hold * scene.dt))),
         }
         self.randomise = made.drawn(require_flag(f"{owner}.randomise", randomise))
         self.render_mode = render_mode
@@ -140,7 +140,7 @@ class PlantVectorEnv(Batch):
         return self.restart(lanes, seeds or [None] * n, given)
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
-        """Hold `actions` (num_envs, nu) for one control period in every lane."""
+        """Hold `actions` (num_envs, nu) for `task.hold` control periods in every lane."""
         obs, reward, terminated, truncated, valid, ended, begun = self.advance(actions)
         n, names, found = self.num_envs, self._names, valid
         if ended is not None:
@@ -159,68 +159,23 @@ class PlantVectorEnv(Batch):
         """
         self._require_begun("step")
         actions = arguments.require_actions("PlantVectorEnv.step", "actions", actions, self._shape)
-        step, scene, task, channel = self._step, self.scene, self.task, self._channel
         waiting = self._over.nonzero()[0]
         if len(waiting) and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(
                 f"PlantVectorEnv.step: lane {waiting[0]} is over; reset it with options={{'reset_mask': ...}}"
             )
-        if channel is not None:
-            actions = channel.act(actions)
-        step.action[:] = actions.T
-        step.begin(self._done)
-        terms = self._terms(waiting) if task.terms else None
-        diverged, outside = step.run()
-        self._done += 1
-        cost = step.cost.astype(float)
-        terminated = diverged | outside if task.constraint == "end" else diverged.copy()
-        last, self._obs = self._obs, step.obs.T.copy()
-        if len(waiting):  # these lanes start again instead
-            terminated[waiting] = diverged[waiting] = False
-            self._done[waiting] = 0
-            cost[waiting] = 0.0
-        bounded = None if task.reward == "cost" else normalised(scene, cost, terminated)
-        early = None
-        if np.count_nonzero(terminated):
-            self._obs[diverged] = last[diverged]
-            left = terminated.nonzero()[0]
-            early = np.zeros(self.num_envs)
-            early[left] = early_end_cost(scene, self._done[left], cost[left])
-            cost += early
-        if self.render_mode is not None:
-            self._total += cost
-        truncated = (self._done >= self._steps) & ~terminated
-        over = terminated | truncated
-        valid: dict[str, Any] = {}
-        invalid = step.reach > 1.0
-        if np.count_nonzero(invalid):
-            invalid &= ~diverged
-            invalid[waiting] = False
-            if invalid.any():
-                valid = {"validity": np.where(invalid, step.reach, 0.0), "_validity": invalid}
-        if terms is not None:
-            valid |= terms
-        if task.constraint == "cost":
-            playing = np.setdiff1d(np.arange(self.num_envs), waiting)
-            valid |= infos.masked(self.num_envs, playing, cost_constraint=(outside | diverged)[playing].astype(float))
-        if channel is not None:
-            self._seen = channel.see(self._obs.astype(float), waiting).astype(self._dtype)
-        else:
-            self._seen = self._obs
-        reward = 0.0 - cost if bounded is None else bounded  # no -0 where nothing is charged
-        if bounded is not None and len(waiting):
-            reward[waiting] = 0.0
-        ended = None
+        played = self._held(actions, waiting)
+        over, ended = played.terminated | played.truncated, None
         if np.count_nonzero(over):
             lanes = over.nonzero()[0]
-            charged = np.zeros(len(lanes)) if early is None else early[lanes]
-            ended = infos.Ended(
-                lanes, cost[lanes], charged, diverged[lanes], self._seen[lanes], self.parameters_of(lanes)
-            )
+            charged = np.zeros(len(lanes)) if played.early is None else played.early[lanes]
+            cost, diverged = played.cost[lanes], played.diverged[lanes]
+            ended = infos.Ended(lanes, cost, charged, diverged, self._seen[lanes], self.parameters_of(lanes))
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             waiting = NO_LANES if ended is None else ended.lanes
         else:
             self._over = over
         if len(waiting):
             self._start(waiting)
-        return self._seen.copy(), reward, terminated, truncated, valid, ended, waiting
+        told = played.told
+        return self._seen.copy(), played.reward, played.terminated, played.truncated, told, ended, waiting

@@ -15,6 +15,8 @@ from pliant.plants import Plant
 from pliant.plants.core.parameters import require_choice
 from pliant.plants.core.signals import OwnsArrays, names
 
+from .captions import caption
+
 PIXELS = 600
 LINKS = ("#1f4e79", "#3182bd", "#6baed6", "#9ecae1")
 GOAL, TIP, INK, PALE = "#2e9e5b", "#d9622b", "#303030", "#e4e7ea"
@@ -84,9 +86,8 @@ class Renderer(OwnsArrays):
         self._tangents = [axes.plot([], [], **thin)[0] for _ in goal]  # where an unbent link would lie
         (self._joints,) = axes.plot([], [], "o", ms=11, mfc="white", mec=INK, mew=2.2, zorder=5)
         (self._payload,) = axes.plot([], [], "o", ms=13, mfc=TIP, mec="white", mew=1.5, zorder=6)
-        about = f"{scene.name}\n{scene.plant.label}"
         text: dict[str, Any] = {"transform": axes.transAxes, "va": "top", "color": INK, "fontsize": 11}
-        axes.text(0.03, 0.975, about, linespacing=1.4, **text)
+        axes.text(0.03, 0.975, caption(scene), linespacing=1.4, **text)
         self._status = axes.text(0.97, 0.975, "", ha="right", linespacing=1.4, **text)
         self._bars = [self._bar(0.035 + 0.04 * i, s.name) for i, s in enumerate(reversed(scene.plant.inputs))]
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .captions import caption
 from .planar import INK, TIP, Renderer
 
 TRAIL = 400  # points of the path that are kept
@@ -37,7 +38,7 @@ class SpacePicture(Renderer):
         raise NotImplementedError
 
     def _about(self) -> str:
-        return f"{self.scene.name}\n{self.scene.plant.label}"
+        return caption(self.scene)
 
     def _look(self) -> None:
         """The frame of a machine in space is set once."""

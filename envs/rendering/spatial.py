@@ -9,6 +9,7 @@ import numpy as np
 
 from pliant.plants import FlexibleSpacecraft
 
+from .captions import caption
 from .planar import GOAL, INK, RENDERERS
 from .space_picture import SpacePicture
 from .spacecraft_geometry import Scenery, exaggeration, reach_of, scenery
@@ -83,7 +84,7 @@ class SpaceRenderer(SpacePicture):
         self._moving: list[Any] = []
 
     def _about(self) -> str:
-        return super()._about() + (f"\ndeflections drawn {self._factor} times" if self._factor > 1 else "")
+        return caption(self.scene, self._factor)
 
     def draw(self, x: np.ndarray, action: np.ndarray, time: float, cost: float) -> np.ndarray | None:
         for artist in self._moving:

@@ -16,7 +16,14 @@ def load(path: Any) -> Scene:
     """The scene of a file. ValueError in one line: the file, the key, its value, what it must be; OSError where it
     cannot be read.
 
-    >>> scene = scenes.load("crane.toml")
+    Example
+    -------
+    >>> import tempfile
+    >>> from pliant.envs import scenes
+    >>> file = tempfile.mkdtemp() + "/slew.toml"
+    >>> save(scenes.get("single-link-slew"), file)
+    >>> load(file).name
+    'single-link-slew'
     """
     tables = toml_text.load("scene file", path)
     try:

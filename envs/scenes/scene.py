@@ -245,16 +245,13 @@ class Scene(Manoeuvre, SceneTable):
 
     @cached_property
     def feedback_model(self) -> LinearModel:
-        """`goal_model` in states that can be read by name.
-
-        Those of the plant; of a spacecraft its attitude outputs in place of the quaternion, and none where it spins.
-        """
+        """`goal_model` in states that can be read by name: those of the plant; of a spacecraft its attitude outputs in
+        place of the quaternion, and none where it spins."""
         return about_moving_goal(self.plant.feedback_model(*self.target), dict(self.goal_rates))
 
     def quadratic(self) -> QuadraticCost:
         """Q (n, n), R (nu, nu), N (n, nu): `stage_cost` to second order about the goal, x'Qx + u'Ru + 2 x'Nu, in the
-        states of `feedback_model`.
-        """
+        states of `feedback_model`."""
         return quadratic_cost(self.feedback_model, dict(self.weights), dict(self.effort))
 
     @kept_property
@@ -266,10 +263,8 @@ class Scene(Manoeuvre, SceneTable):
         return nominal_input(self)
 
     def open_loop(self, **options: Any) -> Trajectory:
-        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate.
-
-        Warns (NominalWarning) where it is to arrive at the goal and ends far from it.
-        """
+        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate. Warns
+        (NominalWarning) where it is to arrive at the goal and ends far from it."""
         return told(self, self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options))
 
     def nominal_motion(self, **options: Any) -> Trajectory:
@@ -290,7 +285,11 @@ class Scene(Manoeuvre, SceneTable):
         return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, **options)
 
     def differentiable(self, torch: Any, lanes: int = 1) -> Any:
-        """Rollouts with exact gradients, of the module `torch`; >>> play = scene.differentiable(torch, lanes=8)"""
+        """Rollouts of so many `lanes` with exact gradients, of the module `torch`.
+
+        >>> import torch; scene.differentiable(torch, lanes=2).lanes
+        2
+        """
         return ENVIRONMENTS["differentiable"](self, torch, lanes)
 
     def __getstate__(self) -> dict[str, Any]:

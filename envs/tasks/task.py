@@ -17,11 +17,11 @@ from pliant.plants.core.argument_gates import require_choice, require_count, req
 from pliant.plants.sensing.sensors import sensors_of
 
 Array = np.ndarray
-REWARDS, CONSTRAINTS = ("cost", "normalised"), ("end", "cost")
+REWARDS, CONSTRAINTS, ACTIONS = ("cost", "normalised"), ("end", "cost"), ("limits", "midway")
 DIFFICULTIES = (None, "nominal", "randomised", "hard")
 MOST_DELAY, MOST_HISTORY = 1000, 100  # control periods
 HARD_SPREAD, HARD_NOISE, HARD_DELAY = 0.3, 0.01, (0, 1)  # of what is uncertain; of a signal's range; periods
-MOST_SUBSTEPS = 4096
+MOST_SUBSTEPS, MOST_HOLD = 4096, 1000
 Delay = int | tuple[int, int]
 
 
@@ -38,6 +38,8 @@ class TaskKeywords(TypedDict, total=False):
     goal_spread: float
     terms: bool
     constraint: str
+    actions: str
+    hold: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +62,10 @@ class Task:
     terms         True: info["reward_terms"] tells what each weighted signal and input adds to minus the stage cost
     constraint    "end": an episode ends where a bounded signal leaves its bound. "cost": it goes on, and
                   info["cost_constraint"] is 1 in a period that ends beyond, 0 in others
+    actions       "limits": an action is an input over its limit. "midway": 0 is the input midway between what holds the
+                  start and what holds the goal, 1 adds half of the limit, or what reaches both; see `actions`
+    hold          so many control periods an action is held: rewards and costs of these are summed (a normalised reward
+                  is their mean), readings are the last ones. Where an episode ends sooner, so does the step
     """
 
     reward: str = "cost"
@@ -72,12 +78,15 @@ class Task:
     goal_spread: float = 0.0
     terms: bool = False
     constraint: str = "end"
+    actions: str = "limits"
+    hold: int = 1
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         require_choice("Task", "reward", self.reward, REWARDS)
         require_choice("Task", "difficulty", self.difficulty, DIFFICULTIES)
         require_choice("Task", "constraint", self.constraint, CONSTRAINTS)
+        require_choice("Task", "actions", self.actions, ACTIONS)
         put(self, "sensors", require_flag("Task.sensors", self.sensors))
         put(self, "terms", require_flag("Task.terms", self.terms))
         hard = self.difficulty == "hard"
@@ -86,6 +95,7 @@ class Task:
         put(self, "noise", require_number("Task.noise", noise, "nonnegative"))
         put(self, "goal_spread", require_number("Task.goal_spread", self.goal_spread, "nonnegative"))
         put(self, "history", require_count("Task", "history", self.history, 0, MOST_HISTORY))
+        put(self, "hold", require_count("Task", "hold", self.hold, 1, MOST_HOLD))
         put(self, "action_delay", _range("action_delay", delay))
         put(self, "observation_delay", _range("observation_delay", self.observation_delay))
 

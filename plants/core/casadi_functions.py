@@ -16,6 +16,7 @@ import numpy as np
 MAPS_KEPT = 8  # batch sizes whose mapped function is kept
 LONG = 20_000  # operations past which common subexpressions stay; no compiler is asked for as many either
 FEW = 3000  # calls that lose what looking for common subexpressions takes: 12 us an operation, 4 ns of it lost a call
+SEVERAL = 8  # rows: fewer are the virtual machine's
 KEPT = 32  # plants whose properties are kept
 K = TypeVar("K")
 T = TypeVar("T")
@@ -31,9 +32,12 @@ class NumericFunction:
     once it has been called often, or is asked for: the same operations, each done once.
     """
 
+    rows_read: ClassVar[Any] = None  # rows_read(function)(B): what gives B rows faster than a mapped function, or None
+
     def __init__(self, function: ca.Function, *, matrices: bool = False, raw: bool = False) -> None:
         self._function, self.matrices, self.raw = function, matrices, raw
         self._left = FEW if raw else -1
+        self._rows: Any = None  # what reads the function's instructions for many rows
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
         self._squeeze = [columns == 1 and not matrices for _, columns in self._shapes]
         self._local = threading.local()
@@ -70,6 +74,9 @@ class NumericFunction:
             self._left -= batch or 1
             if self._left < 0 and self.function:
                 self._local.__dict__.pop("buffers", None)
+                self._rows = None
+        if batch is not None and batch >= SEVERAL and (found := self._read(values, batch)):
+            return found
         arguments, results, trigger, _ = self._buffer(batch or 1)
         for argument, value in zip(arguments, values):
             argument[...] = value
@@ -79,6 +86,19 @@ class NumericFunction:
             array = result[:, 0, :].copy() if squeeze else result.transpose(0, 2, 1).copy()
             out.append(array if batch else array[0])
         return out
+
+    def _read(self, values: tuple[np.ndarray | float, ...], batch: int) -> list[np.ndarray] | None:
+        """The results of many rows by their instructions; None where these are not read."""
+        if self.rows_read is None:
+            return None
+        self._rows = self._rows or self.rows_read(self._function)
+        if (read := self._rows(batch)) is None:
+            return None
+        results = [found.reshape(batch, c, r) for found, (r, c) in zip(read(values, batch), self._shapes)]
+        return [
+            found[:, 0, :] if squeeze else np.ascontiguousarray(found.transpose(0, 2, 1))
+            for found, squeeze in zip(results, self._squeeze)
+        ]
 
     def __reduce__(self) -> tuple:
         return _rebuilt, (self._function, self.matrices, self.raw)
@@ -149,6 +169,12 @@ class built_once(cached_property[T]):
             taken = getattr(instance, "_taken", None)  # an instance may make its own of what is shared
             found = instance.__dict__[name] = taken(name, shared[name]) if taken else shared[name]
         return found
+
+    @classmethod
+    def has(cls, instance: Any, name: str) -> bool:
+        """Whether it is built for an instance, or an equal one."""
+        shared = instance.__dict__.get("_shared")
+        return name in (cls._kept.get(instance, {}) if shared is None else shared)
 
     @classmethod
     def _of_equals(cls, instance: Any) -> dict[str, Any]:

@@ -212,7 +212,15 @@ class Trajectory(OwnsArrays, TrajectoryTable):
             raise ValueError(f"Trajectory.load: {str(path)!r} holds no motion: {error}") from None
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame indexed by time [s], one column per name. pandas is not installed with Pliant."""
+        """A DataFrame indexed by time [s], one column per name. pandas is not installed with Pliant: ImportError
+        without it.
+
+        Example
+        -------
+        >>> table = motion.to_pandas()
+        >>> table.index.name, len(table) == len(motion.t), bool((table["tip_x"] == motion["tip_x"]).all())
+        ('t', True, True)
+        """
         try:
             import pandas
         except ImportError as error:

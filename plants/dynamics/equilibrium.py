@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.argument_gates import require_by_name
-from pliant.plants.core.casadi_functions import NumericFunction, function
+from pliant.plants.core.casadi_functions import NumericFunction, built_once, function
 from pliant.plants.core.errors import EquilibriumError, UnstableRestWarning, rests_told, warn_caller
 from pliant.plants.core.signals import index
 
@@ -42,6 +42,10 @@ class RestConditions:
         """The Jacobian (nx, nx + nu) of these in [x; u], weighed as at x."""
         return np.hstack(self.plant._state_jacobians(x, u, self.p))
 
+    def exactly(self, x: Array, u: Array) -> bool:
+        """Whether (x, u) is seen to be a rest without slopes: all forces are zero, to the last bit."""
+        return False
+
     def states(self, x: Array, u: Array) -> Array:
         """A (nx, nx) at a rest."""
         A: Array = self.plant._state_jacobians(x, u, self.p)[0]
@@ -72,6 +76,23 @@ class ForcesAtRest(RestConditions):
             return found
         forces: list[Array] = self.plant.force_balance.at_rest(np.atleast_1d(t), x[None], u[None], w=w, p=p)
         return forces
+
+    def exactly(self, x: Array, u: Array) -> bool:
+        """By what is built, or by the rates, which a simulation needs anyway: slopes take longer to build."""
+        if self.plant.driven or x[len(x) // 2 :].any():
+            return False
+        if not built_once.has(self.plant, "force_balance"):
+            return not self.rate_of_all(x, u).any()
+        t, x, u, w, p = (np.atleast_2d(v) for v in self.plant._arguments(x, u, p=self.p)[0])
+        balance = self.plant.force_balance
+        if balance.lacking(t[0], x, u, np.zeros((1, balance.n)), w=w, p=p).any():
+            return False
+        self.plant.check_definite(x[0], np.linalg.eigvalsh(balance.mass(t[0], x, u, w=w, p=p)[0])[:1])
+        return True
+
+    def rate_of_all(self, x: Array, u: Array) -> Array:
+        """dx/dt (nx,) by the plant's own equations; raises where they have lost their meaning."""
+        return super().rate(x, u)
 
     def forces(self, x: Array, u: Array, at: Array) -> Array:
         n = len(x) // 2
@@ -133,6 +154,8 @@ def find(
     still = np.append(rest.still(), np.zeros(plant.nu, dtype=bool)) & ~held
     z[still] = 0.0
     free = np.flatnonzero(~held & ~still)
+    if rest.exactly(z[:nx], z[nx:]):
+        return z[:nx], z[nx:]
     scale, step = 1.0, 0.0
     for _ in range(100):
         at = z[:nx]

@@ -228,7 +228,14 @@ class BalancedPlant(MechanicalPlant):
         return ForceBalance(self, lacking, a, driven, self.coordinate_rates(x), None if M is None else M[free, free])
 
     def measure_at(self, t: Array, x: Array, u: Array, a: Array) -> Array:
-        """y (B, ny) at rows of t, states, inputs and accelerations; see `output_at`."""
+        """y (B, ny) at rows of t (B,) [s], states (B, nx), inputs (B, nu) and accelerations (B, nv); see `output_at`.
+
+        Example
+        -------
+        >>> rows = np.zeros((2, arm.nx))
+        >>> arm.measure_at(np.zeros(2), rows, np.zeros((2, arm.nu)), np.zeros((2, arm.nx // 2))).shape == (2, arm.ny)
+        True
+        """
         w, p = self.quiet
         return self._output_at[0](t[:, None], x, u, w, p, a, batch=len(x))[0]
 

@@ -21,6 +21,7 @@ from pliant.plants.integration.simulation import Input, simulate
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.native.batch_kernels import as_dtype
+from pliant.plants.rows.instruction_tape import RowsRead
 from pliant.plants.validity.ranges import Left, Range, left
 
 from . import arguments, equilibrium, linear_models, python_control
@@ -30,6 +31,8 @@ from .plant_contract import PlantContract
 
 if TYPE_CHECKING:
     import control
+
+NumericFunction.rows_read = RowsRead  # which the room of functions does not know
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +95,7 @@ class Plant(PlantContract):
     def _rate(self, values: tuple[Any, ...], batch: int | None) -> Array:
         return self._sound_rate(values[1], self._dynamics(*values, batch=batch))
 
-    def told_rates(self, values: tuple[Any, ...], results: list[Array]) -> Array:
+    def _told_rates(self, values: tuple[Any, ...], results: list[Array]) -> Array:
         """What `dynamics` gives at checked arguments, and tells, from what `_dynamics` gave there: (..., nx)."""
         return arguments.told(self, "dynamics", [self._sound_rate(values[1], results)], values[1])[0]
 

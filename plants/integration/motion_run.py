@@ -14,7 +14,7 @@ import numpy as np
 
 from pliant.plants.core.errors import IntegrationError, StabilityLimitError
 from pliant.plants.core.plant_protocol import PlantLike
-from pliant.plants.motions import adaptive_steps
+from pliant.plants.motions import adaptive_steps, tape_motion
 from pliant.plants.motions.compile_rule import OnDemand
 from pliant.plants.motions.held_inputs import HeldInput
 from pliant.plants.motions.motion_library import A_CALL, LONG
@@ -225,6 +225,9 @@ class PairRun(MotionRun):
             self.kernel, self.evaluations = motion_kernel(self.plant, PAIR), dormand_prince.STAGES
 
     def on_the_virtual_machine(self, z: Array) -> None:
+        coming = self.kernel.seconds(self.expected_steps(), self.evaluations) if self.kernel and not self.reached else 0
+        if self.kernel and (tape := tape_motion.at_hand(self.plant, coming)):
+            return self._by_tape(z, *tape)
         k, end = self.reached, self.next_part()
         times, function = self.t[k : end + 1], None if self.drive.law is None else self.drive.at
         self.first = self.first_step(k, z[k]) if self.first is None else self.first
@@ -236,14 +239,26 @@ class PairRun(MotionRun):
         z[k : end + 1], tried, self.first = found
         self.steps, self.reached = self.steps + tried, end
 
+    def _by_tape(self, z: Array, tape: Any, run: Any) -> None:
+        """As far again as it has come, after which a library is looked for."""
+        arrays = (np.ascontiguousarray(self.t), self.drive.samples, self.w, self.p, z)
+        motion = tape.adapted(run, arrays, (self.rtol, self.atol, *adaptive_steps.limits()))
+        self._along(motion, z, min(max(1, 2 * self.reached), self.ahead()))
+        if self.progress is not None:
+            self.progress(self.t[self.reached])
+
     def natively(self, z: Array) -> None:
-        k = self.reached
         arrays = (np.ascontiguousarray(self.t), self.drive.samples, self.w, self.p, z)
         motion = self.library.adapted(arrays, (self.rtol, self.atol, *adaptive_steps.limits()))
-        before, self.first = self.steps, self.first_step(k, z[k]) if self.first is None else self.first
-        status = motion.march(k, self.ahead(), self.first, before, restart=not self.drive.smooth)
-        self.reached, self.first, self.steps = motion.reached, motion.step, motion.tried
+        before = self.steps
+        self._along(motion, z, self.ahead())
         self.native += self.steps - before
+
+    def _along(self, motion: Any, z: Array, end: int) -> None:
+        k = self.reached
+        before, self.first = self.steps, self.first_step(k, z[k]) if self.first is None else self.first
+        status = motion.march(k, end, self.first, before, restart=not self.drive.smooth)
+        self.reached, self.first, self.steps = motion.reached, motion.step, motion.tried
         if status:
             last = z[self.reached + 1]
             raise adaptive_steps.stopped(status, motion.time, last, motion.step, motion.trial, self.method)

@@ -114,7 +114,7 @@ def simulate(
         u=samples,
         y=outputs[0],
         **plant.signals,
-        dx=plant.told_rates(values, rates),
+        dx=plant._told_rates(values, rates),
         w=np.tile(w, (len(t), 1)),
         hold="linear" if drive.smooth else "zero-order",
         stats=stats,

@@ -136,7 +136,19 @@ class ModalData(ModalFields):
     ) -> ModalData:
         """As `from_matrices`, M and K read by name from an OP4 or OP2 file. Needs pyYeti: pip install pyyeti.
 
-        positions (k, 3) [m]; damping [-], a ratio.
+        positions (k, 3) [m]; damping [-], a ratio. ValueError for a file without such matrices, ImportError without
+        pyYeti.
+
+        Example
+        -------
+        >>> import tempfile
+        >>> from pyyeti.nastran import op4
+        >>> file = tempfile.mkdtemp() + "/two_masses.op4"  # of 1 kg, 2 N/m along and 4 N/m across between them
+        >>> K = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag([2.0, 4, 4, 1, 1, 1]))
+        >>> op4.write(file, {"kgg": K, "mgg": np.kron(np.eye(2), np.diag([1.0, 1, 1, 1e-3, 1e-3, 1e-3]))})
+        >>> body = ModalData.from_nastran(file, [[0.0, 0, 0], [1.0, 0, 0]], root=[0], modes=3)
+        >>> body.mass, body.frequencies
+        (2.0, array([ 1.4142,  2.    ,  2.    ]))
         """
         M, K = read_nastran(path, mass, stiffness)
         return cls.from_matrices(M, K, positions, root=root, modes=modes, damping=damping, nodes=nodes)

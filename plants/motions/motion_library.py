@@ -29,8 +29,9 @@ from pliant.plants.native import (
     slp_codegen,
     slp_packing,
 )
+from pliant.plants.native.kernel_loader import compiler_known as compiler_known
 from pliant.plants.rounding.agreement import KernelMismatch, Trial
-from pliant.plants.toolchain import compiler_process, shared_library, straight_line
+from pliant.plants.toolchain import shared_library, straight_line
 
 from . import motion_source
 from .adaptive_steps import PAUSED
@@ -132,7 +133,9 @@ class FixedMotion:
 class AdaptiveMotion:
     """A motion of adaptive steps and its arrays."""
 
-    def __init__(self, function: Any, arrays: Sequence[Array]) -> None:
+    def __init__(self, function: Any, arrays: Sequence[Array], scratch: Array | None = None) -> None:
+        """scratch: what the function writes to beside."""
+        self._scratch = scratch
         self._function, self._now, self._at = function, np.zeros(3), np.zeros(3, dtype=LONG)
         self._arrays = (*arrays, self._now, self._at)
 
@@ -161,13 +164,6 @@ def _place(array: Array) -> int:
 
 
 _loaded: dict[str, Any] = {}
-
-
-def compiler_known() -> bool:
-    """Whether this process, or an earlier one, has asked the compiler what it can: else nothing of it is kept."""
-    if compiler.toolchain.cache_info().currsize:
-        return True
-    return any(compiler._stored(command) is not None for command in compiler_process.candidates())
 
 
 def cached(name: str, load: Callable[[Path], L]) -> L | None:

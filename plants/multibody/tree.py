@@ -170,9 +170,26 @@ class FlexibleTree(TreeDynamics):
         gears; `drives` says which have no input or a given motion. `tip` is the link that holds the payload and is
         measured. A joint that mimics another is refused, or moves by itself with mimic="free". Inertias that no body
         has are refused; inertias="repair" takes the nearest that one can have, says what it changed in a warning and
-        keeps it in `repairs`. Further keywords as the class has them.
+        keeps it in `repairs`. Further keywords as the class has them. ValueError that names the file's element for what
+        it cannot be.
 
-        >>> arm = FlexibleTree.from_urdf("arm.urdf", flexible={"forearm": tube}, tip="tool0")
+        Example
+        -------
+        >>> import tempfile
+        >>> from pliant.plants import Beam, beams
+        >>> file = tempfile.mkdtemp() + "/arm.urdf"
+        >>> with open(file, "w") as out:
+        ...     _ = out.write('''<robot name="arm"> <link name="base"/> <link name="tool"/>
+        ...     <link name="link"> <inertial> <mass value="1"/> <origin xyz="0.25 0 0"/>
+        ...       <inertia ixx="1e-3" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/> </inertial> </link>
+        ...     <joint name="hub" type="revolute"> <parent link="base"/> <child link="link"/> <axis xyz="0 0 1"/>
+        ...       <limit lower="-3" upper="3" effort="20" velocity="5"/> </joint>
+        ...     <joint name="end" type="fixed"> <parent link="link"/> <child link="tool"/> <origin xyz="0.5 0 0"/>
+        ...     </joint> </robot>''')
+        >>> tube = Beam.tube(0.5, 0.02, 0.018, beams.ALUMINIUM)
+        >>> arm = FlexibleTree.from_urdf(file, flexible={"link": tube}, modes={"link": (1, 1, 0, 0)}, tip="tool")
+        >>> [s.name for s in arm.coordinates], arm.joints[0].position
+        (['hub', 'link_y1', 'link_z1'], 'hub')
         """
         machine = read(path, mimic, inertias)
         tell_repairs(path, machine.repairs)

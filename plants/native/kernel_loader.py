@@ -48,6 +48,13 @@ def wanted() -> bool:
     return asked not in OFF
 
 
+def compiler_known() -> bool:
+    """Whether this process, or an earlier one, has asked the compiler what it can: else nothing of it is kept."""
+    if compiler.toolchain.cache_info().currsize:
+        return True
+    return any(compiler._stored(command) is not None for command in compiler_process.candidates())
+
+
 def tell(why: str, name: str, *, every: bool = False, slower: str = SLOWER) -> None:
     """Warn, once a kernel, that native code is not used for it; once a process where that holds for every kernel."""
     key = EVERY if every else name

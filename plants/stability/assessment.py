@@ -46,6 +46,7 @@ from .frozen_time import (
 from .lyapunov_certificate import certified
 from .open_motion import judged_once
 from .periodicity import varying
+from .proven import proven
 from .transition_growth import grown, growth
 from .verdict import Verdict, made, of_constant, of_periodic
 
@@ -71,6 +72,7 @@ def assess(
     disturbances: Sequence[str] | None = None,
     limits: Mapping[str, float] | None = None,
     scale: Mapping[str, float] | None = None,
+    rigorous: bool = False,
 ) -> Verdict:
     """The verdict on a LinearModel, an LTVModel, or pieces joined by jumps.
 
@@ -89,9 +91,15 @@ def assess(
     outputs, disturbances, limits, scale: of `Verdict.horizon` as in `finite_horizon`, for an LTVModel. Where they are
     not given it tells of lengths and of the forces on them, else of what is in the unit of the first output.
 
+    rigorous: "stable" and "unstable" only where they are theorems of the model given, of 12 states at most, with the
+    numbers that show it enclosed: `Verdict.proof`. ImportError without python-flint; ValueError with `beyond`.
+
     >>> told = assess(plant.linearize_along(motion), outputs=["tip_y"], disturbances=["tip_force_y"])
     >>> print(told.verdict, told.sentence)
     """
+    rigorous = require_flag("assess.rigorous", rigorous)
+    if rigorous and beyond is not None:
+        raise ValueError(f"assess.rigorous = True with beyond = {beyond!r}, must be None: what is assumed is not shown")
     about = asked_of("assess", model, outputs, disturbances, limits, scale)
     if beyond is None and (limit is not None or within):
         raise ValueError("assess.limit, within belong to beyond = 'tends', must be None and 0")
@@ -100,6 +108,8 @@ def assess(
     found = _judged(model, period, periodic, states, coordinates, window, thorough)
     if beyond is not None and found.method not in ("eigenvalues", "floquet"):
         found = LONG_RUN.in_the_long_run(found, model, beyond, states, limit, within)
+    if rigorous:
+        found = proven(found, model, states)
     return found if about is None else replace(found, asked=about)
 
 

@@ -14,6 +14,7 @@ from pliant.plants.files.html_tables import VerdictTable
 from pliant.plants.finite_horizon.asked import Asked, listed
 from pliant.plants.finite_horizon.horizon import FiniteHorizon, numbers
 from pliant.plants.linear.lti import LinearModel
+from pliant.plants.rigorous.proof import Proof
 from pliant.plants.transitions.eigenvalue_bounds import EPS, bounds
 from pliant.plants.transitions.matrix_rounding import cancelled, rounding
 from pliant.plants.transitions.state_matrix_path import CLEAR, kept, scaling, unfelt
@@ -43,6 +44,7 @@ class Verdict(OwnsArrays, VerdictTable):
     drifting: tuple[str, ...] = ()  # states that drift: none feels them, and the rest does not make them run away
     provided: str = ""  # what is taken for granted beyond the record, where the answer is about all times
     asked: Asked | None = field(default=None, repr=False)  # of which `horizon` tells; None: constant, or with jumps
+    proof: Proof | None = field(default=None, repr=False)  # where `rigorous` was asked for
 
     @property
     def stable(self) -> bool:
@@ -72,6 +74,10 @@ class Verdict(OwnsArrays, VerdictTable):
     @cached_property
     def sentence(self) -> str:
         """What an engineer would write into a report, in one sentence, with what it rests on."""
+        return self._as_computed if self.proof is None else f"{self._as_computed[:-1]}; {self.proof.said}."
+
+    @property
+    def _as_computed(self) -> str:
         if self.horizon is None:
             known = self._in_words
             return f"{known[0].upper()}{known[1:]}: of the linear model."
@@ -116,6 +122,8 @@ class Verdict(OwnsArrays, VerdictTable):
         head = f"{self.verdict} by {self.method}" if self.method else self.verdict
         lines = [] if self.asked is None else [self.sentence]
         lines += [f"{head}: {self.why}", *(f"  {name}, {role}: {text}" for name, role, text in self.rows())]
+        if self.proof is not None:
+            lines.append(f"  {self.proof.said}")
         if self.critical_times:
             lines.append("  critical times [s]: " + ", ".join(f"{t:.4g}" for t in self.critical_times[:12]))
         return "\n".join(lines)
@@ -135,6 +143,7 @@ class Verdict(OwnsArrays, VerdictTable):
             "why": self.why,
             "reasons": dict(self.reasons),
             "coordinates": self.coordinates,
+            "proof": None if self.proof is None else self.proof.to_json(),
         }
 
 

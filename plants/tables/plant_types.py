@@ -35,11 +35,16 @@ _registered: dict[str, type[Plant]] = {}
 def register(kind: P) -> P:
     """Let scene files name a type of plants by its class's name; a class decorator. Registering it again replaces it.
 
-    >>> @plants.register
-    ... @dataclass(frozen=True, kw_only=True)
-    ... class Crane(LagrangianPlant): ...
-
     ValueError unless it is a dataclass that is a Plant, of a name that no shipped plant has.
+
+    Example
+    -------
+    >>> @register
+    ... @dataclasses.dataclass(frozen=True, kw_only=True)
+    ... class Pointer(SingleLinkArm):
+    ...     colour: str = "blue"
+    >>> "Pointer" in names()
+    True
     """
     found = _require_kind("register: kind", kind)
     if found.__name__ in SHIPPED:

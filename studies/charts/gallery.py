@@ -42,8 +42,9 @@ def gallery(
 
     Example
     -------
-    >>> found = gallery("charts", scenes=("spin-up", "two-link-reach"), budget=30.0)
-    >>> [(chart.scene, chart.fastest()) for chart in found]
+    >>> found = gallery("charts", scenes=("single-link-slew",), budget=0.5)
+    >>> [chart.scene for chart in found]
+    ['single-link-slew']
     """
     folder = require_path("gallery.out", out)
     names = require_names("gallery.scenes", tuple(shipped.SCENES) if scenes is None else scenes, tuple(shipped.SCENES))

@@ -81,8 +81,9 @@ def chart(
 
     Example
     -------
-    >>> found = chart(scenes.get("two-link-reach"), budget=15.0, kept="two-link-reach.jsonl")
-    >>> [(row.variant, row.setting, row.seconds, row.error) for row in found.front]
+    >>> found = chart(scene, budget=0.5)
+    >>> min(row.error for row in found.front) < scene.tolerance < max(row.error for row in found.front)
+    True
     """
     require_instance("chart.scene", scene, Scene)
     budget = require_seconds("chart.budget", budget)

@@ -1,32 +1,31 @@
-"""What the commands share: a progress bar on stderr, plain errors, tables."""
+"""What the commands share: plain errors, tables; the bar on stderr is that of studies."""
 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
 import textwrap
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
 from pliant.plants.core.errors import PliantError
 from pliant.studies.common.atomic_files import dumps
+from pliant.studies.common.progress_bar import progress_bar as bar
 from pliant.studies.figures.style import require_ending
-
-if TYPE_CHECKING:
-    from pliant.studies.common.reference_motions import Progress
 
 USAGE: Any = typer.BadParameter.__mro__[1]  # what typer says of an option that it does not know or cannot read
 LONGEST_NAME = 255  # bytes of a file's name
 REPORT_IT = "This is a fault of Pliant's: please report this line with the command that you gave and `pliant doctor`"
 BORDERS = 3  # characters of a table beside each column
+__all__ = ["bar"]  # what commands take from here and other rooms made
 
 
 class Commands(TyperGroup):
@@ -135,65 +134,62 @@ def drawable(path: Path | None) -> None:
         require_ending("--plot", path)
 
 
-@contextmanager
-def bar(title: str) -> Iterator[Progress]:
-    """A progress bar on stderr; where that is no terminal, a line now and then."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield _lines(title)
-        return
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[doing]}"),
-    )
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task(title, total=1.0, doing="")
-        yield lambda fraction, doing: progress.update(task, completed=fraction, doing=doing)
-
-
-def _lines(title: str) -> Progress:
-    last = -1
-
-    def tell(fraction: float, doing: str) -> None:
-        nonlocal last
-        tenth = int(10 * fraction + 1e-9)
-        if tenth > last:
-            last = tenth
-            print(f"{title} {10 * tenth:3d} %  {doing}", file=sys.stderr, flush=True)
-
-    return tell
-
-
 def show(
     title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], *, caption: str = "", whole: Sequence[int] = (0,)
 ) -> None:
     """A table on stdout; numbers to four digits, set right.
 
-    Cells of the columns `whole` (names) stay on one line, others break between words: where the terminal is too narrow
-    for that, the table is wider than it.
+    Cells of the columns `whole` (names) stay on one line, others break between words. Columns that do not fit beside
+    one another go into further tables, each with the first column again; only a column that does not fit beside the
+    first makes a table wider than the terminal.
     """
     from rich.console import Console
-    from rich.table import Table
     from rich.text import Text
 
     cells = [[_text(value) for value in row] for row in rows]
     columns = [[name, *(row[i] for row in cells)] for i, name in enumerate(head)]
-    console = Console()
-    widths = column_widths(columns, console.width, whole)
-    wide = max(console.width, sum(widths) + BORDERS * len(widths) + 1)
-    table = Table(title=Text(title), title_justify="left", caption_justify="left")
-    table.caption = Text(caption) if caption else None
     numeric = [any(isinstance(row[i], (int, float)) for row in rows) for i in range(len(head))]
-    for name, right, width in zip(head, numeric, widths):
+    room = Console().width
+    for part in beside(columns, room, whole):
+        kept = [k for k, i in enumerate(part) if i in whole]
+        _print_table([columns[i] for i in part], [numeric[i] for i in part], room, kept, title)
+        title = ""
+    if caption:
+        Console(width=room).print(Text(caption, style="table.caption"))
+
+
+def _print_table(
+    columns: Sequence[Sequence[str]], numeric: Sequence[bool], room: int, whole: Sequence[int], title: str
+) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    widths = column_widths(columns, room, whole)
+    table = Table(title=Text(title) if title else None, title_justify="left")
+    for (name, *_), right, width in zip(columns, numeric, widths):
         table.add_column(Text(name), justify="right" if right else "left", width=width)
-    for line in cells:
+    for line in list(zip(*columns))[1:]:
         table.add_row(*(Text(text) for text in line))
-    Console(width=wide).print(table)
+    Console(width=max(room, _taken(widths))).print(table)
+
+
+def _taken(widths: Sequence[int]) -> int:
+    """Characters of a table with its borders."""
+    return sum(widths) + BORDERS * len(widths) + 1
+
+
+def beside(columns: Sequence[Sequence[str]], room: int, whole: Sequence[int]) -> list[list[int]]:
+    """Which columns of texts stand beside one another in `room` characters: tables, each with the first column."""
+    found = [[0]]
+    for i in range(1, len(columns)):
+        wider = [*found[-1], i]
+        least = column_widths([columns[k] for k in wider], 0, [n for n, k in enumerate(wider) if k in whole])
+        if len(wider) > 2 and _taken(least) > room:
+            wider = [0, i]
+            found.append(wider)
+        found[-1] = wider
+    return found
 
 
 def column_widths(columns: Sequence[Sequence[str]], room: int, whole: Sequence[int]) -> list[int]:
@@ -225,6 +221,16 @@ def listed(title: str, entries: Sequence[tuple[Sequence[str], str, Sequence[str]
 def say(text: str) -> None:
     """Sentences on stdout, broken between words."""
     print("\n".join(_wrapped(text, shutil.get_terminal_size().columns)))
+
+
+def say_lines(text: str) -> None:
+    """Lines of a name and words beside it on stdout, the words broken under one another."""
+    room = shutil.get_terminal_size().columns
+    for line in text.splitlines():
+        named = re.match(r"(\s*\S.*?\s{2,})(\S.*)", line)
+        name, words = named.groups() if named and len(line) > room else ("", line)
+        broken = _wrapped(words, max(room - len(name), 20)) if name or len(line) > room else [line]
+        print("\n".join([name + broken[0], *(" " * len(name) + rest for rest in broken[1:])]))
 
 
 def _wrapped(text: str, room: int) -> list[str]:

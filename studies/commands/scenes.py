@@ -12,7 +12,7 @@ from pliant.envs import scenes as known
 from pliant.envs.environments.scene_check import check_scene
 from pliant.envs.scene_files.settings import with_settings
 from pliant.envs.scene_files.starts import plant_start, scene_start
-from pliant.envs.scenes.registry import is_file
+from pliant.envs.scenes.registry import VARIANTS, is_file
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import check as checked
 from pliant.plants.files.atomic_files import write_text
@@ -21,7 +21,7 @@ from pliant.studies.common.formatting import measured
 from pliant.studies.report.json_tables import scene_table
 from pliant.studies.scene_pages import tables
 
-from .console import complain, listed, print_json, say, show
+from .console import complain, listed, print_json, say, say_lines, show
 from .options import AsJson, Settings
 
 
@@ -42,7 +42,8 @@ def scenes(
     if settings:
         raise ValueError("scenes: --set must follow a scene's name or file")
     found, refused = [], []
-    for name in known.names():
+    names = [own for name in known.names() for own in (name, *(v for v in VARIANTS if v.startswith(f"{name}-")))]
+    for name in names:
         try:
             found.append(known.get(name))
         except ValueError as error:  # another package's
@@ -110,8 +111,8 @@ def check(
             kind = named("check: plant", plant)
         except ValueError as unknown:
             raise ValueError(f"{unknown}; or a scene's file, or its name as `pliant scenes` lists it") from None
-        print(checked(kind()))
+        say_lines(str(checked(kind())))
         return
     scene = with_settings(plant, settings or [])
-    print(checked(scene.plant))
-    print(check_scene(scene))
+    say_lines(str(checked(scene.plant)))
+    say_lines(str(check_scene(scene)))

@@ -23,7 +23,7 @@ from pliant.studies.scoreboard.scoreboard import scoreboard as score
 from pliant.studies.scoreboard.tables import HEAD, RUNS, WORDS, cells, table
 from pliant.studies.scoreboard.verification import verify
 
-from .console import bar, print_json, say, show, writable_folder
+from .console import bar, print_json, say, say_lines, show, writable_folder
 from .options import AsJson
 
 QUICK = (8, 4)  # runs and bounds of `--quick`
@@ -156,6 +156,6 @@ def _verify(words: list[str], cells_again: int, seed: int, own: Mapping[str, Mak
     if as_json:
         print_json({"passed": found.passed, "replays": [vars(one) for one in found.replays], "skipped": found.skipped})
     else:
-        print(found)
+        say_lines(str(found))
     if not found.passed:
         raise typer.Exit(1)

@@ -20,7 +20,7 @@ from pliant.studies.closed_loop.evaluation_scene import harsher
 from pliant.studies.figures import style
 from pliant.studies.figures.controllers import learning_curve
 
-from .console import bar, complain, print_json, writable_folder
+from .console import bar, complain, print_json, say, writable_folder
 from .options import AsJson, SceneName, Settings
 
 PICTURE = "curve.png"
@@ -115,8 +115,8 @@ def command(
         print_json(table(found, lqr))
         return
     beside = f", {found.cost / lqr:.3g} times LQR's {lqr:.4g}" if lqr else ""
-    print(f"cost {found.cost:.4g}{beside}")
+    say(f"cost {found.cost:.4g}{beside}")
     if found.words:
-        print(found.words)
-    print(f"{found.steps:,} steps in {found.seconds:.0f} s, {found.rate:,.0f} steps/s; {found.threads}")
+        say(found.words)
+    say(f"{found.steps:,} steps in {found.seconds:.0f} s, {found.rate:,.0f} steps/s; {found.threads}")
     print(folder)

@@ -7,6 +7,7 @@ any method keeps its order because the jumps fall between steps. A step is at mo
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import warnings
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from pliant.envs.scenes.scene import Scene
+from pliant.envs.scenes.scene import Manoeuvre, Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.argument_gates import require_finite, shown
 from pliant.plants.motions.adaptive_steps import at_most
@@ -93,7 +94,8 @@ class Motions:
     def start(self, plant: Plant) -> np.ndarray:
         """Where a fidelity starts, (nx,)."""
         if plant not in self._starts:
-            self._starts[plant] = self.scene.with_plant(plant).initial[0]
+            known = {f.name: getattr(self.scene, f.name) for f in dataclasses.fields(Manoeuvre)}  # to hold, as checked
+            self._starts[plant] = Manoeuvre(**known | {"plant": plant}).initial[0]
         return self._starts[plant]
 
     def run(self, plant: Plant, **options: Any) -> Trajectory:

@@ -14,11 +14,18 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, Trajectory
+from pliant.studies.common.reference_motions import Motions
 
 from .motion_nodes import MotionNodes
 
 Array = np.ndarray
 ENDS = 1e-4  # of the largest value of a state: how near a motion between control times must come to the next of them
+
+
+def start_of(motions: Motions, fine: Plant) -> Array:
+    """Where a fine model starts (nx,): a rest is found by the balance of forces, which passes are going to need."""
+    _ = fine.force_balance
+    return motions.start(fine)
 
 
 def lacking(fine: Plant, t: Array, x: Array, u: Array, rate: Array, inverse: Array | None) -> Array:

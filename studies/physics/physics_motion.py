@@ -29,7 +29,7 @@ from pliant.plants.validity.rotating_sections import NONE_HOLDS
 from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions
 
-from .fine_model import between_control_times
+from .fine_model import between_control_times, start_of
 from .motion_nodes import MotionNodes
 from .quasi_linear import CorrectedMotion, NotSettled
 
@@ -191,7 +191,7 @@ class _Search:
         if self.motion is None:
             self.motion = from_simple(self.motions, fine, nodes)
         else:
-            self.motion = self.motion.refined(fine, nodes, self.motions.start(fine), compared(self.motions, fine))
+            self.motion = self.motion.refined(fine, nodes, start_of(self.motions, fine), compared(self.motions, fine))
         left = self.motion.settle(self.within)
         return self.motion.outputs, left
 
@@ -207,7 +207,7 @@ def from_simple(motions: Motions, fine: Plant, nodes: MotionNodes) -> CorrectedM
     motion = between_control_times(simple, motions.run(simple, rtol=RTOL, atol=RTOL / 100), nodes)
     if motion is None:
         motion = motions.at_nodes(simple, nodes.inputs, nodes.all, rtol=RTOL, atol=RTOL / 100)
-    return CorrectedMotion.from_simple(fine, simple, motion, nodes, motions.start(fine), compared(motions, fine))
+    return CorrectedMotion.from_simple(fine, simple, motion, nodes, start_of(motions, fine), compared(motions, fine))
 
 
 def _largest(difference: Array) -> float:
@@ -221,7 +221,7 @@ def outputs_of(motions: Motions, plant: Plant, like: PhysicsMotion, share: float
     motion = like.motion
     if motion is None:
         raise NotSettled("physics was simulated")
-    found = motion.refined(plant, motion.nodes, motions.start(plant), compared(motions, plant))
+    found = motion.refined(plant, motion.nodes, start_of(motions, plant), compared(motions, plant))
     found.step()
     found.settle(
         max(like.uncertainty, ROUNDING * _largest(like.outputs), share * _largest(found.outputs - like.outputs))
@@ -237,7 +237,7 @@ def _with_effect(motions: Motions, plant: Plant, known: PhysicsMotion) -> Array:
         nodes = MotionNodes(motions.scene.times, motions.held, NEARBY)
         own = motions.at_nodes(known.physics, nodes.inputs, nodes.all, rtol=ROUGHLY, atol=ROUGHLY / 100)
         columns = compared(motions, plant)
-        near = CorrectedMotion.from_simple(plant, known.physics, own, nodes, motions.start(plant), columns)
+        near = CorrectedMotion.from_simple(plant, known.physics, own, nodes, start_of(motions, plant), columns)
         near.settle(KNOWN * _largest(near.outputs - known.outputs))
         return near.outputs
     except NotSettled:

@@ -103,8 +103,11 @@ def robustify(
 
     Example
     -------
-    >>> found = robustify(LQG.for_scene, scenes.get("two-link-reach"), delays=(0,))
-    >>> print(found)
+    >>> found = robustify(law, scene, {"payload.mass": (0.9, 1.1)}, delays=(0,), noise=False, redesign=False)
+    >>> found.law is law, found.price, found.attempts[0].failures
+    (True, 1.0, 0)
+
+    A design, as `LQG.for_scene`, in place of a law is detuned until it lasts: minutes.
     """
     require_instance("robustify.scene", scene, Scene)
     box, late = box_of(scene, ranges, "robustify.ranges"), delays_of(delays, "robustify.delays")

@@ -20,6 +20,7 @@ from pliant.studies.figures.style import save
 
 from .intervals import overall, profiles
 from .kept_tasks import SUITE
+from .lasting import what_lasts
 from .results import Entry, Results
 from .tasks import MANY
 
@@ -105,6 +106,7 @@ def markdown(board: Results, command: str = "") -> str:
         text.append(f"Made by `{command}`: {board.seeds} runs of each of the last three cases, seed {board.seed}.\n")
     if board.raw is not None:
         text += over_scenes(overall(board.raw))
+    text += what_lasts(board.rows)
     for entry in board.entries:
         text.append(f"## {entry.scene}\n\n{entry.about}. Designed on {entry.design} ({entry.design_states} states), ")
         text[-1] += f"played on {entry.plant} ({entry.plant_states} states), {entry.substeps} RK4 steps a period.\n"

@@ -67,7 +67,7 @@ OPTIONS = {  # each command: its valid words, then its options
         (SLEW,),
         ("--set", "--algorithm", "--seed", "--seconds", "--steps", "--num-envs", "--threads", "folder --out"),
     ),
-    "report": ((SLEW,), ("--set", "--budget", "folder --out")),
+    "report": ((SLEW,), ("--set", "--versus", "--budget", "folder --out")),
     "figures": (("single-link",), ("folder --out",)),
     "stability": ((SLEW,), ("--set", "--period", "--window", "--plot")),
     "scoreboard": ((SLEW,), ("--seeds", "--controllers", "--seed", "--jobs", "--bounds", "folder --out")),

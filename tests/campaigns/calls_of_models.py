@@ -89,6 +89,7 @@ def stability_calls() -> list[Call]:
     return [
         Call("stability.assess", stability.assess, model | period | states | time | {"thorough": Flag(True)}),
         Call("stability.assess.periodic", stability.assess, model | {"periodic": Flag(True, none=True)}),
+        Call("stability.assess.rigorous", lambda **k: stability.assess(LTV, **k).verdict, {"rigorous": Flag(False)}),
         Call(
             "stability.floquet",
             stability.floquet,

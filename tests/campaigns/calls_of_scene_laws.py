@@ -76,7 +76,7 @@ def for_scene_calls() -> list[Call]:
             compare=False,
         ),
         Call("Kalman.for_scene", Kalman.for_scene, SCENES | seen),
-        Call("LQG.for_scene", LQG.for_scene, SCENES | seen | effort),
+        Call("LQG.for_scene", LQG.for_scene, SCENES | seen | effort | {"uncertain": SHARE}),
         Call(
             "MultiModelLQR.for_scene",
             MultiModelLQR.for_scene,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from argument_kinds import Call, Choice, Flag, Kind, Names, Object, Objects
-from further_kinds import ByName, Function, Place
+from further_kinds import ByName, Function, Place, Text
 from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import ARM, SCENE, SCENES, folder
 
 from pliant.controllers import LQR
 from pliant.plants import LinearModel
-from pliant.studies import chart, choose, report, scoreboard
+from pliant.studies import chart, choose, progress_bar, report, scoreboard
 from pliant.studies.charts.gallery import gallery
 from pliant.studies.closed_loop.contestants import playable
 from pliant.studies.closed_loop.rollout import nominal, randomised, reading_noise, rollout
@@ -123,6 +123,7 @@ def long_calls() -> list[Call]:
             long=True,
         ),
         Call("choose", choose, SCENES | tolerance | motions | TOLD, long=True),
+        Call("progress_bar", progress_bar, {"title": Text("chart")}),
         Call("report", report, SCENES | out | TOLD, long=True),
         Call("scoreboard", scoreboard, who | counts | TOLD, long=True),
         Call(

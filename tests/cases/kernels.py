@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.controllers.analytic_gradients.step_adjoints import adjoint_kernel
 from pliant.envs import scenes
 from pliant.envs.simulation import episode_start
 from pliant.envs.simulation.control_kernel import control_kernel
@@ -42,6 +43,7 @@ def _of_scene(name: str) -> dict[str, Maker]:
     made[f"{name} rk4, one lane"] = _steps(plant, "rk4", 1)
     made[f"{name} jacobians"] = _jacobians(plant)
     made[f"{name} sensitivities"] = lambda dtype: sensitivity_kernel(plant, dtype)
+    made[f"{name} adjoints"] = lambda dtype: adjoint_kernel(plant, 2, dtype)
     made[f"{name} observations"] = lambda dtype: episode_start._observing(scene)._made
     if scene.start_at_rest and plant.statics() is not None and len(scene.start) == plant.nu and not plant.prescribed:
         made[f"{name} newton"] = lambda dtype: episode_start._newton(scene)._made
@@ -68,6 +70,7 @@ def small() -> dict[str, Maker]:
         "link rosenbrock": _steps(link.ladder()[0], "rosenbrock"),
         "link rk4, one lane": _steps(link, "rk4", 1),
         "link sensitivities": lambda dtype: sensitivity_kernel(link, dtype),
+        "link adjoints": lambda dtype: adjoint_kernel(link, 2, dtype),
         "arm rk4": _steps(arm, "rk4"),
         "crank rk4": _steps(crank, "rk4"),
         "beam rk8": _steps(beam, "rk8"),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from evidence import agrees
 from scipy.special import mathieu_a, mathieu_b
 
 from pliant.plants import LTVModel
@@ -36,10 +37,36 @@ def edge(q, low, high):
 @pytest.mark.parametrize("q", (0.1, 0.7, 2.5))
 def test_boundaries(q):
     known = [mathieu_a(0, q), mathieu_b(1, q), mathieu_a(1, q), mathieu_b(2, q), mathieu_a(2, q)]
+    found = []
     for k, value in enumerate(known):
         below = (known[k - 1] + value) / 2 if k else value - 0.2
         above = (known[k + 1] + value) / 2 if k + 1 < len(known) else value + 0.2
-        assert edge(q, below, above) == pytest.approx(value, abs=1e-4)
+        found.append(edge(q, below, above))
+    agrees(
+        found,
+        known,
+        within=1e-4,
+        absolute=True,
+        of="stability.floquet",
+        what=f"edges a0, b1, a1, b2, a2 of Mathieu's tongues at q = {q:g}",
+        source="SciPy's mathieu_a and mathieu_b",
+        kind="other program",
+    )
+
+
+@pytest.mark.campaign
+def test_boundaries_as_tabulated():
+    found = [edge(5.0, -5.9, -5.795), edge(5.0, 2.0, 2.2), edge(5.0, 7.3, 7.6)]
+    agrees(
+        found,
+        [-5.80004602, 2.09946045, 7.44910974],
+        within=1e-4,
+        absolute=True,
+        of="stability.floquet",
+        what="edges a0, b2, a2 of Mathieu's tongues at q = 5",
+        source="Abramowitz and Stegun (1964), table 20.1",
+        kind="table",
+    )
 
 
 def test_frozen_time_sees_none_of_it():

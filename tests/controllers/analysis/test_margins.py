@@ -3,6 +3,7 @@
 import control
 import numpy as np
 import pytest
+from evidence import agrees
 
 from pliant.controllers import LQR, Feedback
 from pliant.controllers.analysis.loops import Loop, law_of, loop
@@ -90,17 +91,22 @@ def test_textbook_loop():
     """
     found = margins(of(3 * (1 - 2 * s) / ((5 * s + 1) * (10 * s + 1)) * 1.136 * (1 + 1 / (12.7 * s))))
     [c] = found.channels
-    assert c.gain[1] == pytest.approx(1.63, abs=0.01) and c.phase_deg == pytest.approx(19.4, abs=0.05)
-    assert c.delay == pytest.approx(1.44, abs=0.01) and c.crossover_hz * 2 * np.pi == pytest.approx(0.236, abs=1e-3)
-    assert found.S.value == pytest.approx(3.92, abs=0.015) and found.T.value == pytest.approx(3.35, abs=0.015)
+    told = {"of": "margins", "source": "Skogestad and Postlethwaite (2005), section 2.4.3", "kind": "table"}
+    told["absolute"] = True
+    agrees(c.gain[1], 1.63, within=0.01, what="gain margin of a PI loop", **told)
+    agrees(c.phase_deg, 19.4, within=0.05, what="its phase margin [deg]", **told)
+    agrees(c.delay, 1.44, within=0.01, what="its delay margin [s]", **told)
+    agrees(c.crossover_hz * 2 * np.pi, 0.236, within=1e-3, what="its crossover [rad/s]", **told)
+    agrees([found.S.value, found.T.value], [3.92, 3.35], within=0.015, what="its peaks of S and T", **told)
 
 
 def test_disk_margin_of_the_tutorial():
     """Seiler, Packard and Gahinet 2020: L = 25/(s^3 + 10 s^2 + 10 s + 10): disk 0.46, gain 0.63 to 1.59, 26 deg."""
     [c] = margins(of(25 / (s**3 + 10 * s**2 + 10 * s + 10))).channels
-    assert c.disk == pytest.approx(0.46, abs=0.005) and c.disk_gain == pytest.approx((0.63, 1.59), abs=0.005)
-    assert c.disk_phase_deg == pytest.approx(26, abs=0.3)
-    assert c.gain[1] == pytest.approx(3.6) and c.phase_deg == pytest.approx(29.1, abs=0.05)
+    told = {"of": "margins", "source": "Seiler, Packard and Gahinet (2020)", "kind": "table", "absolute": True}
+    agrees([c.disk, *c.disk_gain], [0.46, 0.63, 1.59], within=0.005, what="disk margin and its gains", **told)
+    agrees(c.disk_phase_deg, 26.0, within=0.3, what="its phase [deg]", **told)
+    agrees([c.gain[1], c.phase_deg], [3.6, 29.1], within=0.05, what="the loop's gain and phase margins", **told)
 
 
 SISO = {
@@ -138,7 +144,15 @@ def test_spinning_satellite_has_margins_in_each_loop_and_none_in_both():
     found = margins(Loop(A, np.eye(2), C, np.zeros((2, 2)), None, ("u1", "u2")))
     for c in found.channels:
         assert c.gain == (0.0, np.inf) and c.phase_deg == pytest.approx(90, rel=1e-6) and c.disk == pytest.approx(2.0)
-    assert found.disk == pytest.approx(2 / (a + np.sqrt(1 + a**2)), rel=1e-6)
+    agrees(
+        found.disk,
+        2 / (a + np.sqrt(1 + a**2)),
+        within=1e-6,
+        of="margins",
+        what="disk margin of the spinning satellite, all loops at once",
+        source="the satellite of Skogestad and Postlethwaite, solved in the test",
+        kind="closed form",
+    )
     low, high = disk_gain(found.disk)
     assert low > 0.9 and high < 1.106
     for factors, stable in (((low, high), True), ((1.101, 0.899), False)):

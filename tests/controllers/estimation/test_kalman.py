@@ -5,6 +5,7 @@ import dataclasses
 import control
 import numpy as np
 import pytest
+from evidence import agrees
 from scipy.stats import chi2
 
 from pliant.controllers.estimation.kalman import Kalman
@@ -37,8 +38,15 @@ def test_alpha_beta_filter(index):
     alpha = 1 - r**2
     beta = 2 * (2 - alpha) - 4 * np.sqrt(1 - alpha)
     found = Kalman.design(DOUBLE, seen(v), {"a": w**2 * T}, dt=T, noise="held")
-    np.testing.assert_allclose(found.gains[-1].L[:, 0], [alpha, beta / T], rtol=1e-9)
-    np.testing.assert_allclose(found.covariance[0, 0], alpha * v**2, rtol=1e-9)
+    agrees(
+        [*found.gains[-1].L[:, 0], found.covariance[0, 0]],
+        [alpha, beta / T, alpha * v**2],
+        within=1e-9,
+        of="Kalman",
+        what=f"gains and variance of the alpha-beta filter, tracking index {index:g}",
+        source="Kalata (1984)",
+        kind="closed form",
+    )
 
 
 def test_random_walk():
@@ -48,8 +56,15 @@ def test_random_walk():
     q, r = W * dt, v**2
     before = (q + np.sqrt(q**2 + 4 * q * r)) / 2
     found = Kalman.design(model, seen(v), {"w1": W}, dt=dt)
-    assert found.gains[0].L[0, 0] == pytest.approx(before / (before + r), rel=1e-12)
-    assert found.innovation_covariance[0, 0] == pytest.approx(before + r, rel=1e-12)
+    agrees(
+        [found.gains[0].L[0, 0], found.innovation_covariance[0, 0]],
+        [before / (before + r), before + r],
+        within=1e-12,
+        of="Kalman",
+        what="gain and innovation of a random walk",
+        source="Harvey (1989), section 4.1",
+        kind="closed form",
+    )
 
 
 def test_python_control_agrees_without_feedthrough():

@@ -191,3 +191,24 @@ def test_a_spin_that_the_filter_reads_and_the_law_leaves_has_no_margins_and_with
     whole, own = margins(loop(model, made)), margins(loop(law.filter.model, law.law))
     assert 1.0 < whole.disk < own.disk
     assert own.free == law.law.free and len(own.free) == 1
+
+
+def test_a_scenes_filter_knows_that_parameters_may_be_off():
+    """Two-link-reach with stiffness and payload at a corner of +-30 %: the linear loop of the plain design grows."""
+    reach = scenes.get("two-link-reach")
+    box = {"payload.mass": 1.3, "link1.E": 0.7, "link2.E": 0.7}
+    varied = reach.plant.vary(*box)
+    corner = varied.feedback_model(*reach.target, p=varied.nominal_parameters * np.array(list(box.values())))
+    grown = [
+        np.abs(np.linalg.eigvals(closed_loop(corner, LQG.for_scene(reach, uncertain=spread)))).max()
+        for spread in (0.0, None, 0.1)
+    ]
+    assert grown[0] > 1.05 and grown[1] < 1.0 and grown[2] == grown[1]
+    given = LQG.for_scene(reach, W=process_noise(reach))
+    np.testing.assert_array_equal(given.filter.gains[-1].L, Kalman.for_scene(reach, W=process_noise(reach)).gains[-1].L)
+
+
+@pytest.mark.parametrize(("name", "uncertain"), [("two-link-reach", -0.1), ("two-link-reach", 1.0), ("spin-up", 0.1)])
+def test_what_cannot_be_uncertain_is_refused(name, uncertain):
+    with pytest.raises(ValueError, match=rf"LQG\.uncertain = {uncertain} must be"):
+        LQG.for_scene(scenes.get(name), uncertain=uncertain)

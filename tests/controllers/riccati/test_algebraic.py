@@ -3,6 +3,7 @@
 import control
 import numpy as np
 import pytest
+from evidence import agrees
 from scipy.integrate import quad_vec
 from scipy.linalg import block_diag, expm, solve_continuous_are
 
@@ -101,12 +102,50 @@ def test_integral_action_removes_a_constant_load():
     assert abs(rest[2]) > 0.1
 
 
+HALVES = np.array([[4.0, 3.0], [-4.5, -3.5]]), np.array([[1.0], [-1.0]]), np.array([[9.0, 6.0], [6.0, 4.0]])
+
+
+def test_benchmarks_with_known_solutions():
+    """Examples 1 and 2 of CAREX, 2 of DAREX: (A, B) of the second is stabilizable, not controllable."""
+    told = {"of": "riccati.lqr", "source": "Benner, Laub and Mehrmann (1995), CAREX", "kind": "closed form"}
+    found = riccati.lqr(*DOUBLE, np.diag([1.0, 2.0]), np.eye(1))
+    agrees(found.P, [[2.0, 1.0], [1.0, 2.0]], within=1e-12, what="solution of example 1", **told)
+    A, B, Q = HALVES
+    agrees(riccati.lqr(A, B, Q, np.eye(1)).P, (1 + np.sqrt(2)) * Q, within=1e-10, what="solution of example 2", **told)
+    told |= {"of": "riccati.dlqr", "source": "Benner, Laub and Mehrmann (1995), DAREX"}
+    found = riccati.dlqr(A, B, Q, np.eye(1)).P
+    agrees(found, (1 + np.sqrt(5)) / 2 * Q, within=1e-10, what="solution of example 2", **told)
+
+
+def test_the_tutorials_pendulum():
+    """Control Tutorials for MATLAB and Simulink, inverted pendulum: M = 0.5, m = 0.2, b = 0.1, I = 0.006, l = 0.3."""
+    M, m, b, inertia, g, long = 0.5, 0.2, 0.1, 0.006, 9.8, 0.3
+    p = inertia * (M + m) + M * m * long**2
+    A = np.zeros((4, 4))
+    A[0, 1] = A[2, 3] = 1.0
+    A[1, 1:3] = -(inertia + m * long**2) * b / p, m**2 * g * long**2 / p
+    A[3, 1:3] = -m * long * b / p, m * g * long * (M + m) / p
+    B = np.array([[0], [inertia + m * long**2], [0], [m * long]]) / p
+    K = riccati.lqr(A, B, np.diag([5000.0, 0, 100, 0]), np.eye(1)).K
+    agrees(
+        K[0],
+        [-70.7107, -37.8345, 105.5298, 20.9238],
+        within=5e-5,
+        absolute=True,
+        of="riccati.lqr",
+        what="gain of an inverted pendulum",
+        source="MATLAB's lqr, as the Control Tutorials for MATLAB and Simulink print it",
+        kind="other program",
+    )
+
+
 def test_kalman_scalar():
     # a x + e w seen with v: p = (a + sqrt(a^2 + e^2 W/V)) V (Kalman and Bucy 1961)
     a, e, W, V = -0.4, 2.0, 0.3, 0.05
     L, P = riccati.kalman([[a]], [[e]], [[1.0]], [[W]], [[V]])
     p = (a + np.sqrt(a**2 + e**2 * W / V)) * V
-    assert P[0, 0] == pytest.approx(p, rel=1e-12) and L[0, 0] == pytest.approx(p / V, rel=1e-12)
+    told = {"of": "riccati.kalman", "source": "Kalman and Bucy (1961)", "kind": "closed form"}
+    agrees([P[0, 0], L[0, 0]], [p, p / V], within=1e-12, what="variance and gain of one state", **told)
 
 
 def test_kalman_double_integrator_and_python_control():
@@ -277,7 +316,8 @@ def test_discrete_kalman_scalar_and_duality():
     b = v * (1 - a**2) - e**2 * w
     p = (-b + np.sqrt(b**2 + 4 * v * e**2 * w)) / 2
     L, P = riccati.dkalman([[a]], [[e]], [[1.0]], [[w]], [[v]])
-    assert P[0, 0] == pytest.approx(p, rel=1e-12) and L[0, 0] == pytest.approx(a * p / (p + v), rel=1e-12)
+    told = {"of": "riccati.dkalman", "source": "Anderson and Moore (1979), section 4.4", "kind": "closed form"}
+    agrees([P[0, 0], L[0, 0]], [p, a * p / (p + v)], within=1e-12, what="variance and gain of one state", **told)
     rng = np.random.default_rng(2)
     A, C, W, V = rng.normal(size=(4, 4)) / 2, rng.normal(size=(2, 4)), np.diag([1.0, 2, 3, 4]), np.diag([0.1, 0.2])
     L, P = riccati.dkalman(A, np.eye(4), C, W, V)

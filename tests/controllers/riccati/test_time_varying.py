@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from evidence import agrees
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.linalg import expm
@@ -51,8 +52,10 @@ def test_scalar_closed_form():
     # dx/dt = u, cost x^2 + u^2: P = tanh(T - t) (Anderson and Moore 1990, section 2.3)
     t = np.linspace(0.0, 3.0, 31)
     found = riccati.tvlqr(constant(np.zeros((1, 1)), np.ones((1, 1)), t), [[1.0]], [[1.0]])
-    np.testing.assert_allclose(found.P[:, 0, 0], np.tanh(3.0 - t), atol=1e-14)
-    np.testing.assert_allclose(found.K[:, 0, 0], np.tanh(3.0 - t), atol=1e-14)
+    told = {"of": "riccati.tvlqr", "source": "Anderson and Moore (1990), section 2.3", "kind": "closed form"}
+    told["absolute"] = True
+    agrees(found.P[:, 0, 0], np.tanh(3.0 - t), within=1e-14, what="cost to go of an integrator over 3 s", **told)
+    agrees(found.K[:, 0, 0], np.tanh(3.0 - t), within=1e-14, what="its gain", **told)
 
 
 def test_rolled_cost_is_the_cost_to_go_with_affine_term():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.signal as signal
+from evidence import agrees
 
 from pliant.controllers.solvers.hinf_norm import peak
 from pliant.controllers.uncertain_blocks.blocks import Block
@@ -36,7 +37,16 @@ def test_doyles_satellite():
     form = fitted(satellite, 2)
     assert form.left < 1e-12
     found = bound(form, 5.0)
-    assert found.beta == pytest.approx(np.sqrt(1 + SPIN**2), rel=3e-3) and found.omega == 0
+    agrees(
+        found.beta,
+        np.sqrt(1 + SPIN**2),
+        within=3e-3,
+        of="robust_stability",
+        what="bound of real mu of Doyle's satellite",
+        source="Zhou, Doyle and Glover (1996), section 9.4",
+        kind="closed form",
+    )
+    assert found.omega == 0
     assert found.beta >= np.sqrt(1 + SPIN**2)
 
 
@@ -44,7 +54,9 @@ def test_carts_of_the_benchmark():
     """MathWorks, "Robust stability and worst-case gain of uncertain system": 2.8826 to 2.8864, at 575 rad/s."""
     found = bound(carts(), 0.3)
     assert 2.8826 * 0.998 < 1 / found.beta < 2.8864
-    assert found.omega == pytest.approx(575, rel=0.02)
+    told = {"of": "robust_stability", "source": "MATLAB's Robust Control Toolbox, example", "kind": "other program"}
+    agrees(1 / found.beta, 2.8826, within=2e-3, what="stability margin of two carts, lower bound", **told)
+    agrees(found.omega, 575.0, within=0.02, what="the frequency [rad/s] at which it is attained", **told)
 
 
 @pytest.mark.parametrize("dt", [None, 0.1])

@@ -78,8 +78,29 @@ def test_clamped_free_frequencies_to_1e_12_up_to_mode_200():
         within=1e-14,
         of="beams.roots",
         what="200 frequencies, clamped-free",
-        source="cos + sech = 0 by mpmath",
+        source="cos + sech = 0, Blevins (1979), table 8-1, by mpmath",
         kind="closed form",
+    )
+
+
+BLEVINS = {  # R. D. Blevins, "Formulas for Natural Frequency and Mode Shape", 1979, table 8-1
+    "clamped-free": (1.87510407, 4.69409113, 7.85475744, 10.99554073, 14.13716839),
+    "clamped-clamped": (4.73004074, 7.85320462, 10.9956079, 14.1371655, 17.2787597),
+    "pinned-free": (3.92660231, 7.06858275, 10.21017612, 13.35176878, 16.49336143),
+}
+
+
+@pytest.mark.parametrize("boundary", BLEVINS)
+def test_roots_as_tabulated(boundary):
+    agrees(
+        euler_bernoulli_modes.roots(boundary, 5),
+        BLEVINS[boundary],
+        within=7e-8,  # the third of clamped-clamped is 10.99560784, printed one unit higher
+        absolute=True,
+        of="beams.roots",
+        what=f"five roots, {boundary}",
+        source="Blevins (1979), table 8-1",
+        kind="table",
     )
 
 

@@ -33,6 +33,39 @@ def test_reference_frequencies(reference, gamma, plane):
     )
 
 
+# gamma: three flap frequencies of a uniform cantilever on a hub without radius. A. D. Wright, C. E. Smith,
+# R. W. Thresher and J. L. C. Wang, "Vibration modes of centrifugally stiffened beams", J. Appl. Mech. 49
+# (1982), 197-202.
+WRIGHT = {
+    1: (3.6816, 22.1810, 61.8418),
+    2: (4.1373, 22.6149, 62.2732),
+    3: (4.7973, 23.3203, 62.9850),
+    4: (5.5850, 24.2734, 63.9668),
+    5: (6.4495, 25.4461, 65.2050),
+    6: (7.3604, 26.8091, 66.6839),
+    7: (8.2996, 28.3341, 68.3860),
+    8: (9.2568, 29.9954, 70.2930),
+    9: (10.2257, 31.7705, 72.3867),
+    10: (11.2023, 33.6404, 74.6493),
+    11: (12.1843, 35.5890, 77.0638),
+    12: (13.1702, 37.6031, 79.6145),
+}
+
+
+@pytest.mark.parametrize("gamma", WRIGHT)
+def test_flap_frequencies_as_printed(gamma):
+    agrees(
+        rotating_frequencies(float(gamma), 3, "flap"),
+        WRIGHT[gamma],
+        within=6e-5,
+        absolute=True,
+        of="beams.rotating_frequencies",
+        what=f"three flap frequencies at gamma {gamma}",
+        source="Wright, Smith, Thresher and Wang (1982)",
+        kind="table",
+    )
+
+
 def test_flap_and_lag_differ_by_the_spin_and_no_spin_is_the_cantilever():
     flap, lag = (rotating_frequencies(9.0, 5, plane, tip_mass=0.3) for plane in ("flap", "lag"))
     np.testing.assert_allclose(flap**2 - lag**2, 81.0, rtol=1e-9)

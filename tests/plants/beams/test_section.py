@@ -5,6 +5,7 @@ import math
 import casadi as ca
 import mpmath as mp
 import pytest
+from evidence import agrees
 
 from pliant.plants import beams
 from pliant.plants.beams.payload import Payload
@@ -44,8 +45,21 @@ def test_rectangle_torsion_constant_is_the_full_series(sides):
     assert pytest.approx(float(exact), rel=1e-14, abs=0) == Beam.rectangular(1.0, *sides, STEEL).J
 
 
-def test_square_torsion_constant_as_tabulated():
-    assert pytest.approx(0.1406, abs=5e-5) == Beam.rectangular(1.0, 1.0, 1.0, STEEL).J  # Timoshenko, Goodier, 109
+# b/a: J/(b a^3), of S. Timoshenko and J. N. Goodier, "Theory of Elasticity", 1951, section 109
+TORSION = {1.0: 0.1406, 1.2: 0.166, 1.5: 0.196, 2.0: 0.229, 2.5: 0.249, 3.0: 0.263, 4.0: 0.281, 5.0: 0.291, 10.0: 0.312}
+
+
+def test_torsion_constants_as_tabulated():
+    agrees(
+        [Beam.rectangular(1.0, 1.0, ratio, STEEL).J / ratio for ratio in TORSION],
+        list(TORSION.values()),
+        within=5e-4,
+        absolute=True,
+        of="Beam.rectangular",
+        what="torsion constants J/(b a^3), b/a from 1 to 10",
+        source="Timoshenko and Goodier (1951), section 109",
+        kind="table",
+    )
 
 
 def test_a_parameter_may_be_a_symbol():

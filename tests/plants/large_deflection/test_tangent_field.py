@@ -117,7 +117,7 @@ def test_static_tip_load_against_elliptic_integrals(reference, load):
         absolute=True,
         of="LargeDeflectionBeam",
         what=f"tip under {load} E I/L^2",
-        source="elliptic integrals",
+        source="Bisshopp and Drucker (1945), elliptic integrals",
         kind="closed form",
     )
 

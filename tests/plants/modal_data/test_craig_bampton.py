@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from evidence import agrees
 
 from pliant.plants import FlexibleTree, Joint, ModalData, TreeBody
 from pliant.plants.core.imports import linalg
@@ -39,15 +40,19 @@ def test_a_superelement_of_nastran(outboard):
     """
     M, K, axes = outboard
     data = ModalData.from_craig_bampton(M, K, CORNERS, axes=axes, damping=0.01)
-    np.testing.assert_allclose(data.mass, 1.5904, atol=5e-5)
-    np.testing.assert_allclose(data.centre, [-415.360203, 0, 0], atol=1e-4)
+    told = {"of": "ModalData.from_craig_bampton", "source": "pyYeti, outboard_cbcheck.out", "kind": "other program"}
+    agrees(data.mass, 1.5904, within=5e-5, absolute=True, what="mass of an outboard superelement of NASTRAN", **told)
+    agrees(data.centre, [-415.360203, 0, 0], within=1e-4, absolute=True, what="its mass centre [in]", **told)
     about = data.inertia - data.mass * (data.centre @ data.centre * np.eye(3) - np.outer(data.centre, data.centre))
-    np.testing.assert_allclose(np.sqrt(np.diag(about) / data.mass), [473.742359, 168.508196, 486.443472], rtol=1e-7)
+    radii = np.sqrt(np.diag(about) / data.mass)
+    agrees(radii, [473.742359, 168.508196, 486.443472], within=1e-7, what="its radii of gyration [in]", **told)
     wanted = [1.650, 1.650, 1.674, 1.675, 7.025, 7.025]
-    np.testing.assert_allclose(data.frequencies[:6] / (2 * np.pi), wanted, atol=6e-4)
+    found = data.frequencies[:6] / (2 * np.pi)
+    agrees(found, wanted, within=6e-4, absolute=True, what="its first six frequencies [Hz]", **told)
     driven = np.hstack([data.R, axial(data.moments)])
     part = 100 * driven**2 / np.r_[[data.mass] * 3, np.diag(data.inertia)]
-    np.testing.assert_allclose(part.sum(axis=0), [21.54, 87.57, 87.41, 95.81, 95.98, 97.85], atol=6e-3)
+    sums = [21.54, 87.57, 87.41, 95.81, 95.98, 97.85]
+    agrees(part.sum(axis=0), sums, within=6e-3, absolute=True, what="sums of its effective masses [%]", **told)
     np.testing.assert_allclose(part[2], [0, 0, 0, 83.95, 0, 0], atol=6e-3)
     np.testing.assert_allclose(part[3], [0, 0, 12.24, 0, 12.34, 0], atol=6e-3)
     few = ModalData.from_craig_bampton(M, K, CORNERS, axes=axes, modes=4)
@@ -77,14 +82,22 @@ def test_other_superelements_of_nastran(name):
     freedoms = (*[(1, 2, 3, 4, 5, 6)] * 3, (2,)) if name == "notall6" else None
     data = ModalData.from_craig_bampton(M, K, own["boundary"], axes=axes, freedoms=freedoms)
     told, c = own["told"], data.centre
-    assert data.mass == pytest.approx(told["mass"], rel=1e-8)
+    of = {"of": "ModalData.from_craig_bampton", "source": "pyYeti, its test sets", "kind": "other program"}
+    agrees(data.mass, told["mass"], within=1e-8, what=f"mass of NASTRAN's superelement {name}", **of)
     np.testing.assert_allclose(c, told["centre"], atol=1e-5)
     about = data.inertia - data.mass * (c @ c * np.eye(3) - np.outer(c, c))
     np.testing.assert_allclose(about, told["inertia"], rtol=0, atol=1e-7 * np.abs(about).max())
-    np.testing.assert_allclose(data.frequencies / (2 * np.pi), told["frequencies"], rtol=1e-8)
+    agrees(
+        data.frequencies / (2 * np.pi),
+        told["frequencies"],
+        within=1e-8,
+        what=f"frequencies of superelement {name}",
+        **of,
+    )
     factors = np.hstack([data.R, axial(data.moments)])
     part = 100 * factors**2 / np.r_[[data.mass] * 3, np.diag(data.inertia)]
-    np.testing.assert_allclose(part, told["effective"], atol=1e-5)
+    what = f"effective masses of superelement {name} [%]"
+    agrees(part, told["effective"], within=1e-5, absolute=True, what=what, **of)
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_rows_without_a_number_are_told_of(at_once):
     values, rows = plant._arguments(np.array([[0.0], [2.0]]), t=np.zeros(2))
     results, _ = Observer(plant)(values, rows)
     with pytest.warns(NotFiniteWarning, match=r"1 of 2 entries are not finite, first \[1, 0\]"):
-        plant.told_rates(values, results)
+        plant._told_rates(values, results)
 
 
 def test_a_mass_matrix_that_is_lost_is_an_error():
@@ -42,7 +42,7 @@ def test_a_mass_matrix_that_is_lost_is_an_error():
     values, rows = arm._arguments(np.zeros((2, arm.nx)))
     rate, pivot = arm._dynamics(*values, batch=rows)
     with pytest.raises(MassMatrixError, match="not positive definite"):
-        arm.told_rates(values, [rate, -pivot])
+        arm._told_rates(values, [rate, -pivot])
 
 
 def test_few_rows_stay_on_the_virtual_machine_and_are_counted():

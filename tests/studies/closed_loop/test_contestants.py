@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pliant.controllers import LQR, MPC, Led, MultiModelLQR, PeriodicLQR, Policy
+from pliant.controllers import LQG, LQR, MPC, Led, MultiModelLQR, PeriodicLQR, Policy
 from pliant.envs import scenes
 from pliant.plants import PliantError
 from pliant.studies.closed_loop.contestants import CONTESTANTS, MARGIN, OfSeed, designed, playable
@@ -55,6 +55,15 @@ def test_a_narrow_bound_on_bending_is_kept_by_a_law_that_is_led():
     gentle = scenes.get("single-link-slew-gentle")
     assert isinstance(designed(gentle, CONTESTANTS["multi-model LQR"]), Led)
     assert isinstance(designed(SLEW, CONTESTANTS["multi-model LQR"]), MultiModelLQR)
+
+
+def test_robust_lqg_where_the_goal_is_no_point_is_an_lqg_with_dearer_inputs_that_lasts():
+    """spin-up turns on: robust_lqg refuses it. LQG as the scene prices it leaves a bound with all at once at +-30 %."""
+    spin = scenes.get("spin-up")
+    law = designed(spin, CONTESTANTS["robust LQG"])
+    assert isinstance(law, LQG)
+    gains = [np.abs(one.law.K).max() for one in (law, LQG.for_scene(spin), LQG.for_scene(spin, effort=10.0))]
+    assert gains[0] < gains[1] and gains[0] == pytest.approx(gains[2])
 
 
 def test_the_policy_of_a_seed_is_found_by_its_folder(tmp_path):

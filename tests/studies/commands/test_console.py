@@ -10,7 +10,7 @@ from pliant.envs import environment_id, scenes
 from pliant.plants import NominalWarning
 from pliant.studies.commands import console
 from pliant.studies.commands.cli import app
-from pliant.studies.commands.console import BORDERS, column_widths, listed, say, show
+from pliant.studies.commands.console import BORDERS, beside, column_widths, listed, say, say_lines, show
 
 LADDER = ("rigid", "stiffened, payload 4", "linear, 2 appendages, 2 modes, rotation only")
 
@@ -42,6 +42,32 @@ def test_tables_keep_names_and_words_whole(columns, monkeypatch, capsys):
     assert {"agrees", "finest", "1.25", "[m]", "digit]"} <= words
     if columns == "80":
         assert max(map(len, lines)) <= 80
+
+
+def test_a_table_that_does_not_fit_is_several(monkeypatch, capsys):
+    """As the scoreboard's: thirteen columns, of which each stands once, beside the names."""
+    monkeypatch.setenv("COLUMNS", "80")
+    head = ["controller", *(f"column{k:02d} [mm]" for k in range(12))]
+    show("Board", head, [["LQR, delay known", *(float(k) for k in range(12))]], caption="all runs")
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= 80 and out.count("controller") == out.count("LQR, delay known") == 3
+    assert out.count("Board") == out.count("all runs") == 1
+    assert [out.split().count(f"column{k:02d}") for k in range(12)] == [1] * 12
+
+
+def test_which_columns_stand_beside_one_another():
+    columns = [["names"], ["a" * 10], ["b" * 10], ["c" * 40]]
+    assert beside(columns, 100, (0,)) == [[0, 1, 2, 3]]
+    assert beside(columns, 40, (0,)) == [[0, 1, 2], [0, 3]]
+    assert beside(columns, 1, (0,)) == [[0, 1], [0, 2], [0, 3]]
+
+
+def test_lines_of_names_and_words_are_broken_below_the_words(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "40")
+    say_lines("machine\n  energy      the power put in less the power lost\n  short       kept")
+    assert capsys.readouterr().out.splitlines() == [
+        *("machine", "  energy      the power put in less the", "              power lost", "  short       kept"),
+    ]
 
 
 def test_column_widths():

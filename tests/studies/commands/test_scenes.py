@@ -19,7 +19,12 @@ def json_of(*arguments):
 
 
 def test_scenes():
-    assert [s["name"] for s in json_of("scenes")] == list(scenes.names())
+    """The variants stand below what they are variants of."""
+    found = [s["name"] for s in json_of("scenes")]
+    assert [name for name in found if name in scenes.names()] == list(scenes.names())
+    for base, variant in (("single-link-slew", "gentle"), ("two-link-reach", "weak")):
+        assert found[found.index(base) + 1] == f"{base}-{variant}"
+    assert len(found) == len(scenes.names()) + 2
     assert "Scenes" in run("scenes").stdout
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pliant.envs.environments import infos
+from pliant.envs.tasks import infos
 
 LANES = np.array([3, 1])
 ENDED = infos.Ended(

@@ -83,3 +83,32 @@ def of_terms(n: int, lanes: Array, names: Sequence[str], terms: Array) -> dict[s
     mask = np.zeros(n, dtype=bool)
     mask[lanes] = True
     return {"reward_terms": masked(n, lanes, **dict(zip(names, 0.0 - terms.T))), "_reward_terms": mask}
+
+
+def of_both_periods(before: dict[str, Any], after: dict[str, Any]) -> dict[str, Any]:
+    """What two periods under one action tell of single lanes: terms are summed, of all else the larger holds."""
+    found = dict(before)
+    for key, value in after.items():
+        if key not in found:
+            found[key] = value
+        elif key == "reward_terms":
+            found[key] = {name: _sum(found[key][name], own) for name, own in value.items()}
+        else:
+            found[key] = np.maximum(found[key], value)  # of masks: either
+    return found
+
+
+def _sum(before: Array, after: Array) -> Array:
+    """Of values, or of masks where either holds."""
+    return before | after if before.dtype == bool else before + after
+
+
+def of_both_infos(before: dict[str, Any], after: dict[str, Any]) -> dict[str, Any]:
+    """The same of a single environment's infos: costs and terms are summed, all else is that of the later period."""
+    found = {**after, "cost": before["cost"] + after["cost"]}
+    found["cost_constraint"] = max(before["cost_constraint"], after["cost_constraint"])
+    if "reward_terms" in after:
+        found["reward_terms"] = {
+            name: own + before["reward_terms"][name] for name, own in after["reward_terms"].items()
+        }
+    return found

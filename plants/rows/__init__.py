@@ -1,0 +1,1 @@
+"""What CasADi functions give at many rows, without compiling them."""
