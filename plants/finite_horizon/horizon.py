@@ -90,7 +90,7 @@ class FiniteHorizon(OwnsArrays):
     def from_start(self) -> Mapping[str, Array]:
         """(nt,) the most |z_i| from a start off by |x / scale| <= 1."""
         found = pushed_outputs.from_start(self._on, self._sizes(self._on.model.states))
-        seen = self._unit / self._driven
+        seen = self._unit / self._on.driven
         return {s.name: found[:, i] * seen[i] for i, s in enumerate(self.outputs)}
 
     @cached_property
@@ -106,11 +106,6 @@ class FiniteHorizon(OwnsArrays):
     def _by_bounds(self) -> tuple[Array, Array, Array]:
         at = pushed_outputs.looked_at(self._on)
         return (at, *pushed_outputs.by_bounded(self._on, self._allowed, at))
-
-    @property
-    def _driven(self) -> float:
-        """What one of `_on`'s entries of E is, so that no square leaves the range of numbers."""
-        return self._on.driven
 
     @property
     def _allowed(self) -> Array:
