@@ -136,7 +136,13 @@ def _cantilever(rows: Sequence[Row]) -> Iterator[Check]:
 
 
 def _stability(rows: Sequence[Row]) -> Iterator[Check]:
-    for name, threads, asked in ((stability.VERDICT, 1, 0.3), (stability.CHART, 2, 20.0)):
+    asked_of = (
+        (stability.VERDICT, 1, 0.3),
+        (stability.NUMBERS, 1, 0.9),
+        (stability.LARGE, 1, 10.0),
+        (stability.CHART, 2, 20.0),
+    )
+    for name, threads, asked in asked_of:
         found = scaled(rows, _median(find(rows, stability.GROUP, name, threads=threads)))
         yield Check(10, f"{name}, scaled", found, asked, "s", least=False)
 

@@ -97,7 +97,34 @@ def check_signals(plant: Plant, nominal: Trajectory) -> None:
 def along(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:
     """The model along a nominal, c its residual f(x, u) - dx/dt."""
     check_signals(plant, nominal)
-    return replace(_at_nodes(plant, nominal, p), between=partial(finer, partial(_at_nodes, plant), nominal, p))
+    made = _at_nodes(plant, nominal, p)
+    return replace(
+        made,
+        between=partial(finer, partial(_at_nodes, plant), nominal, p),
+        missed=partial(missed, plant, p, made.t, made.A[:: max(1, len(made.t) - 1)]),
+    )
+
+
+def missed(
+    plant: Plant, p: Any, t: Array, ends: Array, model: LTVModel, dx: Array, du: Array, dw: Array
+) -> tuple[Array, Array] | None:
+    """What f (nt, nx) and h (nt, ny) have at deviations dx, du, dw (nt, ..) from the model's nominal beyond what is
+    linear in them; None where the model is no longer the one that was made: of other nodes t, of another A at the ends.
+    """
+    same = len(model.t) == len(t) and bool((model.t == t).all()) and names(model.states) == names(plant.states)
+    if not same or not np.array_equal(model.A[:: max(1, len(t) - 1)], ends):
+        return None
+    assert model.w is not None
+
+    def at(x: Array, u: Array, w: Array) -> tuple[Array, Array]:
+        return plant.dynamics(x, u, w=w, p=p, t=t), plant.measure(x, u, w=w, p=p, t=t)
+
+    still, moved = at(model.x, model.u, model.w), at(model.x + dx, model.u + du, model.w + dw)
+    linear = [
+        sum(np.einsum("kij,kj->ki", M, v) for M, v in zip(Ms, (dx, du, dw)))
+        for Ms in ((model.A, model.B, model.E), (model.C, model.D, model.F))
+    ]
+    return moved[0] - still[0] - linear[0], moved[1] - still[1] - linear[1]
 
 
 def _at_nodes(plant: Plant, nominal: Trajectory, p: Any) -> LTVModel:

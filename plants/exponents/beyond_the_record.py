@@ -3,7 +3,8 @@
 constant, tends    intervals of rates about the eigenvalues of the limit: bounds, if the limit is what was said
 persists           slow variation first, which proves a rate on the record; else averages of the triangular model over
                    windows of the record. Their interval is an estimate and no bound: it decides only where it is
-                   further from zero than it is wide, twice as far where running averages do not come to rest
+                   further from zero than it is wide, twice as far where running averages do not come to rest; or
+                   where smooth averages of one deviation's growth are twice as far above zero as they lie apart
 periodic           Floquet's multipliers, in `assess` itself
 
 A deviation that grows in the record and decays later decays, and the other way round: what was found over the record
@@ -26,8 +27,11 @@ from pliant.plants.transitions.state_matrix_path import Model
 from .long_run import Spectrum
 from .slow_dichotomy import SlowDichotomy, slow_dichotomy
 from .spectrum import BEYOND, spectrum
+from .triangular_flow import triangular_flow
 
 APART, UNRESTED = 1.0, 2.0  # widths of an estimated interval from zero, from which on it decides
+SMOOTH = 2 / 3  # of the record: windows of smooth averages
+AVERAGES = "averages of that deviation's growth go on to lie where those of the record do"
 SLOWLY = "A goes on to vary as slowly beside the gaps between its roots as in the record"
 
 
@@ -68,8 +72,26 @@ def in_the_long_run(
         apart = (low if verdict == "unstable" else -high) / max(high - low, 1e-300)
         if verdict != "undecided" and apart <= (APART if rates.regular else UNRESTED):
             verdict, why = "undecided", f"the estimate is too near to zero beside what is open in it: {rates.why}"
+        if verdict == "undecided" and (grows := _grows(model, states)) is not None:
+            least, most = grows
+            why = "estimated from one deviation's growth: its smooth averages over two thirds of the record lie "
+            why += f"between {least:.4g} and {most:.4g} 1/s; {rates.why}"
+            return _decided(found, "unstable", -(least + most) / 2, np.nan, why, AVERAGES, over, rates)
     rate = float(rates.exponents[0]) if len(rates.exponents) else -np.inf
     return _decided(found, verdict, -rate, bound, why, rates.assumption, over, rates)
+
+
+def _grows(model: Model, states: Sequence[str] | None) -> tuple[float, float] | None:
+    """Between which rates [1/s] the deviation that the triangular model leads with grows, by smooth averages; None if
+    they are not UNRESTED times as far above zero as they lie apart.
+
+    It is a deviation of the model itself, so that no other needs to stand apart from it. Where the mean is zero,
+    averages over windows at different times lie on both sides of it.
+    """
+    flow = triangular_flow(model, states)
+    rates = flow.smooth(SMOOTH * float(flow.t[-1] - flow.t[0]))[:, :1]
+    least, most = float(rates.min(initial=np.inf)), float(rates.max(initial=-np.inf))
+    return (least, most) if least > UNRESTED * (most - least) else None
 
 
 def _decided(

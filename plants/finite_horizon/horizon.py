@@ -17,6 +17,7 @@ from . import pushed_outputs
 from .amplification import Amplification, amplification, check_growth
 from .asked import Asked, asked, energy, listed, not_negative, said, within
 from .energy_gain import Gain, energy_gain
+from .second_order import beyond_linear
 from .stretches import Stretches
 
 Array = np.ndarray
@@ -89,7 +90,7 @@ class FiniteHorizon(OwnsArrays):
     def from_start(self) -> Mapping[str, Array]:
         """(nt,) the most |z_i| from a start off by |x / scale| <= 1."""
         found = pushed_outputs.from_start(self._on, self._sizes(self._on.model.states))
-        seen = self._unit / self._driven
+        seen = self._unit / self._on.driven
         return {s.name: found[:, i] * seen[i] for i, s in enumerate(self.outputs)}
 
     @cached_property
@@ -105,11 +106,6 @@ class FiniteHorizon(OwnsArrays):
     def _by_bounds(self) -> tuple[Array, Array, Array]:
         at = pushed_outputs.looked_at(self._on)
         return (at, *pushed_outputs.by_bounded(self._on, self._allowed, at))
-
-    @property
-    def _driven(self) -> float:
-        """What one of `_on`'s entries of E is, so that no square leaves the range of numbers."""
-        return self._on.driven
 
     @property
     def _allowed(self) -> Array:
@@ -170,6 +166,7 @@ class FiniteHorizon(OwnsArrays):
                 s.name: {"unit": s.unit, **{key: known(by[s.name]) for key, by in numbers.items()}}
                 for s in self.outputs
             },
+            "left_out": None if self.left_out is None else {k: _known(v) for k, v in self.left_out.items()},
             "scale": {s.name: self.scale[s.name] for s in (*self.outputs, *self.disturbances)},
         }
 
@@ -196,6 +193,18 @@ class FiniteHorizon(OwnsArrays):
         return most if np.isfinite(most) else self.bounded[signal.name].upper
 
     @property
+    def left_out(self) -> Mapping[str, float] | None:
+        """By "peak" and "bounded": what the linear model leaves out of the output that is pushed furthest under the
+        disturbance that pushes it, to second order [its unit], an estimate. None where the plant is not known.
+        """
+        return self._beyond[0]
+
+    @cached_property
+    def _beyond(self) -> tuple[Mapping[str, float] | None, str]:
+        pushes = {kind: getattr(self, kind)[self.furthest.name] for kind in ("peak", "bounded")}
+        return beyond_linear(self._on.model, self.t, self.disturbances, self.furthest, pushes)
+
+    @property
     def words(self) -> str:
         """What an engineer would write of the output that is pushed furthest beside its size."""
         most, (held, impulse) = self.furthest, (by[self.furthest.name] for by in (self.bounded, self.peak))
@@ -204,10 +213,14 @@ class FiniteHorizon(OwnsArrays):
         over = f"Over its {self.t[-1] - self.t[0]:.4g} s the motion"
         if not np.isfinite(impulse.upper):
             who = listed([s.name for s in self.disturbances])
-            return f"{over} lets {who}, {limits}, move {most.name} by at most {said(held.upper, most.unit)}{looked}"
+            return (
+                f"{over} lets {who}, {limits}, move {most.name} by at most {said(held.upper, most.unit)}{looked}"
+                f"{self._beyond[1]}"
+            )
         return (
             f"{over} lets {energy(self.disturbances, self.scale)} move {most.name} by at most "
             f"{said(impulse.upper, most.unit)}, and {limits} by at most {said(held.upper, most.unit)}{looked}"
+            f"{self._beyond[1]}"
         )
 
 
@@ -251,6 +264,10 @@ def numbers(of: Asked) -> FiniteHorizon:
     on = Stretches(model, into / e, sees / c, direct * w / z[:, None] / (e * c), driven=e)
     check_growth(on, x)
     return FiniteHorizon(on.t, shown, signals, of.limits, sizes, on, z * e * c)
+
+
+def _known(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def _into(model: LTVModel, signals: Sequence[Signal]) -> Array:

@@ -49,7 +49,7 @@ class _Backward:
         self.begun, self.now = len(at), int(at[-1])  # rows are those at the end `now`
         self.base = self.now - length - NEAR
         self._begin(self.now)
-        self._powers = -1, np.zeros(0)
+        self._powers: tuple[int, Array] = (-1, np.zeros(0))
 
     def down_to(self, low: int, top: int) -> None:
         """Stretches from `low` on are known, `top` the end of the last that is asked for."""
@@ -99,7 +99,7 @@ class _Backward:
             L[0] = np.eye(on.n)
             for i, g in enumerate(groups[::-1]):
                 np.matmul(L[i], Phi[g], out=L[i + 1])
-            self._powers = groups[0], L
+            self._powers = int(groups[0]), L
         L = self._powers[1][: end - begin + 1]
         held, ends = (L[:-1] @ Gamma[groups[::-1]])[::-1], (L[1:] @ on.nodes[0][begin:end][::-1])[::-1]
         columns = (M.transpose(1, 2, 0).reshape(on.n, -1) for M in (held, ends))

@@ -130,7 +130,7 @@ class Stretches:
     def reached(self) -> Array:
         """W of a stretch of each group."""
         if not self.alike:
-            return magnus.reached(self.A, self.E @ _t(self.E), self.h)
+            return magnus.reached_by(self.A, self.E, self.h)
         A, term, h = self.A[:, 0], self.E[:, 0], self._h[:, None, None]
         series = [term]
         for k in range(1, TERMS):
@@ -152,7 +152,7 @@ class Stretches:
         k = self.n + self.nw
         whole, out = np.zeros((len(self._h), 2, k, k)), np.concatenate([self.C, self.F], axis=-1)
         whole[..., : self.n, :] = np.concatenate([self.A, self.E], axis=-1)
-        return self._each(magnus.costed(whole, _t(out) @ out, self._h)[1])
+        return self._each(magnus.reached_by(_t(whole)[:, ::-1], _t(out)[:, ::-1], self._h))  # of the adjoint, backward
 
     def hamiltonian(self, gain: float) -> Array:
         """Transitions (.., 2n, 2n), by group and backward over each of its stretches, of the Riccati equation of the

@@ -64,6 +64,10 @@ class LTVModel(ModelSignals):
     outputs: tuple[Signal, ...]
     w: np.ndarray | None = field(default=None, repr=False)  # (nt, nw), zero where None
     between: Callable[[LTVModel], LTVModel | None] | None = field(default=None, repr=False)  # finds `finer`
+    missed: Callable[..., tuple[np.ndarray, np.ndarray] | None] | None = field(
+        default=None, repr=False
+    )  # missed(model,
+    # dx, du, dw): of dx/dt and of y at deviations, what the plant that the model was made from has beyond it
 
     def __post_init__(self) -> None:
         n, m, k, p = (len(s) for s in (self.states, self.inputs, self.disturbances, self.outputs))

@@ -24,7 +24,8 @@ from pliant.plants.transitions.state_matrix_path import Model, Path, as_pieces, 
 TERMS, DOUBTED = 8, 1e-4  # times the rounding of an entry; of the fastest root: real parts whose rounding is looked at
 ROUNDING = 1e-8  # of the fastest frozen root: a real part this small is zero (double roots at 0 have such errors)
 
-LEAP = 8
+LEAP, FIRST, LARGE = 8, 128, 40  # of times, every so many; fewer where A has more states
+WORK = 5e8  # times and states cubed, above which slow variation is not looked for
 MATTERS, BRIEF = 0.01, 0.01  # logarithm of growth between critical times up to which they are not told; of the time
 
 
@@ -37,6 +38,7 @@ class FrozenTime(OwnsArrays):
     critical_times: tuple[float, ...]  # [s] where the rightmost root crosses the imaginary axis, and matters: `lasting`
     coordinates: str  # in which the roots were taken; in others that move against these they differ
     threshold: float = 0.0  # real part [1/s] that rounding can make of zero
+    span: float = np.inf  # [s] over which deviations are looked at; infinite where A is constant or repeated
 
     @property
     def rightmost(self) -> np.ndarray:
@@ -46,8 +48,13 @@ class FrozenTime(OwnsArrays):
     @property
     def suggests(self) -> str:
         """stable, unstable or marginal: no verdict unless `slow_variation` allows it."""
-        worst = float(self.rightmost.max())
-        return "unstable" if worst > self.threshold else "stable" if worst < -self.threshold else "marginal"
+        worst, least = float(self.rightmost.max()), max(self.threshold, self.least)
+        return "unstable" if worst > least else "stable" if worst < -least else "marginal"
+
+    @property
+    def least(self) -> float:
+        """Real part [1/s] by which deviations change within `span` by MATTERS: no smaller one can be told from zero."""
+        return MATTERS / self.span
 
 
 def frozen_time(
@@ -209,7 +216,9 @@ def slow_along(path: Path, t: np.ndarray) -> SlowVariation:
     as well.
     """
     t = np.sort(np.r_[t, (t[1:] + t[:-1]) / 2])
-    found = _slow_at(path, t[::LEAP])
+    found = _slow_at(path, t[:: LEAP if path.n <= LARGE else max(LEAP, len(t) // FIRST)])
+    if found and len(t) * path.n**3 > WORK:
+        return _refused(f"not looked for: it would be much work at {len(t):,} times with {path.n} states")
     return _slow_at(path, t) if found else found
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from pliant.plants.transitions.state_matrix_path import Path, paths_of, scaling,
 from pliant.plants.transitions.transition_error import Transition, transition
 
 from .frozen_time import (
+    LARGE,
     FrozenTime,
     SlowVariation,
     frozen_along,
@@ -70,12 +72,13 @@ def judged_once(
 def _frozen(
     joined: Any, paths: Sequence[Path], states: Sequence[str] | None, coordinates: str | None, thorough: bool
 ) -> tuple[FrozenTime, SlowVariation]:
-    points = MOST_NODES if thorough else POINTS
+    points = MOST_NODES if thorough and paths[0].n <= LARGE else POINTS
+    span = float(joined.pieces[-1].t[-1] - joined.pieces[0].t[0])
     if len(paths) > 1:
         roots = frozen_time(joined, states=states, coordinates=coordinates, points=points)
-        return roots, slow_variation(joined, states=states)
+        return replace(roots, span=span), slow_variation(joined, states=states)
     t, said_in = joined.pieces[0].t, coordinates or said_coordinates(joined, states)
-    return frozen_along(paths[0], thinned(t, points), said_in), slow_along(paths[0], t)
+    return replace(frozen_along(paths[0], thinned(t, points), said_in), span=span), slow_along(paths[0], t)
 
 
 def _open(

@@ -31,7 +31,7 @@ from .frozen_time import lasting
 BLOCKS = 48  # stretches of the nominal between which growth is compared
 DOUBLED, SQUARED = 4.0, 1.7
 REPEATED, OFF = 2.0, 1e-8  # |eigenvalue| of some stretch: it grows where repeated, as drift does not; Phi's own error
-MOST_NODES = 501
+MOST_NODES, FEW_STOPS = 501, 200
 ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
 
@@ -135,10 +135,13 @@ def _factored(M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def growth_between(joined: Any, moved: Transition | None, window: float | None, states: Sequence[str] | None) -> Growth:
-    """Growth between the nodes, MOST_NODES of them, of the transition's own steps where these stop at every node."""
+    """Growth between the nodes, MOST_NODES of them, of the transition's own steps where these stop at every node, or of
+    a large model at many of them."""
     nodes = np.concatenate([joined.pieces[0].t[:1], *(piece.t[1:] for piece in joined.pieces)])
     nodes = nodes[np.unique(np.linspace(0, len(nodes) - 1, min(len(nodes), MOST_NODES)).astype(int))]
     if moved is not None:
+        if FEW_STOPS < len(moved.times) < len(nodes):  # they are nodes too
+            nodes = moved.times
         at = np.searchsorted(moved.times, nodes)
         if at[-1] < len(moved.times) and (moved.times[at] == nodes).all() and np.isfinite(moved.Phi).all():
             keep = kept(joined, states)

@@ -248,6 +248,8 @@ def made(
         allowed = "slow variation allows it" if slow else "not to be believed: slow variation does not allow it"
         rate = float(frozen.rightmost.max())
         where = "0 but for rounding" if abs(rate) <= frozen.threshold else f"{rate:.4g} 1/s"
+        if frozen.threshold < abs(rate) <= frozen.least:
+            where += f", by which deviations change by {abs(np.expm1(rate * frozen.span)):.2g} of themselves meanwhile"
         reasons["frozen_time"] = f"suggests {frozen.suggests} (rightmost {where}, in {frozen.coordinates}); {allowed}"
     for name in ("slow_variation", "lyapunov"):
         if name in evidence:

@@ -179,7 +179,7 @@ class Path(OwnsArrays):
         if not len(self.rows):
             return
         self.base[self.rows, self.columns] = 0.0
-        flat = A[:, self.rows, self.columns]
+        flat = A.reshape(len(t), -1) if len(self.rows) == self.n**2 else A[:, self.rows, self.columns]
         seam = np.zeros(flat.shape[1])
         if periodic:
             seam = np.abs(flat[-1] - flat[0])

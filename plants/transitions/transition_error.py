@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 
@@ -98,8 +99,7 @@ def transition(
     `modal`: in the coordinates of the eigenvectors too, where M has a basis of them.
     """
     n, one = paths[0].n, np.eye(paths[0].n)
-    V, W, D_V = None, one, None
-    grids = [refined(path) for path in paths]
+    V, W, D_V, grids = None, one, None, [refined(path) for path in paths]
     chosen = [_edges(path, *grid) for path, grid in zip(paths, grids)]
     steps, halvings = sum(len(grid) - 1 for grid, _ in grids), 0
     before = _joined([_coarse(path, grid) for path, (grid, _) in zip(paths, grids)], jumps)
@@ -116,9 +116,7 @@ def transition(
                 V = V if np.isfinite(off).all() else None
             if V is not None:
                 D_V, _ = _first_order(paths, grids, chosen, Phi, jumps, W, V)
-        change = np.abs(M - before)
-        if all(path.constant for path in paths):
-            change = np.zeros((n, n))
+        change = np.abs(M - before) if not all(path.constant for path in paths) else np.zeros((n, n))
         size = float(np.linalg.norm(M))
         enough = HALVED * max(32 * tolerance * size, 0.02 * float(np.linalg.norm(D)))
         done = share * np.linalg.norm(change) <= enough or (steps << halvings) >= MOST_STEPS or not np.isfinite(size)
@@ -152,10 +150,7 @@ def _coarse(path: Path, grid: np.ndarray) -> np.ndarray:
 
 
 def _joined(Phi: Sequence[np.ndarray], jumps: Sequence[np.ndarray]) -> np.ndarray:
-    total = Phi[0]
-    for J, P in zip(jumps, Phi[1:]):
-        total = P @ (J @ total)
-    return total
+    return reduce(lambda total, part: part[1] @ (part[0] @ total), zip(jumps, Phi[1:]), Phi[0])
 
 
 def _rates(paths: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
@@ -176,8 +171,7 @@ def _rates(paths: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
 
 def _edges(path: Path, grid: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Positions in the grid between which products are kept."""
-    most = max(64, KEPT // path.n**2)
-    if len(grid) <= most:
+    if len(grid) <= (most := max(64, KEPT // path.n**2)):
         return np.arange(len(grid))
     return nodes[np.unique(np.r_[np.arange(0, len(nodes), -(-len(nodes) // most)), len(nodes) - 1])]
 
@@ -217,7 +211,7 @@ def _first_order(
     after = left
     D, trace = np.zeros((n, n)), np.zeros((n, n))
     cuts: list[Callable[[int], tuple[np.ndarray, ...]]] = []  # of each path into stretches
-    for k in range(len(paths) - 1, -1, -1):
+    for k in reversed(range(len(paths))):
         first, S, cut = _over_one(paths[k], *grids[k], chosen[k], Phi[k], before[k], after)
         D, trace = D + first, trace + S
         after = after @ magnus.product(Phi[k])
@@ -302,8 +296,5 @@ def _over_one(
 
 def _widest(X: np.ndarray) -> np.ndarray:
     """The largest of each and its two neighbours on either side."""
-    found = X.copy()
-    for k in (1, 2):
-        np.maximum(found[k:], X[:-k], out=found[k:])
-        np.maximum(found[:-k], X[k:], out=found[:-k])
-    return found
+    padded = np.concatenate([X[:1], X[:1], X, X[-1:], X[-1:]])
+    return np.max([padded[k : k + len(X)] for k in range(5)], axis=0)

@@ -74,3 +74,20 @@ def test_what_does_not_go_together_is_refused(fades):
             assess(fades, **options)
     with pytest.raises(ValueError, match="of a LinearModel, must be None"):
         assess(fades.at(0), beyond="constant")
+
+
+@pytest.mark.parametrize(("mean", "said"), [(0.15, "unstable"), (0.0, "undecided"), (-0.15, "not unstable")])
+def test_a_record_of_a_few_swings_tells_growth_by_smooth_averages(mean, said):
+    """dx/dt = (mean + two oscillations) x for 4 s, whose plain averages over half of it stray by 0.15 1/s."""
+    t = np.linspace(0.0, 4.0, 601)
+    swings = 0.6 * np.cos(6.3 * t + 1.0) + 0.5 * np.cos(11.0 * t + 4.0)
+    v = assess(ltv(t, (mean + swings)[:, None, None]), thorough=False, beyond="persists")
+    assert v.verdict == said if said != "not unstable" else v.verdict != "unstable"
+    if said == "unstable":
+        assert v.margin == pytest.approx(-mean, rel=0.05) and np.isnan(v.margin_bound)
+        assert "estimated from one deviation's growth" in v.why and "at an estimated" in v.sentence
+
+
+def test_systems_that_grow_less_than_tenfold_are_decided():
+    """Of the family "little" those that plain averages left undecided, the quickest of them."""
+    assert all(answer(seed)[1].verdict == "unstable" for seed in (93, 123, 133, 178))

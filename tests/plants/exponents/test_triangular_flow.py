@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from known_systems import ltv
 
 from pliant.plants.exponents.triangular_flow import ordered_schur, triangular_flow
 
@@ -71,3 +72,12 @@ def test_a_block_of_all_is_the_transition_matrix(along):
         total = R @ total
     sizes = np.log(np.linalg.svd(total, compute_uv=False)) / 2
     assert flow.block(0, 3, 2.0) == pytest.approx((sizes[-1], sizes[0]), abs=1e-9)
+
+
+def test_smooth_averages_are_those_of_a_sin_squared_window():
+    """Of cos(w t) over L from s on: cos(w (s + L/2)) sin(x) / (x (1 - (x/pi)^2)), x = w L/2, in closed form."""
+    t, w, L = np.linspace(0.0, 10.0, 4001), 7.0, 6.0
+    flow = triangular_flow(ltv(t, (0.3 + np.cos(w * t))[:, None, None]))
+    begin, x = np.linspace(0.0, 4.0, len(flow.smooth(L))), w * L / 2
+    wanted = 0.3 + np.cos(w * (begin + L / 2)) * np.sin(x) / (x * (1 - (x / np.pi) ** 2))
+    np.testing.assert_allclose(flow.smooth(L)[:, 0], wanted, atol=2e-6)

@@ -98,3 +98,28 @@ def test_largest_growths():
     np.testing.assert_allclose(magnus.largest_growths(Phi * size), wanted, rtol=1e-13)
     Phi[2, 0, 0] = np.nan
     assert np.isnan(magnus.largest_growths(Phi)[2])
+
+
+@pytest.mark.parametrize("k", [1, 2])
+def test_a_drive_of_few_columns(k):
+    """As the exponential of the whole, and as SciPy integrates it: of fourth order in the step."""
+    E = RNG.standard_normal((12, k))
+    A = RNG.standard_normal((2, 12, 12)) / 4
+
+    def at(s):
+        return A[0] + np.sin(s) * A[1], np.cos(s) * E
+
+    def rate(s, W):
+        matrix, drive = at(s)
+        both = matrix @ W.reshape(12, 12)
+        return (both + both.T + drive @ drive.T).ravel()
+
+    missed = []
+    for h in (0.2, 0.1):
+        parts = [at(s) for s in h * GAUSS]
+        A2, E2 = (np.array(values)[None] for values in zip(*parts))
+        found = magnus.reached_by(A2, E2, np.array([h]))
+        np.testing.assert_allclose(found, magnus.reached(A2, E2 @ E2.swapaxes(-1, -2), np.array([h])), atol=1e-15)
+        true = solve_ivp(rate, (0, h), np.zeros(144), rtol=1e-12, atol=1e-15).y[:, -1].reshape(12, 12)
+        missed.append(np.abs(found[0] - true).max())
+    assert missed[0] > 20 * missed[1] and missed[0] < 1e-4

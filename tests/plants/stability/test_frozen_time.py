@@ -71,3 +71,18 @@ def test_a_chain_of_integrators_says_nothing_of_its_roots_and_warns_of_nothing()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert off_by_rounding(*np.linalg.eig(chain), chain) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"), [(2e-6, "marginal"), (-2e-6, "marginal"), (0.5, "unstable"), (-0.5, "stable")]
+)
+def test_a_root_too_small_to_matter_before_the_end_suggests_nothing(rate, said, model_of):
+    """e^(2e-6 * 40) - 1 = 8e-5: what is told; the same roots of a model that lasts for ever do suggest something."""
+    t = np.linspace(0.0, 40.0, 101)
+    A = np.zeros((101, 2, 2))
+    A[:, 0, 0], A[:, 1, 1] = rate, -2.0 - 0.3 * np.sin(t / 7)
+    found = assess(model_of(t, A), periodic=False)
+    words = {**found.reasons, found.method: ""}["frozen_time"]
+    assert found.evidence["frozen_time"].suggests == said and words.startswith(f"suggests {said} (rightmost ")
+    assert (", by which deviations change by 8e-05 of themselves meanwhile" in words) == (said == "marginal")
+    assert frozen_time(model_of(t, A)).suggests == ("unstable" if rate > 0 else "stable")
