@@ -245,7 +245,8 @@ def test_the_peak_is_that_of_fused_multiply_adds(bench):
 
 def test_imports_are_timed_in_a_fresh_process(bench):
     cold = bench("cases.cold_start")
-    assert 0.0 < cold.imported("import json") < cold.imported(cold.PLANTS)
+    least, most = (min(cold.imported(code) for _ in range(4)) for code in ("import json", cold.PLANTS))
+    assert 0.0 < least < most
 
 
 @pytest.mark.skipif(not list(Path("/proc/self/task").glob("*/children")), reason="this kernel does not list children")

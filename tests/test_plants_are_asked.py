@@ -56,6 +56,7 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "studies/charts/runner.py": {"text", "twin.failure"},
     "studies/closed_loop/rollout.py": {"failure"},
     "studies/commands/doctor.py": {"name"},  # files
+    "studies/commands/scenes.py": {"v"},  # names of scenes
     "studies/commands/console.py": {"category.__module__", "at[0]"},  # of modules
     "studies/report/sections.py": {"text", "name"},  # sentences, parts of the page
     "studies/fidelity/verdict_in_words.py": {"choice.physics"},  # the choice's own words

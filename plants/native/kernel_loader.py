@@ -29,7 +29,7 @@ Array = np.ndarray
 CHECKED_AT = {np.dtype(np.float64): 16, np.dtype(np.float32): 64}  # points: two whole vectors, or more where cheap
 SLOWER = "20 times slower at one state and 100 to 300 times at many"  # steps of four scenes' plants, one thread
 ON, OFF, EVERY = ("", "1", "true", "yes", "on"), ("0", "false", "no", "off"), "*"
-generating = threading.Lock()  # CasADi's symbolics and code generation are not thread-safe
+generating = threading.RLock()  # CasADi's code generation is not thread-safe; within it trials look for rows' C
 _spreading = threading.Lock()
 _told: set[str] = set()  # kernels that were warned of; EVERY for all
 

@@ -40,7 +40,7 @@ def instructions(function: ca.Function) -> Array:
     """
     count = function.n_instructions()
     text, few = function.serialize(), [_instruction(function, k) for k in range(min(count, TRIED))]
-    start = text.rfind(_letters(np.array(few, dtype=INSTRUCTION)))
+    start = text.rfind(_letters(np.array(few, dtype=INSTRUCTION))) if count else -1
     if start >= 0 and len(text) >= start + 32 * count:
         letters = np.frombuffer(text[start : start + 32 * count].encode(), dtype=np.uint8).reshape(-1, 2) - ord("a")
         found = (letters[:, 0] + 16 * letters[:, 1]).view(INSTRUCTION)

@@ -32,7 +32,7 @@ def lasting(rows: Sequence[Row], scene: str, controllers: Sequence[str]) -> tupl
 
 def what_lasts(rows: Sequence[Row]) -> list[str]:
     """A section of the page: a line a scene."""
-    names = [name for name in dict.fromkeys(row.controller for row in rows) if ", seed " not in name]
+    names = [law for law in dict.fromkeys(row.controller for row in rows) if ", seed " not in law]
     states = [name for name in names if name not in (*FROM_SENSORS, *FROM_JOINTS)]
     kinds = (states, [n for n in names if n in FROM_SENSORS], [n for n in names if n in FROM_JOINTS])
     text = ["| scene | from states | from sensors | from joints' positions and rates |", "|---|---|---|---|"]

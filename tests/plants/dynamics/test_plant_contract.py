@@ -172,7 +172,7 @@ def told(question, plant):
     if question == "sensors":
         return tuple(f"{place.device} {place.signal}" for place in answer())
     if question == "joints":
-        return tuple(dataclasses.astuple(joint) for joint in answer)
+        return tuple((joint.input, joint.position, joint.rate) for joint in answer)
     return answer
 
 

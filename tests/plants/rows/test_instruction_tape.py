@@ -67,3 +67,8 @@ def test_few_rows_and_what_c_has_not_stay_on_the_virtual_machine(compiled, monke
     unwanted = NumericFunction(ca.Function("unwanted", [x], [x + x]))
     assert unwanted(np.ones((ROWS, 1)), batch=ROWS)[0].min() == 2.0
     assert unwanted._rows._tape is None
+
+
+def test_a_function_without_results_has_none(compiled):
+    nothing = NumericFunction(ca.Function("nothing", [ca.SX.sym("x", 2)], [ca.SX(0, 1)]))
+    assert nothing(np.ones((ROWS, 2)), batch=ROWS)[0].shape == (ROWS, 0)
