@@ -16,6 +16,7 @@ from pliant.controllers.learning.policy import Policy
 from pliant.controllers.linear_quadratic.lqr import LQR
 
 CLOSE = 1.001
+ENOUGH = 3  # times what a run took that learned nothing
 
 
 def as_policy(law: Controller | None, scene: Any, made: dict[str, Any]) -> Policy | None:
@@ -40,8 +41,21 @@ def as_policy(law: Controller | None, scene: Any, made: dict[str, Any]) -> Polic
     )
 
 
-def words(kept: bool, cost: float, law_cost: float | None) -> str:
-    """What is told of a run's policy of this cost beside the law's, both on the scene as it is."""
+def words(kept: bool, cost: float, law_cost: float | None, idle: float | None = None) -> str:
+    """What is told of a run's policy of this cost beside the law's, both on the scene as it is; `idle`: seconds of a
+    run that ended before its first gradient.
+    """
+    told = _beside(kept, cost, law_cost)
+    if idle is None:
+        return told
+    first = (
+        f"no gradient was followed: compiling, playing the scene's law and imitating it took {idle:.0f} s, which were "
+        f"all; with {ENOUGH * max(idle, 1.0):.0f} s most of the time is for learning"
+    )
+    return f"{first}. {told}" if told else first
+
+
+def _beside(kept: bool, cost: float, law_cost: float | None) -> str:
     if kept:
         return f"no network came near the scene's LQR, {cost:.5g}: that law is kept, which reads the plant's states"
     if law_cost is not None and cost > CLOSE * law_cost:

@@ -64,11 +64,13 @@ def learn(
     else:
         run.begin_from(law)
         run.judge()
+    ready = run.spent
     run.go_on(progress)
     run.judge()
     progress(1.0, f"cost {run.best_cost:.4g}")
     assert run.best is not None
-    words = kept_law.words(bool(run.best.made.get("law")), run.best_cost, run.law_cost)
+    idle = ready if run.stamp == 0 else None
+    words = kept_law.words(bool(run.best.made.get("law")), run.best_cost, run.law_cost, idle)
     told = tuple(run.curve), run.stamp, run.spent, run.rate, NO_TORCH
     return Training(run.best, run.best_cost, *told, law_cost=run.law_cost, words=words)
 

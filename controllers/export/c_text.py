@@ -145,6 +145,12 @@ def clipped(p: str, count: int, low: np.ndarray, high: np.ndarray) -> tuple[str,
     return constants, each("i", count, body)
 
 
+def pushed(field: str, count: int, width: int, newest: str) -> str:
+    """Statements that let the oldest `width` of `count` inputs on their way go, and put `newest`, of index i, last."""
+    moved = each("i", count - width, f"s->{field}[i] = s->{field}[i + {width}];")
+    return moved + each("i", width, f"s->{field}[{count - width} + i] = {newest};")
+
+
 def files(name: str, head: str, struct: str, declared: str, code: str, precision: str) -> tuple[str, str]:
     """(header, source) of a part in `precision`; `head` is the comment that says what it is."""
     kind, suffix = PRECISIONS[precision]

@@ -15,7 +15,7 @@ from pliant.controllers.mpc.exact_penalty import SLACK
 from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.solvers.daqp_model import CURVATURE
 
-from .c_text import Law, added, array, clipped, each, indented, number, require_room
+from .c_text import Law, added, array, clipped, each, indented, number, pushed, require_room
 from .offset_free import Parts, offset_free
 from .qp_source import PROGRAM, QP
 
@@ -29,14 +29,18 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
     step, nodes = steps[0], len(steps)
     (m, nz), nu, size = step.solver.M.shape, len(step.u), step.G.shape[1]
     _require_small(law, single)
-    if law.delay[1]:
-        raise ValueError(f"export_c: MPC.delay = {law.delay} must be 0")
     tracked = offset_free(law, p, single) if law.tracked else Parts(rows=0, unknowns=0)
     limited, clip = clipped(p, nu, limits.low, limits.high)
     constants = _each_node(p, "G", [s.G[m:] for s in steps]) + _each_node(p, "u0", [s.u for s in steps]) + limited
     constants += array(f"{p}_drift", law._drift) if law._drift is not None else ""
     fields, reset = list(tracked.fields), tracked.reset
     start, act = _known(law, p, tracked), ""
+    begun = np.zeros(0) if law._knowledge is None else law._knowledge._way.first
+    if late := len(begun):
+        constants += array(f"{p}_begun", begun)
+        fields.append(f"REAL way[{late}];")
+        reset += each("i", late, f"s->way[i] = {p}_begun[i];")
+        start += each("i", late, f"known[{len(law.reads)} + i] = s->way[i];")
     if limits.remembers:
         constants += array(f"{p}_last", np.clip(law.origin[1], limits.low, limits.high))
         constants += array(f"{p}_change", limits.change)
@@ -84,7 +88,7 @@ def mpc(law: MPC, p: str, precision: str) -> Law:
         held = f"if (u[i] > s->last[i] + {p}_change[i]) u[i] = s->last[i] + {p}_change[i];"
         other = f"if (u[i] < s->last[i] - {p}_change[i]) u[i] = s->last[i] - {p}_change[i];"
         act += each("i", nu, f"{{\n    {held}\n    {other}\n    s->last[i] = u[i];\n}}")
-    act += tracked.after
+    act += tracked.after + (pushed("way", late, nu, "u[i]") if late else "")
     where = f", along a nominal of {nodes} nodes from {law._start!r} s on" if nodes > 1 else ""
     what = f"MPC, horizon {law.horizon}: {m} rows, {nz} unknowns{where}{tracked.what}"
     reset = f"int i;\n{reset}" if "[i]" in reset else reset

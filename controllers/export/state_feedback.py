@@ -11,7 +11,7 @@ from pliant.controllers.linear_quadratic.lqr import LQR
 from pliant.controllers.linear_quadratic.nominal_loop import AHEAD
 from pliant.controllers.linear_quadratic.tvlqr import TVLQR
 
-from .c_text import Law, added, array, clipped, each, indented, number
+from .c_text import Law, added, array, clipped, each, indented, number, pushed
 
 
 def feedback(law: Feedback, p: str) -> Law:
@@ -46,11 +46,9 @@ def lqr(law: LQR, p: str) -> Law:
     """u = u0 - K_x (x - x0) - K_i xi, within the limits; xi stands still where it would push further past one."""
     nx, ni, nu = len(law.x0), len(law.target), len(law.u0)
     what = "u = u0 - K_x (x - x0 - drift t) - K_i xi within the limits; xi integrates"
-    if law.K_past is not None:
-        raise ValueError(f"export_c: LQR.delay = {law.delay} must be 0: export law_of(law), which knows no limits")
     if ni and law.dt is None:
         raise ValueError("export_c: an LQR with integrals needs dt, the period at which the C code is called")
-    if not ni and law.drift is None:
+    if not ni and law.drift is None and law.K_past is None:
         return _gain(p, law.reads, law.K, law.x0, law.u0, law.limits, "u = u0 - K (x - x0)")
     limited, clip = clipped(p, nu, *law.limits)
     constants = array(f"{p}_K", law.K[:, :nx]) + array(f"{p}_y0", law.x0) + array(f"{p}_u0", law.u0) + limited
@@ -60,6 +58,14 @@ def lqr(law: LQR, p: str) -> Law:
         start = f"e[i] = y[i] - (REAL)({p}_y0[i] + {p}_drift[i] * t);"
     act = f"int i;\nREAL e[{nx}];\n" + each("i", nx, start) + each("i", nu, f"u[i] = {p}_u0[i];")
     act += added(nu, nx, "-1", f"{p}_K", "e", "u")
+    if law.K_past is not None:
+        late = law.K_past.shape[1]
+        constants += array(f"{p}_Kpast", law.K_past) + array(f"{p}_begun", law._begun())
+        act += added(nu, late, "-1", f"{p}_Kpast", "s->past", "u") + clip
+        act += pushed("past", late, nu, f"u[i] - {p}_u0[i]")
+        reset = "int i;\n" + each("i", late, f"s->past[i] = {p}_begun[i];")
+        what = "u = u0 - K (x - x0 - drift t) - K_past (inputs on their way less u0) within the limits"
+        return Law(p, what, law.reads, nu, (f"REAL past[{late}];",), constants, "", reset, act)
     if not ni:
         return Law(p, what, law.reads, nu, (), constants, "", "", act + clip)
     picks = ", ".join(str(int(k)) for k in law.picks)

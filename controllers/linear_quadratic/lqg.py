@@ -27,6 +27,7 @@ from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.parameter_noise import linear_motion, off_by, pushed, told_parameters, uncertain_box
 from pliant.controllers.estimation.process_noise import recovering, scene_noise
 from pliant.controllers.estimation.sensors import Sensor
+from pliant.controllers.riccati.late_inputs import delay_range
 from pliant.plants.core.argument_gates import require_instance, require_number, require_seconds
 from pliant.plants.core.errors import UncontrollableError
 from pliant.plants.core.signals import OwnsArrays, names, rows_by_name
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from pliant.controllers.base.scene_protocol import CostedScene
 
 
+Delay = float | tuple[float, float]  # [periods]
 UNCERTAIN = 0.1  # spread of what the plant calls uncertain
 READING = 1e-3  # of what a sensor reads on the way to the goal: what its model is off by, modes that it lacks
 
@@ -72,22 +74,22 @@ class LQG(OwnsArrays):
         limits: Any = None,
         delay: int = 0,
         noise: str = "white",
-        input_delay: float = 0.0,
+        input_delay: Delay = 0.0,
         recovery: float = 0.0,
     ) -> Self:
         """LQR.design and Kalman.design on one continuous-time model: Q, R, limits, W, delay, noise as there.
 
-        dt: period [s]. delay: of the readings, input_delay: of the inputs, which
-        is taken for known [periods]. recovery: standard deviation of noise besides on
-        each input, in its unit, that counts as process noise: the larger, the nearer the loop at the inputs comes to
-        that of the state feedback, where no zero of the plant, sampled, is outside the unit circle (Doyle and Stein
-        1979; Maciejowski 1985 for samples).
+        dt: period [s]. delay: of the readings, input_delay: of the inputs [periods], taken for known; of a range
+        (low, high) the law is LQR's for the range, and the filter is told the middle. recovery: standard deviation of
+        noise besides on each input, in its unit, that counts as process noise: the larger, the nearer the loop at the
+        inputs comes to that of the state feedback, where no zero of the plant, sampled, is outside the unit circle
+        (Doyle and Stein 1979; Maciejowski 1985 for samples).
         """
         dt = require_seconds("LQG.dt", dt)
-        late = require_number("LQG.input_delay", input_delay, "nonnegative", unit="periods")
+        late, middle = _late(input_delay)
         law = LQR.design(model, Q, R, dt=dt, limits=limits, delay=late)
         W = recovering(W, dict.fromkeys(model.input_names, 1.0), recovery, dt)
-        return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay, noise=noise, input_delay=late))
+        return cls(law, Kalman.design(model, sensors, W, dt=dt, delay=delay, noise=noise, input_delay=middle))
 
     @classmethod
     def for_scene(
@@ -98,7 +100,7 @@ class LQG(OwnsArrays):
         W: Mapping[str, float] | None = None,
         delay: int = 0,
         effort: float = 1.0,
-        input_delay: float = 0.0,
+        input_delay: Delay = 0.0,
         recovery: float = 0.0,
         uncertain: float | None = None,
     ) -> Self:
@@ -110,9 +112,9 @@ class LQG(OwnsArrays):
         its range besides. None: UNCERTAIN, or as 0 where W is given,
         the goal moves, the law leaves states out, or no such filter is found.
         """
-        late = require_number("LQG.input_delay", input_delay, "nonnegative", unit="periods")
+        late, middle = _late(input_delay)
         law = LQR.for_scene(scene, effort=effort, delay=late)
-        options: dict[str, Any] = {"delay": delay, "input_delay": late, "recovery": recovery}
+        options: dict[str, Any] = {"delay": delay, "input_delay": middle, "recovery": recovery}
         plain = Kalman.for_scene(scene, sensors=sensors, W=W, **options)
         spread = _spread(uncertain, scene, law, plain, W)
         if not spread or not (box := uncertain_box(scene, spread)):
@@ -185,3 +187,9 @@ def _spread(
     if spread and not told:
         raise ValueError(f"LQG.uncertain = {uncertain!r} must be 0 where the goal moves or the law leaves states out")
     return spread
+
+
+def _late(input_delay: Delay) -> tuple[Delay, float]:
+    """The delay or the range of it that a law is designed for, and the one that its filter is told [periods]."""
+    low, high = delay_range("LQG", input_delay, "input_delay")
+    return (low if low == high else (low, high)), (low + high) / 2

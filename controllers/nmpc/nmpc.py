@@ -13,7 +13,8 @@ of it after the measurement, where HPIPM takes 0.6 ms on the stages as they are.
 Of more than 150 inputs (`condensing.LONG`) it is condensed only where a limit or a bound binds, else solved stage by
 stage: the published arm of three joints over 125 periods takes 5.3 ms of processor time a period so, in place of 8.3.
 
-Guarantee   none: one iteration a period, no terminal set; a delay is taken for known.
+Guarantee   none: one iteration a period, no terminal set; a delay is taken for known, of a range a quarter of it.
+            Told a delay that is longer than the true one a loop is lost sooner than told a shorter one.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ Array = np.ndarray
 ROUGH = 1e-6  # share of gaps in a plan's cost
 FIRST = 1e-3  # of half an input's range: change that a first plan may still see
 VIOLATED = 1e-6  # of half a bound's range: excess that is none
+WITHIN = 0.25  # of a range of delays: where in it the plan is for
 
 
 @dataclass
@@ -89,7 +91,7 @@ class NMPC:
         starts: tuple[Array, ...] = (),
         first_steps: int = 20,
         iteration_limit: int = 1000,
-        delay: float = 0.0,
+        delay: float | tuple[float, float] = 0.0,
         before: Any = None,
     ) -> None:
         """horizon: control periods; substeps: RK4 steps in each, None for the fewest that are stable and fine enough.
@@ -99,7 +101,8 @@ class NMPC:
         starts: states (nx,) that the choice of substeps is to serve. first_steps: Gauss-Newton steps, at most, on the
         first plan after `reset`. iteration_limit: of the quadratic program's active-set changes. delay: after how many
         periods an input acts, 1.5 say; the plan begins at the state that the plant's own steps take the reading to by
-        then. before (nu,): what acts until the first input does; the goal's where None.
+        then, of a range (shortest, longest) after a quarter of it. before (nu,): what acts until the first input does;
+        the goal's where None.
         """
         require_instance("NMPC.objective", objective, Objective)
         horizon = require_count("NMPC", "horizon", horizon, 1, 10_000)
@@ -112,7 +115,8 @@ class NMPC:
         )
         states = (objective.plant.nx,)
         starts = tuple(require_finite(f"NMPC.starts[{i}]", x, states) for i, x in enumerate(listed))
-        late, _ = delay_range("NMPC", require_number("NMPC.delay", delay, "nonnegative", unit="periods"))
+        low, high = delay_range("NMPC", delay)
+        late = low + WITHIN * (high - low)
         first = objective.u_goal if before is None else require_finite("NMPC.before", before, (objective.plant.nu,))
         self._made = (substeps, terminal, penalty, starts, first_steps, iteration_limit, late, first)
         if not np.linalg.eigvalsh(objective.quadratic()[1]).min() > 0:

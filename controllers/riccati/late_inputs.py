@@ -52,9 +52,9 @@ class LateRegulator(NamedTuple):
     middle: LatePeriod  # of that delay
 
 
-def delay_range(owner: str, delay: Any) -> tuple[float, float]:
-    """(shortest, longest) delay [periods] from a number or a pair. ValueError that names `owner`.delay."""
-    name = f"{owner}.delay"
+def delay_range(owner: str, delay: Any, field: str = "delay") -> tuple[float, float]:
+    """(shortest, longest) delay [periods] from a number or a pair. ValueError that names `owner`.`field`."""
+    name = f"{owner}.{field}"
     if isinstance(delay, (tuple, list, np.ndarray)) and np.ndim(delay):
         low, high = (require_number(name, end, "nonnegative", unit="periods") for end in pair(name, delay))
     else:

@@ -61,11 +61,13 @@ def loop_over_box(
     model = varied.linearize(x0, u0) if centre is None else varied.linearize(x0, u0, p=centre)
     n, nu, rows = len(x0), len(u0), rows_by_name(model, law.reads).at
     felt = len(plant_of(model, LinearLaw(law.A, law.B, law.C, law.D, law.reads, None))[0])
-    whole = felt == n  # nothing conserved leaves the loop
+    whole = (
+        felt == n == len(model.A)
+    )  # nothing conserved leaves the loop, and no quaternion is told by three of its four
     if late is not None and not whole:
         raise PliantError("robust_stability: a loop that leaves something conserved, and a delay, are not done at once")
 
-    none = np.zeros(n + nu)
+    none = np.zeros(len(model.A) + nu)
     unit = even_units(_with_inputs(model.A, model.B), none, none)  # of all: each alone would take the time of the rest
 
     def state_matrix(delta: Array) -> Array:

@@ -14,7 +14,9 @@ What is not shown is that rest, A less what is linear in each parameter between 
 middle of the part and of its sides, and twice the largest that was found stands for it.
 
 The part nearest to the middle of the box is looked at first, and halved where it is not shown: what is shown grows
-from there. A continuous loop is mapped to a sampled one by (1 - h A/2)^-1 (1 + h A/2), stable where it is.
+from there. Parts that norms do not show may be asked about by scalings (`scaled_part`), which cost some hundred looks
+and hold for parts many times as large. A continuous loop is mapped to a sampled one by (1 - h A/2)^-1 (1 + h A/2),
+stable where it is.
 
 Source   de Oliveira, Bernussou and Geromel 1999, "A new discrete-time robust stability condition", Theorem 2
 """
@@ -32,6 +34,7 @@ from pliant.plants.core.imports import linalg
 
 from .modal_norms import lyapunov_norms, modal_norms
 from .nearest_instability import growth
+from .scaled_part import holds_by_scalings
 
 Array = np.ndarray
 TWICE = 2.0  # times the rest that was measured
@@ -41,16 +44,17 @@ SMALLEST = 1e-4  # of the box: width of a part that is not halved again
 
 class Parts(NamedTuple):
     """`stood`: of the box, within which all was shown, 1 at most; how many parts were; the largest |rest| / |A| that
-    was measured; an instability (k,) that was met, or None."""
+    was measured; an instability (k,) that was met, or None; whether looks ran out before all was shown."""
 
     stood: float
     parts: int
     left: float
     unstable: Array | None
+    cut_short: bool = False
 
 
-def shown(state_matrix: Callable[[Array], Array], count: int, dt: float | None, most: int) -> Parts:
-    """Of the box |delta_i| <= 1, by at most so many looks at a part."""
+def shown(state_matrix: Callable[[Array], Array], count: int, dt: float | None, most: int, work: float = 0.0) -> Parts:
+    """Of the box |delta_i| <= 1, by at most so many looks at a part; `work` on scalings: looks for those of 20 rows."""
     seen: dict[bytes, Array] = {}
     raw = state_matrix(np.zeros(count))
     turn = None if dt is not None else _period(raw)
@@ -71,7 +75,7 @@ def shown(state_matrix: Callable[[Array], Array], count: int, dt: float | None, 
             break
         looked += 1
         if looked > most:
-            return Parts(near, parts, left, unstable)
+            return Parts(near, parts, left, unstable, True)
         if growth(at(centre), 1.0) >= 0:
             size = float(np.abs(centre).max())
             if size < stood:
@@ -80,6 +84,12 @@ def shown(state_matrix: Callable[[Array], Array], count: int, dt: float | None, 
         if held.holds:
             parts, left = parts + 1, max(left, held.left)
             continue
+        if held.worth and work > 0:
+            by = holds_by_scalings(at, centre, half)
+            work -= by.cost
+            if by.holds:
+                parts, left = parts + 1, max(left, by.left)
+                continue
         if half.max() < SMALLEST:
             return Parts(near, parts, left, unstable)
         i = held.axis
@@ -94,6 +104,7 @@ class _Held(NamedTuple):
     holds: bool
     left: float
     axis: int  # along which the loop changes most
+    worth: bool = False  # a look by scalings: all corners are stable
 
 
 def _held(at: Callable[[Array], Array], centre: Array, half: Array, corners: Array) -> _Held:
@@ -124,7 +135,7 @@ def _held(at: Callable[[Array], Array], centre: Array, half: Array, corners: Arr
         axis = int(sizes[: len(half)].argmax())
         if stands > TWICE * float(sizes[len(half) :].max()):
             return _Held(True, float(np.linalg.norm(rests, 2, axis=(1, 2)).max() / np.linalg.norm(middle, 2)), axis)
-    return _Held(False, 0.0, axis)
+    return _Held(False, 0.0, axis, True)
 
 
 def _units(size: Array) -> Array:

@@ -33,13 +33,15 @@ from pliant.plants.dynamics.plant import Plant
 
 from .loop_over_box import LoopOverBox, loop_over_box
 from .nearest_instability import first_along, growth, nearest
-from .parts_of_box import shown
+from .parts_of_box import Parts, shown
 
 Array = np.ndarray
 MOST = 8  # boxes that are looked at
 KEPT = 0.95  # of a value, that it may fall by where boxes larger than the given one would take it past zero
 QUICK = 3.0  # boxes, that a quick look tries
-LOOKS = 3000  # at parts of a box
+FIRST, LOOKS = 600, 3000  # at parts of a box: by norms alone, then ..
+BY_SCALINGS = 60.0  # .. by scalings as well: so many looks for those of 20 rows
+NEUTRAL = 1e-10  # of the fastest rate: decay that is rounding
 NEAR = 0.99  # of the nearest instability: the box that is shown in parts
 SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3, 0.15, 0.05)  # of the nearest instability: boxes that are tried
 
@@ -56,6 +58,7 @@ class RobustStability(OwnsArrays):
     left: float  # |what the forms lack| / |state matrix|, the largest that was measured
     parts: int  # of the box, each shown by itself; 1: all of it by scalings of the form
     form: FractionalForm | None
+    cut_short: bool = False  # looks at parts ran out: more of the box may be stable
 
     @property
     def mu(self) -> tuple[float, float]:
@@ -72,6 +75,8 @@ class RobustStability(OwnsArrays):
         if self.unstable_at is not None and self.unstable_at <= 1:
             inside = "unstable within the box"
         text = f"The loop is {inside}: it stands {self.stable_to:.4g} boxes"
+        if self.cut_short:
+            text += " (looks at parts of it ran out)"
         if self.worst is None:
             return f"{text}, and no instability was found in {self.most:.3g}."
         at = ", ".join(f"{n} = {v:.4g}" for n, v in self.worst.items())
@@ -125,10 +130,13 @@ def over_box(
 
 def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox) -> RobustStability:
     most, count, dt = _most(middle, half, loop), len(names), loop.dt
-    if (rate := growth(loop.state_matrix(np.zeros(count)), dt)) >= 0:
-        raise PliantError(f"the loop is not stable in the middle of the box: it grows by {rate:.4g} 1/s")
+    middle_loop = loop.state_matrix(np.zeros(count))
+    fastest = 1 / dt if dt is not None else float(np.abs(np.linalg.eigvals(middle_loop)).max())
+    if (rate := growth(middle_loop, dt)) >= -NEUTRAL * fastest:
+        how = f"it grows by {rate:.4g} 1/s" if rate > NEUTRAL * fastest else "a motion of it neither grows nor dies out"
+        raise PliantError(f"the loop is not stable in the middle of the box: {how}")
     found = nearest(loop.state_matrix, count, dt, most)
-    form, stood, parts, left = None, 0.0, 0, np.inf
+    form, stood, parts, left, cut_short = None, 0.0, 0, np.inf, False
     edge = most if found is None else found[0]
     for share in ((1.0, *SHARES) if found is None else SHARES) if dt is None else ():
         if (form := _by_scalings(loop, count, edge * share)) is not None:
@@ -136,12 +144,15 @@ def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox
             break
     edge *= 1.0 if found is None else NEAR
     if stood < edge:
-        seen = shown(_scaled(loop.state_matrix, edge), count, dt, LOOKS)
+        seen = shown(_scaled(loop.state_matrix, edge), count, dt, FIRST)
+        if seen.cut_short:
+            seen = max(seen, shown(_scaled(loop.state_matrix, edge), count, dt, LOOKS, BY_SCALINGS), key=_stood)
         if seen.unstable is not None:
             met = first_along(lambda delta: growth(loop.state_matrix(delta), dt), edge * seen.unstable)
             found = met if found is None or met[0] < found[0] else found
         if edge * seen.stood > stood:
             stood, parts, left, form = edge * seen.stood, seen.parts, seen.left, None
+        cut_short = seen.cut_short
     return RobustStability(
         box=dict(zip(names, zip((middle - half).tolist(), (middle + half).tolist()))),
         stable_to=float(stood),
@@ -151,7 +162,12 @@ def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox
         left=left,
         parts=parts,
         form=form,
+        cut_short=cut_short,
     )
+
+
+def _stood(seen: Parts) -> float:
+    return seen.stood
 
 
 def _most(middle: Array, half: Array, loop: LoopOverBox) -> float:

@@ -93,6 +93,11 @@ def _units(values: Array) -> Array:
     return np.asarray(scale)
 
 
+def check_points(count: int) -> Array:
+    """Points (m, count) of the box at which a form's lack is measured, corners among them."""
+    return _points(count)[1]
+
+
 def _points(count: int) -> tuple[Array, Array]:
     """Where the polynomial is fitted, and where it is measured."""
     rng = np.random.default_rng(0)

@@ -81,6 +81,7 @@ def command(
     folder = Path("trained") / chosen.name if out is None else out
     writable_folder("--out", folder)
     words = ["pliant", "train", scene, *(w for s in settings or [] for w in ("--set", s))]
+    words += ["--robust"] if robust else []
     given = {
         "--algorithm": algorithm,
         "--seed": seed,

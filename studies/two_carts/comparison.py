@@ -30,7 +30,7 @@ class Own:
     def law(self) -> LinearLaw:
         """Sampled at the scene's period."""
         if self.stiffness is None:
-            return law_of(LQG.for_scene(SCENE, sensors=READS, effort=self.effort))
+            return law_of(LQG.for_scene(SCENE, sensors=READS, effort=self.effort, uncertain=0.0))
         scene = dataclasses.replace(SCENE, effort=(("x1_force", self.effort),))
         return law_of(robust_lqg(scene, ranges={SPRING: self.stiffness}, delays=(0,), sensors=READS).law)
 

@@ -97,3 +97,10 @@ def test_a_folder_belongs_to_one_run(tmp_path) -> None:
     other = dataclasses.replace(FEW, width=9)
     with pytest.raises(ValueError, match="the checkpoint's settings"):
         rl.train(SHORT, settings=other, steps=GRADIENT, folder=tmp_path, resume=True)
+
+
+def test_a_run_without_time_for_a_gradient_says_so() -> None:
+    found = rl.train(SHORT, "apg", seconds=1e-3, settings=FEW)
+    assert found.steps == 0 and len(found.curve) >= 1
+    assert found.words.startswith("no gradient was followed: ") and "; with " in found.words
+    assert not rl.train(SHORT, "apg", steps=GRADIENT, settings=FEW).words.startswith("no gradient")

@@ -13,6 +13,11 @@ def test_lqg(tmp_path, reach, near) -> None:
     same_loop(tmp_path, reach, LQG.for_scene(reach, delay=1), near)
 
 
+@pytest.mark.parametrize("late", [(0, 1), pytest.param(2.0, marks=pytest.mark.campaign)])
+def test_lqg_whose_inputs_act_late(tmp_path, reach, near_double, late) -> None:
+    same_loop(tmp_path, reach, LQG.for_scene(reach, input_delay=late), near_double, count=20)
+
+
 def test_a_predictive_law_that_acts_on_the_estimate(tmp_path, reach, near_double) -> None:
     law = LQG(MPC.for_scene(reach, rates=400.0), Kalman.for_scene(reach))
     same_loop(tmp_path, reach, law, near_double)

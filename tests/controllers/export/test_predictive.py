@@ -19,6 +19,13 @@ def test_in_closed_loop(tmp_path, reach, near) -> None:
     assert law.record.limited > 2 and law.record.failures == 0  # programs were solved
 
 
+@pytest.mark.parametrize("delay", [1.4, pytest.param((0, 1), marks=pytest.mark.campaign)])
+def test_with_inputs_on_their_way(tmp_path, reach, near_double, delay) -> None:
+    law = MPC.for_scene(reach, 10, rates=400.0, delay=delay)
+    same_loop(tmp_path, reach, law, near_double, count=20)
+    assert law.record.limited > 2 and law.record.failures == 0
+
+
 def random_program(seed: int):
     """(law, readings, answers by DAQP): in some no plan keeps the bounds; in seed 0 the rates of inputs are limited."""
     rng = np.random.default_rng(seed)

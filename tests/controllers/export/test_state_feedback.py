@@ -25,6 +25,13 @@ def test_lqr(tmp_path, reach, near) -> None:
     same_loop(tmp_path, reach, LQR.for_scene(reach), near)
 
 
+@pytest.mark.parametrize("delay", [1.4, pytest.param((0, 1), marks=pytest.mark.campaign)])
+def test_inputs_on_their_way(tmp_path, reach, near_double, delay) -> None:
+    law = LQR.for_scene(reach, delay=delay)
+    assert len(law.K_past.T) // reach.plant.nu == (2 if delay == 1.4 else 1)
+    same_loop(tmp_path, reach, law, near_double, count=20)
+
+
 def test_integrals_that_stand_still_at_a_limit(tmp_path, reach, near_double) -> None:
     same_loop(tmp_path, reach, LQR.for_scene(reach, integral={"tip_x": 1.0, "tip_y": 1.0}), near_double)
 

@@ -11,6 +11,7 @@ from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.sensors import sensors_of
 from pliant.controllers.linear_quadratic.delay import predictive_gain
 from pliant.controllers.riccati.late_inputs import late_period
+from pliant.controllers.robust_design.lqg_over_box import loops_over
 from pliant.envs import scenes
 
 SCENE = scenes.get("single-link-slew")
@@ -94,6 +95,20 @@ def test_recovery_brings_the_margins_of_the_state_feedback_back():
     assert found[2] == pytest.approx(wanted, rel=5e-3)
 
 
+def test_lqg_for_a_range_of_delays_is_stable_on_time_and_late():
+    """Two-link-reach: told 1 period it is not stable without a delay, nor told none with one."""
+    reach, delays = scenes.get("two-link-reach"), (0.0, 0.5, 1.0)
+    model = reach.plant.feedback_model(*reach.target)
+
+    def radii(given):
+        law = LQG.for_scene(reach, input_delay=given)
+        return [loops_over(reach, law.filter.sensors, [model], [d]).value(law).radius for d in delays]
+
+    assert radii(0)[2] > 1 and radii(1)[0] > 1 and max(radii((0, 1))) < 1
+    law = LQG.for_scene(reach, input_delay=(0, 1))
+    assert law.filter.input_delay == 0.5 and law.law.delay == (0.0, 1.0)
+
+
 def test_bad_input():
     with pytest.raises(ValueError, match=r"LQR\.delay"):
         LQR.design(MODEL, Q, R, delay=1)
@@ -103,6 +118,8 @@ def test_bad_input():
         LQR.design(MODEL, Q, R, dt=DT, delay=1, before=[1.0, 2.0])
     with pytest.raises(ValueError, match=r"LQG\.input_delay"):
         LQG.for_scene(SCENE, input_delay=-1)
+    with pytest.raises(ValueError, match=r"LQG\.input_delay"):
+        LQG.for_scene(SCENE, input_delay=(1.0, 0.5))
     with pytest.raises(ValueError, match=r"LQG\.recovery"):
         LQG.for_scene(SCENE, recovery=-1)
     with pytest.raises(ValueError, match=r"Kalman\.input_delay"):

@@ -267,3 +267,11 @@ def test_a_delay_is_met_by_planning_from_the_state_ahead():
         x = SLEW.plant.stepper(SLEW.dt, substeps=10)(x[None], ahead.first)[0]
     with pytest.raises(ValueError, match=r"NMPC\.delay"):
         NMPC.for_scene(SLEW, delay=-0.5)
+    with pytest.raises(ValueError, match=r"NMPC\.delay"):
+        NMPC.for_scene(SLEW, delay=(1.0, 0.5))
+
+
+def test_of_a_range_of_delays_it_plans_for_a_quarter():
+    range_, one = NMPC.for_scene(SLEW, delay=(0.5, 2.5)), NMPC.for_scene(SLEW, delay=1.0)
+    assert range_.delay == one.delay == 1.0
+    np.testing.assert_array_equal(range_.act(0.0, SLEW.initial[0]), one.act(0.0, SLEW.initial[0]))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pliant.controllers import LQR
+from pliant.controllers import LQG, LQR
 from pliant.controllers.analysis.linear_laws import LinearLaw, law_of
 from pliant.controllers.analysis.loops import closed_loop
 from pliant.controllers.robust_analysis.loop_over_box import _late, loop_over_box
@@ -78,3 +78,15 @@ def test_what_is_no_delay(slew):
     for box in ({"delay": (-0.01, 0.01)}, {"delay": (0.01, 0.03)}):
         with pytest.raises(ValueError, match="within one period"):
             robust_stability(scene.plant, law, box, dict(scene.goal))
+
+
+def test_a_craft_whose_model_tells_its_quaternion_by_three():
+    scene = scenes.get("spacecraft-slew")
+    law, own = LQG.for_scene(scene), scene.plant.hub.inertia[2][2]
+    loop = loop_over_box(
+        scene.plant, law, ("hub.inertia.2.2",), np.array([own]), np.array([0.2 * own]), dict(scene.goal)
+    )
+    truth = closed_loop(scene.plant.linearize(*scene.plant.equilibrium(dict(scene.goal))), law)
+    found, known = (np.sort(np.abs(np.linalg.eigvals(A))) for A in (loop.state_matrix(NONE), truth))
+    assert found[-len(known) :] == pytest.approx(known[-len(found) :], rel=1e-9)
+    assert found.max() < np.abs(np.linalg.eigvals(loop.state_matrix(-4.9 * np.ones(1)))).max()  # nearly no inertia

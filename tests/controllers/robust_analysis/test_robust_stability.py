@@ -41,6 +41,8 @@ def test_what_is_no_box():
             over_box(lambda d: -np.eye(1), box)
     with pytest.raises(PliantError, match="grows by 1"):
         over_box(lambda d: np.eye(1), {"a": (0.0, 1.0)})
+    with pytest.raises(PliantError, match="neither grows nor dies out"):
+        over_box(lambda d: np.diag([1 - 1e-15, 0.5 + 0.1 * d[0]]), {"a": (0.0, 1.0)}, dt=0.1)
 
 
 def test_a_sample_of_the_campaign():
@@ -66,3 +68,20 @@ def test_two_links_within_two_percent_and_by_monte_carlo():
     x, u = np.tile(rest[0], (len(p), 1)), np.tile(rest[1], (len(p), 1))
     A, B = varied.jacobians(x, u, p=p)[:2]
     assert np.linalg.eigvals(A - B @ law.K).real.max() < 0
+
+
+def test_looks_that_run_out_are_told(monkeypatch):
+    """r R(1 + d1) as above in a box that is stable: with few looks not all of it is shown."""
+
+    def sampled(d):
+        c, s = np.cos(1 + d[0]), np.sin(1 + d[0])
+        return (0.8 + 0.02 * d[1]) * np.array([[c, -4 * s], [s / 4, c]])
+
+    told = {}
+    for looks in (3, 3000):
+        for name, count in (("FIRST", looks), ("LOOKS", looks), ("BY_SCALINGS", 0)):
+            monkeypatch.setattr(f"pliant.controllers.robust_analysis.robust_stability.{name}", count)
+        told[looks] = over_box(sampled, {"turn": (1.0, 3.0), "size": (1.0, 3.0)}, dt=0.1)
+    assert told[3].cut_short and "ran out" in told[3].words and told[3].stable_to < told[3].most
+    assert not told[3000].cut_short and "ran out" not in told[3000].words
+    assert told[3000].stable_to == told[3000].most
