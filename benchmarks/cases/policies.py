@@ -1,8 +1,8 @@
 """Policies by exact gradients: what they cost beside the lower bound, seed by seed, and those that are shipped.
 
 `PYTHONPATH=benchmarks python -m cases.policies` trains every seed on every scene, one thread each, and writes
-results/policies.json and policies.md; runs that are in the folder already are read. --ship saves the median seed's
-among the package's own.
+results/policies.json and policies.md; runs that are in the folder already are read, whatever version made them, which
+the tables tell. --finished trains nothing. --ship saves the median seed's among the package's own.
 """
 
 from __future__ import annotations
@@ -59,19 +59,26 @@ def learned(scene: Scene, seed: int, gradients: int, folder: Path, robust: bool)
     steps = gradients * 16 * scene.steps
     words = f"pliant train {scene.name}{' --robust' * robust} --seed {seed} --steps {steps}"
     curve = folder / rl.CURVE
-    begin = time.process_time()
-    if not curve.is_file() or rl.read_curve(curve)[-1].steps < steps:
+    begin, goes_on = time.process_time(), curve.is_file()
+    if not finished(folder, steps):
         with console.bar(words) as tell:
             on, settings = (harsher(scene), HARSH) if robust else (scene, rl.APGSettings())
-            options = {"seed": seed, "steps": steps, "folder": folder, "resume": curve.is_file()}
+            options = {"seed": seed, "steps": steps, "folder": folder, "resume": goes_on}
             rl.train(on, settings=settings, command=words, progress=tell, **options)
     policy = Policy.load(folder / rl.POLICY)
     found = {"seed": seed, "cost": policy.made["cost"], "folder": folder.name, "command": words}
     seconds = time.process_time() - begin
     note = folder / "seconds.json"
     if seconds > 1.0:
-        write_text(note, json.dumps(seconds))
+        write_text(note, json.dumps(None if goes_on else seconds))  # what a killed run took is not known
+    found |= {"version": policy.made["versions"]["pliant"]}
     return found | {"seconds": json.loads(note.read_text()) if note.is_file() else seconds}
+
+
+def finished(folder: Path, steps: int) -> bool:
+    """Whether a run of so many steps was played to its end there."""
+    curve = folder / rl.CURVE
+    return curve.is_file() and rl.read_curve(curve)[-1].steps >= steps
 
 
 def in_every_case(scene: Scene, policy: Policy) -> dict[str, Any]:
@@ -92,15 +99,17 @@ def main() -> int:
     parser.add_argument("--scenes", nargs="*", default=list(ASKED))
     parser.add_argument("--folder", type=Path, default=Path("build/policies"))
     parser.add_argument("--out", type=Path, default=Path(__file__).parents[1] / "results")
+    parser.add_argument("--finished", action="store_true")
     parser.add_argument("--ship", action="store_true")
     given = parser.parse_args()
     tables, robust = [], []
     for scene in playable(tuple(given.scenes)):
         asked, gradients = ASKED[scene.name]
         (least,) = bounds(scene.name, "exact")[:1]
-        runs = [
-            learned(scene, seed, gradients, given.folder / f"{scene.name}-{seed}", False) for seed in range(given.seeds)
-        ]
+        steps = gradients * 16 * scene.steps
+        folders = {seed: given.folder / f"{scene.name}-{seed}" for seed in range(given.seeds)}
+        chosen = [seed for seed in folders if not given.finished or finished(folders[seed], steps)]
+        runs = [learned(scene, seed, gradients, folders[seed], False) for seed in chosen]
         ratios = [run["cost"] / least for run in runs]
         tables.append({"scene": scene.name, "asked": asked, "bound": least, "ratios": ratios, "runs": runs})
         middle = runs[int(np.argsort(ratios)[len(ratios) // 2])]
@@ -121,11 +130,13 @@ def main() -> int:
 
 def markdown(tables: list[dict[str, Any]], robust: list[dict[str, Any]]) -> str:
     lines = ["# Policies by exact gradients", "", "Processor time of one thread; cost of the scene as it is.", ""]
-    lines += ["| scene | cost over the bound, each seed | asked | seconds |", "| --- | --- | ---: | ---: |"]
+    lines += ["| scene | cost over the bound, each seed | asked | seconds | version |"]
+    lines += ["| --- | --- | ---: | ---: | --- |"]
     for t in tables:
         ratios = ", ".join(f"{r:.5f}" for r in t["ratios"])
-        seconds = max(run["seconds"] for run in t["runs"])
-        lines.append(f"| {t['scene']} | {ratios} | {t['asked']:g} | {seconds:.0f} |")
+        seconds = max((run["seconds"] for run in t["runs"] if run["seconds"] is not None), default=float("nan"))
+        made = ", ".join(sorted({run["version"] for run in t["runs"]}))
+        lines.append(f"| {t['scene']} | {ratios} | {t['asked']:g} | {seconds:.0f} | {made} |")
     lines += ["", "Trained under delay, noise and +-30 % (`--robust`): failures, and cost over the bound.", ""]
     lines += ["| scene | case | failures | median | largest |", "| --- | --- | ---: | ---: | ---: |"]
     for t in robust:
