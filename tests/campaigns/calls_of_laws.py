@@ -78,6 +78,7 @@ REASONS = {  # patterns of module and name
     "controllers.robust_analysis.nearest_instability*": INNER,
     "controllers.robust_analysis.parts_of_box*": INNER,
     "controllers.robust_analysis.modal_norms*": INNER,
+    "controllers.robust_analysis.scaled_part*": INNER,
     "controllers.robust_analysis.robust_stability.RobustStability*": RESULT,
     "controllers.robust_analysis.robust_stability.require_box": "a gate itself",
     "controllers.robust_analysis.robust_gain.RobustGain*": RESULT,
