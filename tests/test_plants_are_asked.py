@@ -35,6 +35,7 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "plants/core/imports.py": {"attribute"},  # of a module
     "plants/native/compiler.py": {"s"},  # lines of /proc/cpuinfo
     "plants/native/slp_codegen.py": {"text"},  # C source
+    "plants/toolchain/straight_line.py": {"line"},  # C source
     "controllers/learning/policy_files.py": {"name", "path.name", "path.name.removesuffix('.npz')"},  # arrays and files
     "controllers/learning/policy.py": {"name"},  # files
     "controllers/learning/checkpoint.py": {"name"},  # arrays

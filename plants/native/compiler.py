@@ -243,7 +243,7 @@ def _probe(command: tuple[str, ...]) -> Toolchain:
 def _flags_for(source: str, tools: Toolchain) -> tuple[str, ...]:
     """The toolchain's compile flags, and for a long source those that gcc is quicker with; added ones stay last."""
     own = len(tools.compile_flags) - len(extra_flags())
-    quick = QUICK if len(source) > LONG_SOURCE and CLANG[1] not in tools.compile_flags else ()
+    quick: tuple[str, ...] = QUICK if len(source) > LONG_SOURCE and CLANG[1] not in tools.compile_flags else ()
     quick += tuple(f"-fno-tree-{name}" for name in PASSES if quick and len(source) > LONGEST)
     return (*tools.compile_flags[:own], *quick, *tools.compile_flags[own:])
 

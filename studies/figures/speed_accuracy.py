@@ -224,7 +224,7 @@ def _legend(chart: Chart, colours: dict[str, str], low: float, mark: Row | None)
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    def entry(label: str, shape: str = "", **look: Any) -> Line2D:
+    def entry(label: str, shape: str | int = "", **look: Any) -> Line2D:
         return Line2D([], [], **{"marker": shape, "ls": "none", "color": QUIET, "label": label, **look})
 
     rows = chart.measured
@@ -244,7 +244,8 @@ def _legend(chart: Chart, colours: dict[str, str], low: float, mark: Row | None)
     tolerance = f"tolerance, {measured(chart.tolerance, chart.unit)}"
     handles.append(Line2D([], [], color=COLOURS[7], lw=1.2, ls="--", label=tolerance))
     if chart.told_from > low / 1.8:
-        if any((r.error or 0.0) < chart.told_from for r in (*rows, *(p for p in chart.peers if p.failure is None))):
+        errors = [r.error for r in rows] + [p.error for p in chart.peers if p.failure is None]
+        if any((error or 0.0) < chart.told_from for error in errors):
             handles.append(entry("not told apart from physics", UNTOLD, ms=6.5))
         label = f"below ten times what physics\nis known to, {measured(chart.told_from, chart.unit)}"
         handles.append(Patch(color=QUIET, alpha=0.22, lw=0, label=label))

@@ -62,8 +62,8 @@ def jacobians(fine: Any, t: Array, x: Array, u: Array, rate: Array, M: Array | N
     if balance is not None:
         return np.asarray(balance.near_jacobians(t, x, u, rate[:, balance.first :], M))
     if len(t) == 1:  # a motion has two times
-        both = [np.repeat(v, 2, axis=0) for v in (x, u, rate)]
-        return jacobians(fine, np.append(t, t + 1.0), *both, M)[:1]
+        x, u, rate = (np.repeat(v, 2, axis=0) for v in (x, u, rate))
+        return jacobians(fine, np.append(t, t + 1.0), x, u, rate, M)[:1]
     y = np.zeros((len(t), fine.ny))  # unused
     return np.asarray(fine.state_jacobians_along(Trajectory.from_arrays(t, x, u, plant=fine, y=y, dx=rate)))
 
