@@ -15,6 +15,10 @@ def policy(law: Policy, p: str) -> Law:
     """u = limits * clip(net(z)), z = clip((y - goal - mean) / std). ValueError for one that has a memory."""
     if law.history:
         raise ValueError(f"export_c.what: Policy.history = {law.history} must be 0: its memory has no form in C yet")
+    if law.hold > 1 or law._place is not None:
+        raise ValueError(
+            "export_c.what: a Policy whose commands last or are no shares of the limits has no form in C yet"
+        )
     ny, nu, last = len(law.reads), len(law.inputs), len(law.weights)
     constants = array(f"{p}_shift", law._shift) + array(f"{p}_factor", law._factor) + array(f"{p}_limit", law.limits)
     widest = max(ny, *(len(b) for b in law.biases))

@@ -4,6 +4,9 @@ Law    u = limits * clip(net(z), -1, 1), or limits * tanh(net(z)) where `squash`
        z = clip((y - goal - mean) / std, -clip, clip),
        net = W_n a(.. a(W_1 z + b_1) ..) + b_n with a = tanh or relu.
 
+Of an action that is not a share of the limits, clip(net(z)) is followed by clip(middle + reach * it, -1, 1); `hold`
+lets a command last so many control periods, and the network is asked anew in the next one.
+
 With a `history` of h, z is followed by the h former ones, newest first, and by the h former commands over the limits.
 
 A policy is NAME.npz (W1, b1, .., mean, std and all words) and NAME.json (the words once more). Neither can run code.
@@ -45,6 +48,7 @@ FOLDER = Path(__file__).parent / "policies"
 ROBUST = "-robust"  # ends the name of what was trained under delay, noise and other parameters
 MOST_LAYERS = 100
 MOST_HISTORY = 100
+MOST_HOLD = 10_000
 
 
 @final
@@ -66,6 +70,9 @@ class Policy(OwnsArrays):
     activation: str = "tanh"
     squash: bool = False  # the output through tanh instead of being cut off
     history: int = 0  # former readings and commands that are read too
+    hold: int = 1  # control periods that a command lasts
+    middle: np.ndarray | None = None  # (nu,) share of the limits of an action of 0, None: 0; and ..
+    reach: np.ndarray | None = None  # .. how much further one of 1 is, None: 1
     made: Mapping[str, Any] = field(default_factory=dict)  # how: command, seed, steps, cost, versions
     _shift: np.ndarray = field(init=False, repr=False)
     _factor: np.ndarray = field(init=False, repr=False)
@@ -73,6 +80,8 @@ class Policy(OwnsArrays):
     _layers: tuple[Any, ...] = field(init=False, repr=False)  # .. and for each layer's output
     _newest: np.ndarray = field(init=False, repr=False)  # (nu,) the last command over the limits
     _begun: bool = field(init=False, repr=False)  # whether the memory holds this episode's
+    _place: Any = field(init=False, repr=False)  # (middle, reach), where actions are no shares of the limits
+    _left: int = field(init=False, repr=False, default=0)  # control periods that the last command has still to last
 
     def __post_init__(self) -> None:
         own = f"Policy of {require_text('Policy.scene', self.scene, empty=True)!r}"
@@ -99,7 +108,9 @@ class Policy(OwnsArrays):
             weights.append(np.ascontiguousarray(W))
             biases.append(require_finite(f"{own}: biases, b{k}", b, (width,)))
         values: dict[str, Any] = {"weights": tuple(weights), "biases": tuple(biases)}
-        for name, size in (("mean", ny), ("std", ny), ("goal", ny), ("limits", nu)):
+        sizes = {"mean": ny, "std": ny, "goal": ny, "limits": nu}
+        sizes |= {name: nu for name in ("middle", "reach") if getattr(self, name) is not None}
+        for name, size in sizes.items():
             values[name] = require_finite(f"{own}: {name}", getattr(self, name), (size,))
         for name in ("std", "limits"):
             if not (values[name] > 0).all():
@@ -109,6 +120,11 @@ class Policy(OwnsArrays):
         values["clip"] = (
             clip if isinstance(clip, float) and clip == np.inf else require_number(f"{own}: clip", clip, "positive")
         )
+        place = [values.get(name, np.full(nu, missing)) for name, missing in (("middle", 0.0), ("reach", 1.0))]
+        values["_place"] = place if len(sizes) > 4 else None
+        values["hold"] = require_count(own, "hold", self.hold, 1, MOST_HOLD)
+        if history and (self.hold > 1 or len(sizes) > 4):
+            raise ValueError(f"{own}: history = {history} must be 0 where commands last or are no shares of the limits")
         values |= {"squash": require_flag(f"{own}: squash", self.squash)}
         values["made"] = require_mapping(f"{own}: made", self.made)
         values |= {
@@ -125,6 +141,7 @@ class Policy(OwnsArrays):
     def reset(self) -> None:
         """Forget what was read and commanded."""
         object.__setattr__(self, "_begun", False)
+        object.__setattr__(self, "_left", 0)
 
     def act(self, t: float, y: np.ndarray) -> np.ndarray:
         """u (nu,) within the limits, from y (len(reads),)."""
@@ -132,6 +149,9 @@ class Policy(OwnsArrays):
         z = whole[: len(self.reads)] if self.history else whole
         if type(y) is not np.ndarray or y.dtype != float or y.shape != z.shape or not np.dot(y, y) < np.inf:
             y = require_finite("Policy.y", y, z.shape)
+        if self._left:
+            object.__setattr__(self, "_left", self._left - 1)
+            return self.limits * self._newest
         if self.history and self._begun:
             self._shift_memory()
         np.subtract(y, self._shift, out=z)
@@ -146,14 +166,15 @@ class Policy(OwnsArrays):
             np.dot(W, z, out=h)
             np.add(h, b, out=h)
             if k < last:
-                if self.activation == "tanh":
-                    np.tanh(h, out=h)
-                else:
-                    np.maximum(h, 0.0, out=h)
+                np.tanh(h, out=h) if self.activation == "tanh" else np.maximum(h, 0.0, out=h)
             z = h
         action = np.tanh(z) if self.squash else np.minimum(np.maximum(z, -1.0), 1.0)
-        if self.history:
+        if self._place is not None:
+            middle, reach = self._place
+            action = np.minimum(np.maximum(middle + reach * action, -1.0), 1.0)
+        if self.history or self.hold > 1:
             self._newest[:] = action
+            object.__setattr__(self, "_left", self.hold - 1)
         return self.limits * action
 
     def _fill_memory(self, z: np.ndarray) -> None:
@@ -205,8 +226,11 @@ class Policy(OwnsArrays):
         algorithm: str = "ppo",
         statistics: str | Path | None = None,
         trust: bool = False,
+        hold: int = 1,
+        actions: str = "limits",
     ) -> Self:
-        """From a Stable-Baselines3 zip, and a pickled VecNormalize (`statistics`) where there was one.
+        """From a Stable-Baselines3 zip, and a pickled VecNormalize (`statistics`) where there was one; `hold` and
+        `actions` ("limits", "midway") as its environment had them, which the zip does not say.
 
         Both are pickles: reading one runs whatever code its author put in. ValueError unless trust=True.
         """
@@ -220,7 +244,14 @@ class Policy(OwnsArrays):
         found = None if statistics is None else require_path("from_sb3_zip.statistics", statistics)
         from .sb3_export import read_zip  # the other door to torch
 
-        return cls(**read_zip(require_path("from_sb3_zip.path", path), scene, algorithm, found))
+        plain = actions == "limits"
+        middle, reach = (None, None) if plain else scene.vector_env(1, threads=1, actions=actions).action_map
+        return cls(
+            **read_zip(require_path("from_sb3_zip.path", path), scene, algorithm, found),
+            hold=hold,
+            middle=middle,
+            reach=reach,
+        )
 
 
 def _each_layer(name: str, value: Any) -> tuple[Any, ...]:

@@ -21,8 +21,11 @@ from pliant.plants.files.atomic_files import Together, require_path
 
 FORMAT = 2
 OWNER, KIND = "Policy.load", "policy"
-WORDS = ("scene", "reads", "goal", "inputs", "limits", "dt", "clip", "activation", "squash", "history", "made")
-LATER = {"history": 0}  # words that older files lack, and what they then are
+WORDS = (
+    "scene", "reads", "goal", "inputs", "limits", "dt", "clip", "activation", "squash", "history", "hold", "middle",
+    "reach", "made",
+)  # fmt: skip
+LATER = {"history": 0, "hold": 1, "middle": None, "reach": None}  # what files may lack, and what it then is
 Parts = tuple[dict[str, Any], dict[str, np.ndarray]]  # words as JSON knows them, arrays by name
 
 
@@ -33,6 +36,8 @@ def parts_of(policy: Any) -> Parts:
     arrays |= {"mean": policy.mean, "std": policy.std}
     words = {name: getattr(policy, name) for name in WORDS}
     words |= {"goal": policy.goal.tolist(), "limits": policy.limits.tolist(), "made": dict(policy.made)}
+    for name in ("middle", "reach"):
+        words[name] = None if words[name] is None else words[name].tolist()
     words["clip"] = None if np.isinf(policy.clip) else float(policy.clip)
     return json.loads(json.dumps(words, allow_nan=False)), arrays
 
@@ -48,7 +53,8 @@ def fields_of(words: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> dic
     for name in ("reads", "inputs"):
         if not isinstance(words[name], list) or not all(isinstance(word, str) for word in words[name]):
             raise ValueError(f"{name} = {words[name]!r} must be names")
-    for name, kind in (("scene", str), ("activation", str), ("squash", bool), ("history", int), ("made", dict)):
+    kinds = {"scene": str, "activation": str, "squash": bool, "history": int, "hold": int, "made": dict}
+    for name, kind in kinds.items():
         if not isinstance(words[name], kind):
             raise ValueError(f"{name} = {words[name]!r} must be a {kind.__name__}")
     return {

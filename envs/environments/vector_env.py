@@ -18,6 +18,7 @@ from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.episode_start import first_observations
 from pliant.envs.simulation.episode_supply import EpisodeSupply
 from pliant.envs.tasks import Channel, Task, TaskKeywords, infos
+from pliant.envs.tasks.actions import placed
 from pliant.plants.core.argument_gates import require_choice, require_count, require_flag
 from pliant.plants.native.batch_kernels import FEW, as_dtype
 from pliant.plants.native.thread_pool import available
@@ -138,6 +139,17 @@ class PlantVectorEnv(HeldPeriods):
             self._np_random, self._np_random_seed = seeding.np_random(seeds)
             return self.restart(lanes, range(seeds, seeds + n), given)
         return self.restart(lanes, seeds or [None] * n, given)
+
+    @property
+    def action_map(self) -> tuple[Array, Array]:
+        """(m, r), each (nu,), over the limits: actions a ask for m + r a.
+
+        Example
+        -------
+        >>> scene.vector_env(1).action_map[1].tolist()
+        [1.0]
+        """
+        return placed(self.scene, self.task.actions)
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Hold `actions` (num_envs, nu) for `task.hold` control periods in every lane."""

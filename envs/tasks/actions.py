@@ -17,6 +17,7 @@ from pliant.envs.scenes.scene import Scene, once_per_scene
 
 Array = np.ndarray
 MORE = 1.5
+KINDS = ("limits", "midway")
 
 
 @once_per_scene
@@ -33,6 +34,19 @@ def midway(scene: Scene) -> tuple[Array, Array]:
     limits = np.array(scene.limits)
     start, goal = scene.initial[1] / limits, scene.target[1] / limits
     return (start + goal) / 2, np.maximum(0.5, MORE * np.abs(goal - start) / 2)
+
+
+def placed(scene: Scene, kind: str) -> tuple[Array, Array]:
+    """(m, r), each (nu,), over the limits, of actions of this kind.
+
+    Example
+    -------
+    >>> from pliant.envs import scenes
+    >>> [part.tolist() for part in placed(scenes.get("single-link-slew"), "limits")]
+    [[0.0], [1.0]]
+    """
+    nu = scene.plant.nu
+    return (np.zeros(nu), np.ones(nu)) if kind == "limits" else midway(scene)
 
 
 def shares(scene: Scene, kind: str, actions: Array) -> Array:

@@ -16,8 +16,10 @@ from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_choice, require_count, require_flag, require_number, shown
 from pliant.plants.sensing.sensors import sensors_of
 
+from .actions import KINDS
+
 Array = np.ndarray
-REWARDS, CONSTRAINTS, ACTIONS = ("cost", "normalised"), ("end", "cost"), ("limits", "midway")
+REWARDS, CONSTRAINTS = ("cost", "normalised"), ("end", "cost")
 DIFFICULTIES = (None, "nominal", "randomised", "hard")
 MOST_DELAY, MOST_HISTORY = 1000, 100  # control periods
 HARD_SPREAD, HARD_NOISE, HARD_DELAY = 0.3, 0.01, (0, 1)  # of what is uncertain; of a signal's range; periods
@@ -86,7 +88,7 @@ class Task:
         require_choice("Task", "reward", self.reward, REWARDS)
         require_choice("Task", "difficulty", self.difficulty, DIFFICULTIES)
         require_choice("Task", "constraint", self.constraint, CONSTRAINTS)
-        require_choice("Task", "actions", self.actions, ACTIONS)
+        require_choice("Task", "actions", self.actions, KINDS)
         put(self, "sensors", require_flag("Task.sensors", self.sensors))
         put(self, "terms", require_flag("Task.terms", self.terms))
         hard = self.difficulty == "hard"

@@ -44,3 +44,6 @@ def test_a_memory_has_no_form_in_c(tmp_path) -> None:
     wide = (np.zeros((64, 9)), *own.weights[1:])
     with pytest.raises(ValueError, match=r"Policy\.history = 1 must be 0"):
         export_c(dataclasses.replace(own, weights=wide, history=1), tmp_path / "law.c")
+    for task in ({"hold": 2}, {"reach": np.full(len(own.inputs), 0.5)}):
+        with pytest.raises(ValueError, match="commands last or are no shares of the limits"):
+            export_c(dataclasses.replace(own, **task), tmp_path / "law.c")

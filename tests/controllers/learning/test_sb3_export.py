@@ -46,6 +46,30 @@ def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
     assert len({float(u[0]) for *_, u in points}) > 20
 
 
+@pytest.mark.parametrize("task", [{"hold": 3}, {"actions": "midway"}, {"actions": "midway", "hold": 4}])
+def test_a_law_plays_as_the_environment_that_it_was_trained_in(stable_baselines, tmp_path, task):
+    """What is read after 24 control periods; and of the law once more from its file."""
+    from stable_baselines3 import PPO
+
+    scene = scenes.get("two-link-reach")
+    model = PPO("MlpPolicy", scene.sb3_env(1, **task), seed=3, device="cpu")
+    model.save(tmp_path / "model.zip")
+    law = Policy.from_sb3_zip(tmp_path / "model.zip", scene, **task, trust=True)
+    law.save(tmp_path / "law")
+    env, played = scene.vector_env(1, **task), scene.vector_env(1)
+    for acting in (law, Policy.load(tmp_path / "law")):
+        acting.reset()
+        (obs, _), (own, _) = env.reset(seed=0), played.reset(seed=0)
+        for k in range(24):
+            if k % task.get("hold", 1) == 0:
+                action, _ = model.predict(obs.astype(np.float32), deterministic=True)
+                obs, *_ = env.step(action)
+            u = acting.act(k * scene.dt, np.asarray(own[0], dtype=float) + law.goal)
+            own, *_ = played.step((u / scene.limits)[None])
+        np.testing.assert_allclose(own, obs, rtol=0, atol=1e-5)
+    assert np.abs(u / scene.limits).max() < 1
+
+
 def test_zip_of_another_scene_is_refused(stable_baselines, tmp_path):
     from stable_baselines3 import PPO
 
