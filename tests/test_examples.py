@@ -199,7 +199,8 @@ def test_a_data_sheet_takes_twelve_lines() -> None:
 def test_methods_pictures_are_those_that_the_script_draws() -> None:
     text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
     shown = re.findall(r"!\[.*?\]\(figures/(.*?)\.png\)", text)
-    script = (ROOT / "docs" / "house" / "pictures.py").read_text(encoding="utf-8")
+    scripts = [ROOT / "docs" / "house" / name for name in ("pictures.py", "law_pictures.py")]
+    script = "".join(path.read_text(encoding="utf-8") for path in scripts)
     drawn = [name.replace("_", "-") for name in re.findall(r"^def ([a-z]\w*)\(n: Names\)", script, re.MULTILINE)]
     assert sorted(shown) == sorted(drawn)
     assert all((ROOT / "docs" / "figures" / f"{name}.png").is_file() for name in shown)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import law_pictures
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -249,6 +250,11 @@ PICTURES: dict[str, Callable[[Names], Figure]] = {
         lqg,
         shaping,
         policy,
+        law_pictures.validity,
+        law_pictures.periodic_lqr,
+        law_pictures.spillover,
+        law_pictures.boxes,
+        law_pictures.lasting,
     )
 }
 
