@@ -96,7 +96,7 @@ def boxes(n: Names) -> Figure:
 
 @styled
 def lasting(n: Names) -> Figure:
-    """Failures of 64 runs on two-link-reach, of the second board: what mends a design that knows of delay and errors."""
+    """Failures of 64 runs on two-link-reach, of the second board: what a design that knows delay and errors mends."""
     rows = json.loads(BOARD.read_text(encoding="utf-8"))["rows"]
     laws = ("LQR", "LQR, delay 0 to 1", "MPC", "MPC, delay 0 to 1", "LQG", "robust LQG", "multi-model LQR")
     cases = ("varied", "delayed", "all at once")
