@@ -69,7 +69,9 @@ def test_slew_extrapolated_is_within_a_hundredth():
 
 
 @pytest.mark.campaign
-@pytest.mark.parametrize("name, chains", [("spin-up", ((16, 48), (32, 192))), ("two-link-reach", ((8, 128), (16, 1024)))])
+@pytest.mark.parametrize(
+    "name, chains", [("spin-up", ((16, 48), (32, 192))), ("two-link-reach", ((8, 128), (16, 1024)))]
+)
 def test_extrapolated_it_is_within_a_hundredth(name, chains):
     scene = scenes.get(name)
     coarse, fine = (outputs(scene, Setting(n, k, "RK4")) for n, k in chains)
