@@ -5,9 +5,10 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
+from shaken_pendulum import Shaken
 
 from pliant.controllers.analytic_gradients.step_adjoints import StepAdjoints, adjoint_kernel
-from pliant.plants import Plant, Signal, SingleLinkArm, TwoLinkArm
+from pliant.plants import SingleLinkArm, TwoLinkArm
 from pliant.plants.integration.step_maps import step_map
 from pliant.plants.integration.step_sensitivities import StepSensitivities
 from pliant.plants.native import kernel_loader
@@ -17,24 +18,6 @@ PLANTS = {
     "one driven": dataclasses.replace(ONE, drive="motion"),
     "two varied": dataclasses.replace(TwoLinkArm.textbook(), modes=(1, 0)).vary("payload.mass"),
 }
-
-
-class Shaken(Plant):
-    """A pendulum whose pivot shakes: its equation knows the time."""
-
-    states = (Signal("angle", "rad"), Signal("angle_rate", "rad/s"))
-    inputs = (Signal("torque", "N m"),)
-    disturbances = outputs = ()
-    label = "shaken pendulum"
-
-    def ode(self, t, x, u, w):
-        return ca.vertcat(x[1], -(9.81 + 30 * ca.cos(8 * t)) * ca.sin(x[0]) + u * t)
-
-    def output(self, t, x, u, w):
-        return ca.SX(0, 1)
-
-    def ladder(self):
-        return (self,)
 
 
 def points(plant, random_state, batch=3):

@@ -5,8 +5,9 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
+from shaken_pendulum import Shaken
 
-from pliant.plants import FlexibleSpacecraft, LargeDeflectionBeam, Plant, Signal, SingleLinkArm, SliderCrank, TwoLinkArm
+from pliant.plants import FlexibleSpacecraft, LargeDeflectionBeam, SingleLinkArm, SliderCrank, TwoLinkArm
 from pliant.plants.integration.step_maps import step_map
 from pliant.plants.integration.step_sensitivities import StepSensitivities, sensitivity_kernel, slopes_function
 from pliant.plants.native import kernel_loader
@@ -24,24 +25,6 @@ PLANTS = {
     "craft": dataclasses.replace(FlexibleSpacecraft.textbook(), kinematics="rigid"),
 }
 SAMPLE = ("one driven", "craft")
-
-
-class Shaken(Plant):
-    """A pendulum whose pivot shakes: its equation knows the time."""
-
-    states = (Signal("angle", "rad"), Signal("angle_rate", "rad/s"))
-    inputs = (Signal("torque", "N m"),)
-    disturbances = outputs = ()
-    label = "shaken pendulum"
-
-    def ode(self, t, x, u, w):
-        return ca.vertcat(x[1], -(9.81 + 30 * ca.cos(8 * t)) * ca.sin(x[0]) + u * t)
-
-    def output(self, t, x, u, w):
-        return ca.SX(0, 1)
-
-    def ladder(self):
-        return (self,)
 
 
 def points(plant, random_state, batch=3):
