@@ -93,18 +93,15 @@ class Tape:
         given = [_rows(value, count, width) for value, width in zip(values, self.widths, strict=True)]
         strides = np.array([a.strides[0] // a.itemsize for a in given], dtype=_LONG)
         found = [np.empty((count, size)) for size in self.sizes]
-        places = [
-            (ctypes.c_void_p * max(1, len(arrays)))(*(a.ctypes.data for a in arrays)) for arrays in (given, found)
-        ]
         work = np.empty(BLOCK * self.values)
         self._run(
             count,
             len(self.code),
             self.code.ctypes.data,
             self.constants.ctypes.data,
-            places[0],
+            _places(given),
             strides.ctypes.data,
-            places[1],
+            _places(found),
             self._outputs.ctypes.data,
             work.ctypes.data,
         )
@@ -144,7 +141,7 @@ class _Mapped(NumericFunction):
 def _check(run: Any) -> None:
     """That every operation gives the virtual machine's own bits; CompileError."""
     a, b = ca.SX.sym("a", 2), ca.SX.sym("b")
-    each = [a[0].__class__.unary(getattr(ca, f"OP_{name}"), a[0]) for name in UNARY if name != "ASSIGN"]
+    each = [ca.SX.unary(getattr(ca, f"OP_{name}"), a[0]) for name in UNARY if name != "ASSIGN"]
     each += [ca.SX.binary(getattr(ca, f"OP_{name}"), a[1], b) for name in BINARY]
     function = ca.Function("each", [a, b], [ca.vertcat(*each), a * b + 1.5])
     rng = np.random.default_rng(0)
