@@ -34,12 +34,6 @@ from pliant.plants.rounding.agreement import Reference, Trial
 from pliant.plants.rounding.extended_evaluation import mover
 
 _STEPS = """
-static inline void ahead(int count, T (*restrict y)[W], in_t x, T h, in_t k) {
-  for (int i = 0; i < count; i++) LANES for (int l = 0; l < W; l++) y[i][l] = x[i][l] + h * k[i][l];
-}
-static inline void add(int count, T (*restrict y)[W], T h, in_t k) {
-  for (int i = 0; i < count; i++) LANES for (int l = 0; l < W; l++) y[i][l] += h * k[i][l];
-}
 static const T PART[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}, REACH[] = {0.0, 0.5, 0.5, 1.0};
 #define STAGE(step, stage) (out[2] + (((step) * 4 + (stage)) * NX) * ld + b)
 RUN {
@@ -96,7 +90,7 @@ def adjoint_source(rate: ca.Function, back: ca.Function, dtype: np.dtype) -> str
         raise CompileError(str(lacking)) from lacking
     body = _STEPS % {"nw": nw, "np": np_}
     sizes = f"#define NX {nx}\n#define NU {nu}\n"
-    return kernel_templates.head(dtype) + sizes + code + body
+    return kernel_templates.head(dtype) + sizes + code + kernel_templates.AHEAD + body
 
 
 def adjoint_reference(

@@ -46,12 +46,6 @@ static void carry(in_t j, in_t s, T (*restrict k)[W]) {
     for (int c = 0; c < NC; c++) LANES for (int l = 0; l < W; l++) to[c][l] += j[e][l] * from[c][l];
   }
 }
-static inline void ahead(int count, T (*restrict y)[W], in_t x, T h, in_t k) {
-  for (int i = 0; i < count; i++) LANES for (int l = 0; l < W; l++) y[i][l] = x[i][l] + h * k[i][l];
-}
-static inline void add(int count, T (*restrict y)[W], T h, in_t k) {
-  for (int i = 0; i < count; i++) LANES for (int l = 0; l < W; l++) y[i][l] += h * k[i][l];
-}
 static const T PART[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}, REACH[] = {0.5, 0.5, 1.0};
 RUN {
   BLOCK(t, 1); BLOCK(now, 1); BLOCK(x, NX); BLOCK(u, %(nu)d); BLOCK(w, %(nw)d); BLOCK(p, %(np)d);
@@ -104,7 +98,7 @@ def sensitivity_source(slopes: ca.Function, dtype: np.dtype) -> str:
         "np": np_,
     }
     sizes = f"#define NX {nx}\n#define NC {nx + nu}\n"
-    return kernel_templates.head(dtype) + sizes + code + body
+    return kernel_templates.head(dtype) + sizes + code + kernel_templates.AHEAD + body
 
 
 def sensitivity_reference(slopes: ca.Function, numeric_function: Callable[..., Any] = NumericFunction) -> Reference:

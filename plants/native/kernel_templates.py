@@ -138,13 +138,18 @@ def iteration_source(change: ca.Function, dtype: np.dtype) -> str:
     return "\n".join([head(dtype), block_function("change", change), "RUN {", *body, "  }", "}", ""])
 
 
-_RK4 = """
+# y = x + h k, and y += h k, of the rows of a block of lanes.
+AHEAD = """
 static inline void ahead(int count, T (*restrict y)[W], in_t x, T h, in_t k) {
   for (int i = 0; i < count; i++) LANES for (int l = 0; l < W; l++) y[i][l] = x[i][l] + h * k[i][l];
 }
 static inline void add(int count, T (*restrict y)[W], T h, in_t k) {
   for (int i = 0; i < count; i++) LANES for (int l = 0; l < W; l++) y[i][l] += h * k[i][l];
 }
+"""
+_RK4 = (
+    AHEAD
+    + """\
 static void rk4(T (*restrict x)[W], T (*restrict t)[W], in_t u, in_t w, in_t p, T h, long n) {
   BLOCK(y, NX); BLOCK(sum, NX); BLOCK(k, NX); BLOCK(half, 1); BLOCK(end, 1);
   for (long step = 0; step < n; step++) {
@@ -161,6 +166,7 @@ static void rk4(T (*restrict x)[W], T (*restrict t)[W], in_t u, in_t w, in_t p, 
   }
 }
 """
+)
 
 
 def _rate(function: ca.Function, dtype: np.dtype, lanes: int | None = None) -> str:
