@@ -22,10 +22,9 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.core.parameters import LONGEST, SHORTEST, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.integration.batch_stepper import rate_function, telling_step
-from pliant.plants.integration.step_guard import StepGuard
+from pliant.plants.integration.step_guard import require_steps
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import Array, BatchKernel, as_dtype, random_points
 from pliant.plants.native.compiler import CompileError
@@ -166,10 +165,7 @@ class StepAdjoints:
     def __init__(
         self, plant: PlantLike, dt: float, *, substeps: int = 1, batch: int = 1, dtype: Any = np.float64
     ) -> None:
-        dt = require_seconds("StepAdjoints.dt", dt, SHORTEST, LONGEST)
-        batch = require_count("StepAdjoints", "batch", batch, 1, 1_000_000)
-        substeps = require_count("StepAdjoints", "substeps", substeps, 1, 1_000_000)
-        StepGuard(plant, "rk4", dt / substeps, check=True)
+        dt, substeps, batch = require_steps("StepAdjoints", plant, dt, substeps, batch)
         self.plant, self.dt, self.batch, self.substeps = plant, dt, batch, substeps
         self.kernel = adjoint_kernel(plant, substeps, as_dtype(dtype))
         self.work = self.kernel.workspace(batch)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.errors import DivergenceWarning, IntegrationError
+from pliant.plants.core.parameters import LONGEST, SHORTEST, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 
 from .step_maps import METHODS, check_step
@@ -90,3 +91,15 @@ def diverged(method: str, t: float, x: Array, h: float) -> IntegrationError:
         x,
         h,
     )
+
+
+def require_steps(owner: str, plant: PlantLike, dt: Any, substeps: Any, batch: Any) -> tuple[float, int, int]:
+    """dt [s], substeps and batch of a control period of RK4 steps; ValueError that names owner and field.
+
+    Raises StabilityLimitError where a substep is past RK4's limit at rest.
+    """
+    dt = require_seconds(f"{owner}.dt", dt, SHORTEST, LONGEST)
+    batch = require_count(owner, "batch", batch, 1, 1_000_000)
+    substeps = require_count(owner, "substeps", substeps, 1, 1_000_000)
+    StepGuard(plant, "rk4", dt / substeps, check=True)
+    return dt, substeps, batch

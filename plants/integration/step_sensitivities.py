@@ -20,7 +20,6 @@ import casadi as ca
 import numpy as np
 
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.core.parameters import LONGEST, SHORTEST, require_count, require_seconds
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.native import kernel_templates
 from pliant.plants.native.batch_kernels import Array, BatchKernel, as_dtype, random_points
@@ -30,7 +29,7 @@ from pliant.plants.rounding.agreement import Reference, Trial
 from pliant.plants.rounding.extended_evaluation import mover
 
 from .batch_stepper import rate_function, telling_step
-from .step_guard import StepGuard
+from .step_guard import require_steps
 
 _STEPS = """
 static const int ROW[] = {%(rows)s}, COLUMN[] = {%(columns)s};
@@ -170,10 +169,7 @@ class StepSensitivities:
     def __init__(
         self, plant: PlantLike, dt: float, *, substeps: int = 1, batch: int = 1, dtype: Any = np.float64
     ) -> None:
-        dt = require_seconds("StepSensitivities.dt", dt, SHORTEST, LONGEST)
-        batch = require_count("StepSensitivities", "batch", batch, 1, 1_000_000)
-        substeps = require_count("StepSensitivities", "substeps", substeps, 1, 1_000_000)
-        StepGuard(plant, "rk4", dt / substeps, check=True)
+        dt, substeps, batch = require_steps("StepSensitivities", plant, dt, substeps, batch)
         self.plant, self.dt, self.batch, self.substeps = plant, dt, batch, substeps
         self.kernel = sensitivity_kernel(plant, as_dtype(dtype))
         self.work = self.kernel.workspace(batch)
