@@ -85,6 +85,52 @@ ENTRY(steps_{name}) {{
 }}
 """
 
+# Of NX states in rows of x: from z and time an attempt over `trial` makes `after`, its `error`, and whether both are
+# `sound`.
+_LOOP = """
+  /* s: rtol, atol, largest factor of a step, smallest, safety, smallest step, most steps
+     now: time, step, step tried last; at: period, whether it has begun, steps tried */
+  T time = now[0], h = now[1], trial = now[2];
+  long j = at[0], tried = at[2], status = 0;
+  memcpy(z, x + (at[1] ? j + 1 : j) * NX, NX * sizeof *z);
+  if (!at[1]) time = t[j];
+  while (j < last && !status) {{
+    const T end = t[j + 1];
+    if (!at[1] && restart && h > end - time) h = end - time;
+    at[1] = 1;
+    while (time < end) {{
+      if (most-- <= 0) {{ status = 3; break; }}
+      const int ends = time + h >= end * (1 - 1e-15) || end - time - h < 1e-3 * h;
+      trial = ends ? end - time : h;
+      if (tried >= (long)s[6]) {{ tried++; status = 1; break; }}
+{attempt}
+      tried++;
+      T factor = sound && error > 0 ? s[4] * POW(error, (T)-0.125) : s[2];
+      if (sound && error < 1) {{
+        if (factor > s[2]) factor = s[2];
+        time = ends ? end : time + trial;
+        memcpy(z, after, NX * sizeof *z);
+        h = ends && h > trial * factor ? h : trial * factor;
+        continue;
+      }}
+      h = trial * (sound && factor > s[3] ? factor : s[3]);
+      if (h < s[5] * (FABS(time) > 1 ? FABS(time) : 1)) {{ status = 2; break; }}
+    }}
+    memcpy(x + (j + 1) * NX, z, NX * sizeof *z);
+    if (!status) {{ j++; at[1] = 0; }}
+  }}
+  now[0] = time, now[1] = h, now[2] = trial;
+  at[0] = j, at[2] = tried;
+  return status;
+}}
+"""
+
+
+def adaptive_loop(attempt: str) -> str:
+    """The body of `adaptive` from its declarations on, as adaptive_steps.py says: `attempt` is the C of one step."""
+    return _LOOP.format(attempt=attempt)
+
+
 _ADAPTIVE = """
 static T error_of(const T *z, const T *after, T (*restrict k)[NX], T h, T rtol, T atol) {{
   T s5 = 0, s3 = 0;
@@ -96,47 +142,13 @@ static T error_of(const T *z, const T *after, T (*restrict k)[NX], T h, T rtol, 
   const T bottom = s5 + (T)0.01 * s3;
   return bottom != 0 ? h * s5 / SQRT(bottom * NX) : 0;
 }}
-/* s: rtol, atol, largest factor of a step, smallest, safety, smallest step, most steps
-   now: time, step, step tried last; at: period, whether it has begun, steps tried */
 EXPORTED long adaptive(long last, long most, long restart, const double *t, const double *u, const double *w,
               const double *p, double *x, const double *s, double *now, long *at) {{
-  T z[NX] ALIGNED, after[NX] ALIGNED, k[{stages}][NX] ALIGNED;
-  T time = now[0], h = now[1], trial = now[2];
-  long j = at[0], tried = at[2], status = 0;
-  memcpy(z, x + (at[1] ? j + 1 : j) * NX, sizeof z);
-  if (!at[1]) time = t[j];
-  while (j < last && !status) {{
-    const T end = t[j + 1];
-    if (!at[1] && restart && h > end - time) h = end - time;
-    at[1] = 1;
-    while (time < end) {{
-      if (most-- <= 0) {{ status = 3; break; }}
-      const int ends = time + h >= end * (1 - 1e-15) || end - time - h < 1e-3 * h;
-      trial = ends ? end - time : h;
-      if (tried >= (long)s[6]) {{ tried++; status = 1; break; }}
+  T z[NX] ALIGNED, after[NX] ALIGNED, k[{stages}][NX] ALIGNED;{loop}"""
+_ATTEMPT = """\
       stages_{pair}(z, time, u + j * NU, 0, w, p, trial, k, after);
-      tried++;
       const T error = error_of(z, after, k, trial, s[0], s[1]);
-      const int sound = is_sound(error) && all_sound(after);
-      T factor = sound && error > 0 ? s[4] * POW(error, (T)-0.125) : s[2];
-      if (sound && error < 1) {{
-        if (factor > s[2]) factor = s[2];
-        time = ends ? end : time + trial;
-        memcpy(z, after, sizeof z);
-        h = ends && h > trial * factor ? h : trial * factor;
-        continue;
-      }}
-      h = trial * (sound && factor > s[3] ? factor : s[3]);
-      if (h < s[5] * (FABS(time) > 1 ? FABS(time) : 1)) {{ status = 2; break; }}
-    }}
-    memcpy(x + (j + 1) * NX, z, sizeof z);
-    if (!status) {{ j++; at[1] = 0; }}
-  }}
-  now[0] = time, now[1] = h, now[2] = trial;
-  at[0] = j, at[2] = tried;
-  return status;
-}}
-"""
+      const int sound = is_sound(error) && all_sound(after);"""
 
 
 def _sum(coefficients: Sequence[tuple[int, float]]) -> str:
@@ -186,7 +198,8 @@ def explicit_source(rate: ca.Function, input_times: Mapping[str, Sequence[float]
         parts += [_COMPARED.format(name=name), _MOTION.format(name=name)]
     count = len(TABLEAUS[PAIR]().b)
     e5, e3 = (_sum([(j, float(a)) for j, a in enumerate(E) if a != 0]) for E in dop853_errors())
-    return "\n".join([*parts, _ADAPTIVE.format(e5=e5, e3=e3, stages=count, pair=PAIR)])
+    loop = adaptive_loop(_ATTEMPT.format(pair=PAIR))
+    return "\n".join([*parts, _ADAPTIVE.format(e5=e5, e3=e3, stages=count, loop=loop)])
 
 
 def implicit_source(step: ca.Function) -> str:

@@ -1,8 +1,8 @@
 """A motion by the adaptive pair of order 8(5,3) without compiling its plant: the loop in C, the rates by their tape.
 
-One small C program serves every plant. It chooses its steps as adaptive_steps.py says and as compiled motions do, so
-that a motion is the same to rounding. A step takes a third of what it takes on the virtual machine, and reading the
-instructions as long as twenty steps.
+One small C program serves every plant. It chooses its steps by the loop of compiled motions, so that a motion is the
+same to rounding. A step takes a third of what it takes on the virtual machine, and reading the instructions as long as
+twenty steps.
 """
 
 from __future__ import annotations
@@ -24,35 +24,28 @@ from pliant.plants.rows.tape_programs import Program, run_source
 from pliant.plants.toolchain import shared_library
 
 from .motion_library import AdaptiveMotion
+from .motion_source import adaptive_loop
 
 Array = np.ndarray
-STAGES = 12
 
 _PAIR = """
 #include <string.h>
 #define SOUND(v) ((v) - (v) == 0)
+#define T double
+#define NX n
+#define FABS fabs
+#define POW pow
 /* Of n states: tape (count, code, constants, values), A (12, 12), b, c, e5, e3 (12,) in one array `pair`; of `scratch`
-   (16 n + values). s: rtol, atol, largest factor of a step, smallest, safety, smallest step, most steps
-   now: time, step, step tried last; at: period, whether it has begun, steps tried */
+   (16 n + values) */
 long adaptive(long n, long nu, long count, const int *code, const double *constants, const double *pair,
               double *scratch, long last, long most, long restart, const double *t, const double *u, const double *w,
               const double *p, double *x, const double *s, double *now, long *at) {
   const double *A = pair, *b = A + 144, *c = b + 12, *e5 = c + 12, *e3 = e5 + 12;
   double *z = scratch, *after = z + n, *y = after + n, *k = y + n, *values = k + 12 * n, pivot;
-  double time = now[0], h = now[1], trial = now[2], stage;
+  double stage;
   const long none[5] = {0, 0, 0, 0, 0};
-  long j = at[0], tried = at[2], status = 0;
-  memcpy(z, x + (at[1] ? j + 1 : j) * n, n * sizeof *z);
-  if (!at[1]) time = t[j];
-  while (j < last && !status) {
-    const double end = t[j + 1];
-    if (!at[1] && restart && h > end - time) h = end - time;
-    at[1] = 1;
-    while (time < end) {
-      if (most-- <= 0) { status = 3; break; }
-      const int ends = time + h >= end * (1 - 1e-15) || end - time - h < 1e-3 * h;
-      trial = ends ? end - time : h;
-      if (tried >= (long)s[6]) { tried++; status = 1; break; }
+"""
+_ATTEMPT = """\
       const double *in[5] = {&stage, y, u + j * nu, w, p};
       for (int i = 0; i < 12; i++) {
         for (long l = 0; l < n; l++) {
@@ -64,7 +57,6 @@ long adaptive(long n, long nu, long count, const int *code, const double *consta
         double *out[2] = {k + i * n, &pivot};
         run(1, 1, count, code, constants, in, none, out, none, values);
       }
-      tried++;
       double s5 = 0, s3 = 0;
       int sound = 1;
       for (long l = 0; l < n; l++) {
@@ -78,31 +70,12 @@ long adaptive(long n, long nu, long count, const int *code, const double *consta
         sound &= SOUND(after[l]);
       }
       const double bottom = s5 + 0.01 * s3, error = bottom != 0 ? trial * s5 / sqrt(bottom * n) : 0;
-      sound &= SOUND(error);
-      double factor = sound && error > 0 ? s[4] * pow(error, -0.125) : s[2];
-      if (sound && error < 1) {
-        if (factor > s[2]) factor = s[2];
-        time = ends ? end : time + trial;
-        memcpy(z, after, n * sizeof *z);
-        h = ends && h > trial * factor ? h : trial * factor;
-        continue;
-      }
-      h = trial * (sound && factor > s[3] ? factor : s[3]);
-      if (h < s[5] * fmax(fabs(time), 1)) { status = 2; break; }
-    }
-    memcpy(x + (j + 1) * n, z, n * sizeof *z);
-    if (!status) { j++; at[1] = 0; }
-  }
-  now[0] = time, now[1] = h, now[2] = trial;
-  at[0] = j, at[2] = tried;
-  return status;
-}
-"""
+      sound &= SOUND(error);"""
 
 
 def source() -> str:
     """The C program."""
-    return run_source() + _PAIR
+    return run_source() + _PAIR + adaptive_loop(_ATTEMPT)
 
 
 def _load(path: Path) -> Any:

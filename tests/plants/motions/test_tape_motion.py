@@ -69,6 +69,7 @@ def test_simulate_takes_it_and_says_that_no_compiled_code_took_the_steps(arm, mo
 
 
 def test_c_with_other_numbers_is_refused(monkeypatch):
-    monkeypatch.setattr(tape_motion, "_PAIR", tape_motion._PAIR.replace("trial * sum;", "trial * sum * 1.001;", 1))
+    wrong = tape_motion._ATTEMPT.replace("trial * sum;", "trial * sum * 1.001;", 1)
+    monkeypatch.setattr(tape_motion, "_ATTEMPT", wrong)
     program = tape_motion.Program("pair", tape_motion.source, tape_motion._load, tape_motion._check)
     assert program.at_hand(2 * COMPILING) is None
