@@ -17,7 +17,8 @@ from .enclosed_multipliers import multipliers
 from .enclosed_transition import Frames
 
 BLOCKS = 32
-DOUBLED, SQUARED, REPEATED = 4.0, 1.7, 2.0
+DOUBLED, SQUARED = 4.0, 1.7
+REPEATED = 2.0  # |eigenvalue| of some stretch: it grows where repeated, as drift does not
 
 
 def compounds(begin: float, own: list[tuple[float, list[Any]]]) -> bool:
@@ -43,16 +44,26 @@ def compounds(begin: float, own: list[tuple[float, list[Any]]]) -> bool:
             whole = frames.whole
             low[a, b + 1], high[a, b + 1] = (_log(x, side) for side, x in enumerate(spectral_bounds(whole)))
         to_end.append(whole)
+    if not builds_up(at, low, high):
+        return False
+    return any(multipliers(M, [np.arange(n)], []).least > REPEATED for M in reversed(to_end))
+
+
+def builds_up(at: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
+    """Whether over some stretch up to the end the whole is DOUBLED times any half of it, and that SQUARED times what a
+    half is to any quarter, from bounds (m + 1, m + 1) of ln |Phi| from each of the times `at` (m + 1,) [s] to each
+    later one."""
+    count = len(at) - 1
     for start in range(count - 3):
         half = (at[-1] - at[start]) / 2
-        least = np.searchsorted(at, at + half * (1 - 1e-9))
-        most = np.searchsorted(at, at + half / 2 * (1 + 1e-9), side="right") - 1
+        least = np.searchsorted(at, at + half * (1 - 1e-9))  # the first time a half later, and ..
+        most = np.searchsorted(at, at + half / 2 * (1 + 1e-9), side="right") - 1  # .. the last within a quarter
         inside = np.flatnonzero(least[start:] <= count) + start
         later = np.arange(start, count + 1)
         of_half, of_quarter = high[inside, least[inside]].max(), low[later, most[later]].max()
         more = low[start, count] - of_half
         if more >= np.log(DOUBLED) and more - (of_half - of_quarter) >= np.log(SQUARED):
-            return any(multipliers(M, [np.arange(n)], []).least > REPEATED for M in reversed(to_end))
+            return True
     return False
 
 

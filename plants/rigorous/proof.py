@@ -29,7 +29,7 @@ from .enclosed_transition import Frames, Piece, TooLong, transitions
 MOST_STATES = 12
 BITS = (96, 224)  # that are tried
 NARROW = 1e-14  # width of what is known of the largest multiplier, where more bits would tell doubles no more
-GROWN = 10.0  # growth over a motion up to which it is bounded, as in `stability.assess`
+GROWN = 10.0  # growth over a motion up to which it is bounded, beyond which unstable if it compounds
 SPLINE = "A(t) the cubic spline through the doubles at its nodes"
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.finite_horizon.asked import listed
+from pliant.plants.rigorous.proof import GROWN
 from pliant.plants.transitions.state_matrix_path import Path, paths_of, scaling, unfelt
 from pliant.plants.transitions.transition_error import Transition, transition
 
@@ -27,7 +28,6 @@ from .lyapunov_certificate import Certificate, backward
 from .transition_growth import MOST_NODES, Growth, growth_between
 from .verdict import Verdict, made
 
-GROWN = 10.0  # growth over a nominal that is not periodic from which on it counts as unstable, if it compounds
 POINTS = 200  # times at which frozen roots are taken where the first method that decides is enough
 OPEN_STEPS = 2048  # a certificate is only sought with so many steps
 SEEN = 1e-9  # of the largest entry of a transition: what moves another

@@ -23,14 +23,14 @@ from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear import magnus
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.rigorous.enclosed_growth import REPEATED, builds_up
 from pliant.plants.transitions.state_matrix_path import MOST_STEPS, Model, Path, as_pieces, kept, scaling
 from pliant.plants.transitions.transition_error import Transition
 
 from .frozen_time import lasting
 
 BLOCKS = 48  # stretches of the nominal between which growth is compared
-DOUBLED, SQUARED = 4.0, 1.7
-REPEATED, OFF = 2.0, 1e-8  # |eigenvalue| of some stretch: it grows where repeated, as drift does not; Phi's own error
+OFF = 1e-8  # Phi's own error
 MOST_NODES, FEW_STOPS = 501, 200
 ACROSS = 1.0  # |eigenvalue| times step up to which one step serves
 
@@ -172,16 +172,7 @@ def compounds(t: np.ndarray, Phi: np.ndarray) -> bool:
         with np.errstate(divide="ignore"):
             logs[start, start + length] = np.log(magnus.largest_growths(products)) + power
         to_end.append((products[-1], power[-1]))
-    for begin in range(count - 3):
-        half = (at[-1] - at[begin]) / 2
-        least = np.searchsorted(at, at + half * (1 - 1e-9))  # the first edge a half later, and ..
-        most = np.searchsorted(at, at + half / 2 * (1 + 1e-9), side="right") - 1  # .. the last within a quarter
-        inside = np.flatnonzero(least[begin:] <= count) + begin
-        of_half, of_quarter = (logs[k, to[k]].max() for k, to in ((inside, least), (np.arange(begin, count + 1), most)))
-        more = logs[begin, count] - of_half
-        if more >= np.log(DOUBLED) and more - (of_half - of_quarter) >= np.log(SQUARED):
-            return any(_repeated(product, power) for product, power in reversed(to_end))
-    return False
+    return builds_up(at, logs, logs) and any(_repeated(product, power) for product, power in reversed(to_end))
 
 
 def _repeated(product: np.ndarray, power: float) -> bool:

@@ -15,8 +15,8 @@ import by_seed
 import numpy as np
 from unseen_systems import KINDS, Unseen, unseen
 
+from pliant.plants.rigorous.proof import GROWN
 from pliant.plants.stability import Verdict, assess
-from pliant.plants.stability.open_motion import GROWN
 from pliant.plants.transitions.state_matrix_path import as_pieces, paths_of, scaling
 from pliant.plants.transitions.transition_error import transition
 
