@@ -107,6 +107,7 @@ def test_disk_margin_of_the_tutorial():
     agrees([c.disk, *c.disk_gain], [0.46, 0.63, 1.59], within=0.005, what="disk margin and its gains", **told)
     agrees(c.disk_phase_deg, 26.0, within=0.3, what="its phase [deg]", **told)
     agrees([c.gain[1], c.phase_deg], [3.6, 29.1], within=0.05, what="the loop's gain and phase margins", **told)
+    assert c.gain[1] == pytest.approx(3.6)  # s^3 + 10 s^2 + 10 s + 10 + 25 k is on the axis at 10 * 10 = 10 + 25 k
 
 
 SISO = {

@@ -50,6 +50,7 @@ TORSION = {1.0: 0.1406, 1.2: 0.166, 1.5: 0.196, 2.0: 0.229, 2.5: 0.249, 3.0: 0.2
 
 
 def test_torsion_constants_as_tabulated():
+    assert pytest.approx(TORSION[1.0], abs=5e-5) == Beam.rectangular(1.0, 1.0, 1.0, STEEL).J  # a digit more than others
     agrees(
         [Beam.rectangular(1.0, 1.0, ratio, STEEL).J / ratio for ratio in TORSION],
         list(TORSION.values()),
