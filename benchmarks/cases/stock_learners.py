@@ -40,9 +40,8 @@ EVERY, ASKED = 8192, 5.0  # actions between evaluations; times that nothing must
 RESULTS = Path(__file__).parents[1] / "results"
 
 
-def played(scene: Scene, act: Any) -> float:
-    """The cost of an episode from the scene's own start under act(observations (1, no)) -> actions (1, nu)."""
-    lanes = scene.vector_env(1, actions="midway", hold=HOLD[scene.name])
+def played(lanes: Any, act: Any) -> float:
+    """The cost of an episode of one lane from the scene's own start, act(observations (1, no)) -> actions (1, nu)."""
     obs, _ = lanes.reset(seed=0)
     cost, done = 0.0, np.zeros(1, bool)
     while not done[0]:
@@ -53,13 +52,7 @@ def played(scene: Scene, act: Any) -> float:
 
 def nothing(scene: Scene) -> float:
     """What it costs to leave all inputs at zero."""
-    lanes = scene.vector_env(1)
-    lanes.reset(seed=0)
-    cost, done = 0.0, np.zeros(1, bool)
-    while not done[0]:
-        _, reward, ended, over, _ = lanes.step(np.zeros((1, scene.plant.nu)))
-        cost, done = cost - float(reward[0]), ended | over
-    return cost
+    return played(scene.vector_env(1), lambda obs: np.zeros((1, scene.plant.nu)))
 
 
 def learned(scene: Scene, learner: str, seed: int, steps: int, least: float, tell: Any) -> None:
@@ -78,7 +71,8 @@ def learned(scene: Scene, learner: str, seed: int, steps: int, least: float, tel
             if self.num_timesteps < self.following:
                 return True
             self.following += EVERY
-            cost = played(scene, lambda obs: self.model.predict(obs, deterministic=True)[0])
+            alone = scene.vector_env(1, **task)
+            cost = played(alone, lambda obs: self.model.predict(obs, deterministic=True)[0])
             ended = cost <= least or self.num_timesteps >= steps
             tell(self.num_timesteps, cost, time.process_time() - begin, ended)
             return not ended
