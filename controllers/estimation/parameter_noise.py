@@ -101,6 +101,6 @@ def told_parameters(
         w0=np.append(model.w0, np.zeros(root.shape[1])),
     )
     density = {**W, **dict.fromkeys(names(own), dt)}
-    late = {"delay": plain.delay, "input_delay": plain.input_delay}
-    made = Kalman.design(wide, sensors, density, dt=dt, noise=noise, **late)  # type: ignore[arg-type]
+    delay, late = plain.delay, plain.input_delay
+    made = Kalman.design(wide, sensors, density, dt=dt, noise=noise, delay=delay, input_delay=late)
     return replace(made, model=model, sensors=plain.sensors, start=plain.start, before=plain.before)
