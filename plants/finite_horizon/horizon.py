@@ -215,18 +215,13 @@ class FiniteHorizon(OwnsArrays):
         most, (held, impulse) = self.furthest, (by[self.furthest.name] for by in (self.bounded, self.peak))
         limits = within(self.disturbances, self.limits)
         looked = "" if len(self.t_tube) == len(self.t) else f" at the {len(self.t_tube)} times looked at"
-        over = f"Over its {self.t[-1] - self.t[0]:.4g} s the motion"
-        if not np.isfinite(impulse.upper):
-            who = listed([s.name for s in self.disturbances])
-            return (
-                f"{over} lets {who}, {limits}, move {most.name} by at most {said(held.upper, most.unit)}{looked}"
-                f"{self._beyond[1]}"
-            )
-        return (
-            f"{over} lets {energy(self.disturbances, self.scale)} move {most.name} by at most "
-            f"{said(impulse.upper, most.unit)}, and {limits} by at most {said(held.upper, most.unit)}{looked}"
-            f"{self._beyond[1]}"
-        )
+        if np.isfinite(impulse.upper):
+            first = f"{energy(self.disturbances, self.scale)} move {most.name} by at most"
+            lets = f"{first} {said(impulse.upper, most.unit)}, and {limits} by at most"
+        else:
+            lets = f"{listed([s.name for s in self.disturbances])}, {limits}, move {most.name} by at most"
+        over = f"Over its {self.t[-1] - self.t[0]:.4g} s the motion lets"
+        return f"{over} {lets} {said(held.upper, most.unit)}{looked}{self._beyond[1]}"
 
 
 def finite_horizon(
