@@ -60,7 +60,7 @@ def learned(scene: Scene, seed: int, gradients: int, folder: Path, robust: bool)
     words = f"pliant train {scene.name}{' --robust' * robust} --seed {seed} --steps {steps}"
     curve = folder / rl.CURVE
     begin, goes_on = time.process_time(), curve.is_file()
-    if not finished(folder, steps):
+    if plays := not finished(folder, steps):
         with console.bar(words) as tell:
             on, settings = (harsher(scene), HARSH) if robust else (scene, rl.APGSettings())
             options = {"seed": seed, "steps": steps, "folder": folder, "resume": goes_on}
@@ -69,7 +69,7 @@ def learned(scene: Scene, seed: int, gradients: int, folder: Path, robust: bool)
     found = {"seed": seed, "cost": policy.made["cost"], "folder": folder.name, "command": words}
     seconds = time.process_time() - begin
     note = folder / "seconds.json"
-    if seconds > 1.0:
+    if plays:
         write_text(note, json.dumps(None if goes_on else seconds))  # what a killed run took is not known
     found |= {"version": policy.made["versions"]["pliant"]}
     return found | {"seconds": json.loads(note.read_text()) if note.is_file() else seconds}
@@ -109,6 +109,8 @@ def main() -> int:
         steps = gradients * 16 * scene.steps
         folders = {seed: given.folder / f"{scene.name}-{seed}" for seed in range(given.seeds)}
         chosen = [seed for seed in folders if not given.finished or finished(folders[seed], steps)]
+        if not chosen:
+            continue
         runs = [learned(scene, seed, gradients, folders[seed], False) for seed in chosen]
         ratios = [run["cost"] / least for run in runs]
         tables.append({"scene": scene.name, "asked": asked, "bound": least, "ratios": ratios, "runs": runs})
@@ -116,8 +118,10 @@ def main() -> int:
         if given.ship:
             Policy.load(given.folder / middle["folder"] / rl.POLICY).save(FOLDER / scene.name)
         if scene.name in ROBUST_ONES:
-            folder = given.folder / f"{scene.name}-robust"
-            run = learned(scene, 0, ROBUST_ONES[scene.name], folder, True)
+            folder, gradients = given.folder / f"{scene.name}-robust", ROBUST_ONES[scene.name]
+            if given.finished and not finished(folder, gradients * 16 * scene.steps):
+                continue
+            run = learned(scene, 0, gradients, folder, True)
             policy = Policy.load(folder / rl.POLICY)
             robust.append({"scene": scene.name, **run, "cases": in_every_case(scene, policy)})
             if given.ship:
