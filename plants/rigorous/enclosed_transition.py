@@ -91,9 +91,7 @@ def _cut(A: list[Any], h: Any) -> tuple[list[list[Any]], Any]:
     return [A if j == 0 else shifted(A, length * j) for j in range(count)], length
 
 
-def transitions(
-    pieces: Sequence[Piece], jumps: Sequence[np.ndarray]
-) -> Iterator[tuple[float, list[Any], list[Any]]]:
+def transitions(pieces: Sequence[Piece], jumps: Sequence[np.ndarray]) -> Iterator[tuple[float, list[Any], list[Any]]]:
     """For each interval of the pieces in turn its end [s], the jump before it if there is one, and the enclosed steps
     over it.
     """
