@@ -199,6 +199,11 @@ class FiniteHorizon(OwnsArrays):
         """
         return self._beyond[0]
 
+    @property
+    def trusted(self) -> bool:
+        """Whether nothing is seen that keeps the linear model from numbers as large as these; `words` say what is."""
+        return not self._beyond[1]
+
     @cached_property
     def _beyond(self) -> tuple[Mapping[str, float] | None, str]:
         pushes = {kind: getattr(self, kind)[self.furthest.name] for kind in ("peak", "bounded")}

@@ -88,8 +88,11 @@ def stability(
         say(f"No numbers of the motion: {found.no_horizon}.")
     else:
         names = ", ".join(found.horizon.limits)
+        trust = "" if found.horizon.trusted else "; beyond where the linear model can be trusted"
         columns = ("output", "unit energy", "attained", found.horizon.limits_said, "attained", "at")
-        show(f"{chosen.name}: how far it is pushed", columns, found.horizon.rows(), caption=f"bounds, by {names}")
+        show(
+            f"{chosen.name}: how far it is pushed", columns, found.horizon.rows(), caption=f"bounds, by {names}{trust}"
+        )
     show(head, ("method", "role", "what it says"), found.rows(), caption=caption)
     if goal is not None:
         say(f"About the goal alone, which is an equilibrium: {goal.verdict}; {goal.why}.")

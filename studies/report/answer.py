@@ -86,10 +86,11 @@ def _stability(found: Findings) -> Rows:
         pushed = told.horizon.furthest
         peak, held = told.horizon.peak[pushed.name].upper, told.horizon.bounded[pushed.name].upper
         limits = told.horizon.limits_said
+        beyond = "" if told.horizon.trusted else "; beyond where the linear model can be trusted"
         rows.append(
             (
                 f"{pushed.name} is pushed by",
-                f"at most {said(peak, pushed.unit)} of unit energy, {said(held, pushed.unit)} by {limits}",
+                f"at most {said(peak, pushed.unit)} of unit energy, {said(held, pushed.unit)} by {limits}{beyond}",
             )
         )
     return rows

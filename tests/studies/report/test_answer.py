@@ -32,7 +32,7 @@ def findings(**lost):
     scene = Names(plant=Names(label="arm"), cost=lambda motion: 3.5361, unit="m", tolerance=1e-3)
     gains = {"tip_y": Names(upper=0.6821)}
     horizon = Names(furthest=Names(name="tip_y", unit="m"), peak=gains, bounded={"tip_y": Names(upper=1.371)})
-    horizon.limits_said = "at most 1 N of each"
+    horizon.limits_said, horizon.trusted = "at most 1 N of each", "linear" not in lost
     told = Names(verdict="bounded", method="floquet", horizon=horizon, sentence="It is bounded.")
     fields = {
         "scene": scene,
@@ -69,6 +69,12 @@ def test_the_answer_is_a_table_and_three_sentences():
         "The LQR designed o",
     ]
     assert re.findall(r'<p class="warning">(.*?)</p>', text) == ["On a finer arm: it rings."]
+
+
+def test_numbers_beyond_the_linear_model_are_called_so():
+    assert rows(answer.answer(findings(linear="no")))["tip_y is pushed by"].endswith(
+        "1.37 m by at most 1 N of each; beyond where the linear model can be trusted"
+    )
 
 
 def test_what_is_lost_is_told_and_not_surmised():
