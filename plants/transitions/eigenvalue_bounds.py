@@ -167,10 +167,13 @@ def _apart(a: np.ndarray, b: np.ndarray) -> float:
     return float(min(np.abs(a - b).max(), np.abs(a - b[::-1]).max()))
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def _grows(M: np.ndarray, D: np.ndarray) -> bool:
     """Whether a power of every member has a trace beyond n: its largest eigenvalue is at least |trace|/n."""
     P, E = M, D
     for _ in range(4):
+        if not (np.isfinite(P).all() and np.isfinite(E).all()):  # beyond the range of numbers nothing is known
+            return False
         if abs(np.trace(P)) - float(np.trace(E)) > len(M) * (1 + 1e-6):
             return True
         P, E = P @ M, E @ (np.abs(M) + D) + np.abs(P) @ D

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
+from pliant.plants.transitions import eigenvalue_bounds
 from pliant.plants.transitions.eigenvalue_bounds import bounds, separated
 from pliant.plants.transitions.state_matrix_path import parts_of
 
@@ -117,3 +118,10 @@ def test_curves_that_are_crossed_are_not_free():
 def test_what_is_not_finite_is_not_judged():
     b = bounds(np.full((2, 2), np.inf), np.zeros((2, 2)))
     assert not b.inside and not b.outside and b.most == np.inf
+
+
+def test_powers_beyond_the_range_of_numbers_tell_nothing():
+    """1e200 squared is no number; at a mean of zero the first trace shows no growth, and no warning is given."""
+    M = 1e200 * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    with np.errstate(all="raise"):
+        assert not eigenvalue_bounds._grows(M, np.abs(M) * 1e-3)
