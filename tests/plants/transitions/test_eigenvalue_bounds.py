@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
-from pliant.plants.transitions import eigenvalue_bounds
 from pliant.plants.transitions.eigenvalue_bounds import bounds, separated
 from pliant.plants.transitions.state_matrix_path import parts_of
 
@@ -121,7 +120,15 @@ def test_what_is_not_finite_is_not_judged():
 
 
 def test_powers_beyond_the_range_of_numbers_tell_nothing():
-    """1e200 squared is no number; at a mean of zero the first trace shows no growth, and no warning is given."""
+    """1e200 squared is no number: no warning is given."""
     M = 1e200 * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
     with np.errstate(all="raise"):
-        assert not eigenvalue_bounds._grows(M, np.abs(M) * 1e-3)
+        found = bounds(M, np.abs(M) * 0.5)
+    assert not found.inside and found.most > 1e200
+
+
+def test_of_a_matrix_that_may_be_off_without_bound_nothing_is_known():
+    M = np.array([[0.1, 0.2, 0.0], [0.0, 0.1, 0.3], [0.2, 0.0, 0.1]])
+    found = bounds(M, np.full((3, 3), np.inf))
+    assert not found.inside and not found.outside and (found.least, found.most) == (0.0, np.inf)
+    assert np.isinf(found.errors).all()
