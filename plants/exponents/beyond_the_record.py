@@ -4,7 +4,8 @@ constant, tends    intervals of rates about the eigenvalues of the limit: bounds
 persists           slow variation first, which proves a rate on the record; else averages of the triangular model over
                    windows of the record. Their interval is an estimate and no bound: it decides only where it is
                    further from zero than it is wide, twice as far where running averages do not come to rest; or
-                   where smooth averages of one deviation's growth are twice as far above zero as they lie apart
+                   where smooth averages of one deviation's growth are twice as far above zero as they lie apart, and
+                   it grows by half at least. Of short records of coupled oscillations that too is wrong at times
 periodic           Floquet's multipliers, in `assess` itself
 
 A deviation that grows in the record and decays later decays, and the other way round: what was found over the record
@@ -31,6 +32,7 @@ from .triangular_flow import triangular_flow
 
 APART, UNRESTED = 1.0, 2.0  # widths of an estimated interval from zero, from which on it decides
 SMOOTH = 2 / 3  # of the record: windows of smooth averages
+TURNED = 0.4  # ln of the growth over a record, that a deviation of several states shows by turning alone
 AVERAGES = "averages of that deviation's growth go on to lie where those of the record do"
 SLOWLY = "A goes on to vary as slowly beside the gaps between its roots as in the record"
 
@@ -86,11 +88,16 @@ def _grows(model: Model, states: Sequence[str] | None) -> tuple[float, float] | 
     they are not UNRESTED times as far above zero as they lie apart.
 
     It is a deviation of the model itself, so that no other needs to stand apart from it. Where the mean is zero,
-    averages over windows at different times lie on both sides of it.
+    averages over windows at different times lie on both sides of it. Of more states than one, turning from one
+    direction to another grows as well, once: less than TURNED, or than the deviation wanders about its mean, is none.
     """
     flow = triangular_flow(model, states)
     rates = flow.smooth(SMOOTH * float(flow.t[-1] - flow.t[0]))[:, :1]
     least, most = float(rates.min(initial=np.inf)), float(rates.max(initial=-np.inf))
+    if flow.logs.shape[1] > 1:
+        mean = (least + most) / 2 * (flow.t - flow.t[0])
+        if mean[-1] < max(TURNED, float(np.ptp(flow.logs[:, 0] - mean))):
+            return None
     return (least, most) if least > UNRESTED * (most - least) else None
 
 

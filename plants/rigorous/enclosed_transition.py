@@ -91,8 +91,10 @@ def _cut(A: list[Any], h: Any) -> tuple[list[list[Any]], Any]:
     return [A if j == 0 else shifted(A, length * j) for j in range(count)], length
 
 
-def transitions(pieces: Sequence[Piece], jumps: Sequence[np.ndarray]) -> Iterator[tuple[float, list[Any]]]:
-    """For each interval of the pieces in turn its end [s] and the enclosed steps over it, a jump first where one is."""
+def transitions(pieces: Sequence[Piece], jumps: Sequence[np.ndarray]) -> Iterator[tuple[float, list[Any], list[Any]]]:
+    """For each interval of the pieces in turn its end [s], the jump before it if there is one, and the enclosed steps
+    over it.
+    """
     steps = 0
     for k, piece in enumerate(pieces):
         first = [matrix(jumps[k - 1])] if k else []
@@ -100,7 +102,7 @@ def transitions(pieces: Sequence[Piece], jumps: Sequence[np.ndarray]) -> Iterato
             steps += len(cut)
             if steps > MOST_STEPS:
                 raise TooLong(f"more than {MOST_STEPS:,} steps are needed: leave out the fastest modes")
-            yield t, first + [step(A, length) for A in cut]
+            yield t, first, [step(A, length) for A in cut]
             first = []
     if len(jumps) == len(pieces):  # one more after the last, as between two periods
-        yield float(pieces[-1].t[-1]), [matrix(jumps[-1])]
+        yield float(pieces[-1].t[-1]), [matrix(jumps[-1])], []

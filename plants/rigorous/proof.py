@@ -47,7 +47,7 @@ class Proof(OwnsArrays):
     growth: str = ""  # how the deviation that lasts longest behaves, where it is shown
     largest: tuple[float, float] = (0.0, np.inf)  # periodic: size of the largest multiplier
     end: tuple[float, float] = (0.0, np.inf)  # motion: largest |Phi(end, start)|, and ..
-    peak: tuple[float, float] = (1.0, np.inf)  # .. at any node
+    peak: tuple[float, float] = (1.0, np.inf)  # .. at any node, before and after a jump there
     peak_time: float = np.nan  # [s]
     transition: np.ndarray | None = field(
         repr=False, default=None
@@ -106,8 +106,8 @@ def of_cycle(pieces: Sequence[Piece], jumps: Sequence[np.ndarray], period: float
         with flint().ctx.workprec(bits):
             try:
                 frames = Frames(n)
-                for _, steps in transitions(pieces, jumps):
-                    for P in steps:
+                for _, jump, steps in transitions(pieces, jumps):
+                    for P in jump + steps:
                         frames.times(P)
                 M = frames.whole
                 found = multipliers(M, rest, neutral)
@@ -153,10 +153,13 @@ def of_motion(
         with flint().ctx.workprec(bits):
             frames, own, path = Frames(n), [], [(begin, (1.0, 1.0))]
             try:
-                for t, steps in transitions(pieces, jumps):
+                for t, jump, steps in transitions(pieces, jumps):
+                    for J in jump:  # a node has a deviation before it and one after
+                        frames.times(J)
+                        path.append((path[-1][0], _interval(frames.whole)))
                     for P in steps:
                         frames.times(P)
-                    own.append((t, steps))
+                    own.append((t, jump + steps))
                     path.append((t, _interval(frames.whole)))
             except TooLong as refusal:
                 return Proof("undecided", "motion", str(refusal), (-np.inf, np.inf), bits)

@@ -46,7 +46,7 @@ def judged_once(
     """The verdict on pieces `joined`, of a nominal that ends; what was found so far goes along."""
     (paths, jumps), moved = paths_of(joined, states), None
     evidence["frozen_time"], evidence["slow_variation"] = _frozen(joined, paths, states, coordinates, thorough)
-    if thorough or not evidence["slow_variation"]:
+    if thorough or not _proves(evidence["slow_variation"], paths):
         try:
             moved = transition(paths, jumps, 1e-6)
         except (ValueError, np.linalg.LinAlgError):
@@ -81,6 +81,17 @@ def _frozen(
     return replace(frozen_along(paths[0], thinned(t, points), said_in), span=span), slow_along(paths[0], t)
 
 
+def _hidden(paths: Sequence[Path]) -> float:
+    """The integral of |what A misses between its nodes|."""
+    return sum(float(np.linalg.norm(path.area(), axis=(1, 2)).sum()) for path in paths)
+
+
+def _proves(slow: SlowVariation, paths: Sequence[Path]) -> bool:
+    """Whether slow variation decides, also beside what A misses between its nodes."""
+    duration = float(sum(path.t[-1] - path.t[0] for path in paths))
+    return bool(slow) and slow.decay * duration > 4 * _hidden(paths)
+
+
 def _open(
     joined: Any,
     paths: Sequence[Path],
@@ -95,9 +106,8 @@ def _open(
     grown: Growth | None = evidence.get("growth")
     duration = float(joined.pieces[-1].t[-1] - joined.pieces[0].t[0])
     known = joined.pieces[0].state_names if states is None else tuple(states)
-    hidden = sum(float(np.linalg.norm(path.area(), axis=(1, 2)).sum()) for path in paths)
-    why = ""
-    if slow and slow.decay * duration > 4 * hidden:
+    hidden, why = _hidden(paths), ""
+    if _proves(slow, paths):
         why = f"A varies slowly enough for its frozen roots to decide: {slow.why}; V proves {slow.decay:.4g} 1/s"
         return made("stable", "slow_variation", slow.decay, why, evidence, said, slow.decay, "decays")
     if shown is not None and shown and shown.contraction < 1:

@@ -86,13 +86,14 @@ def _size(z: np.ndarray, line: bool) -> np.ndarray:
     return z.real if line else np.abs(z)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # beyond the range of numbers nothing is known
 def _part(M: np.ndarray, D: np.ndarray, line: bool) -> Bounds:
     n, edge = len(M), 0.0 if line else 1.0
     if n == 1:
         lam, error = M[0].astype(complex), D[0] + 2 * EPS * np.abs(M[0])
         at, e = float(_size(lam, line)[0]), float(error[0])
         return Bounds(lam, error, np.ones((1, 1)), (np.zeros(1, int),), at + e < edge, at - e > edge, at - e, at + e)
-    _, (scale, _) = sla.matrix_balance(np.abs(M) + D, permute=False, separate=True)
+    _, (scale, _) = sla.matrix_balance(np.abs(M) + np.where(np.isfinite(D), D, 0.0), permute=False, separate=True)
     scale = scale if np.isfinite(scale).all() and (scale > 0).all() else np.ones(n)
     M, D = M * scale / scale[:, None], D * scale / scale[:, None]
     lam, V, W, G = refined(M)
@@ -171,7 +172,7 @@ def _grows(M: np.ndarray, D: np.ndarray) -> bool:
     """Whether a power of every member has a trace beyond n: its largest eigenvalue is at least |trace|/n."""
     P, E = M, D
     for _ in range(4):
-        if abs(np.trace(P)) - float(np.trace(E)) > len(M) * (1 + 1e-6):
+        if abs(np.trace(P)) - float(np.trace(E)) > len(M) * (1 + 1e-6) and np.isfinite(P).all():
             return True
         P, E = P @ M, E @ (np.abs(M) + D) + np.abs(P) @ D
     return False
@@ -244,8 +245,7 @@ def separated(
     M: np.ndarray, D: np.ndarray, r: float, line: bool = False, *, centre: complex = 0.0, most: int = TESTS
 ) -> bool:
     """Whether no member has an eigenvalue on the circle |z - centre| = r, or on the line Re z = r."""
-    n = len(M)
-    most = int(min(most, max(200, WORK / n**3)))
+    most = int(min(most, max(200, WORK / len(M) ** 3)))
     if not np.isfinite(D).all():
         return False
     lam = np.linalg.eigvals(M)

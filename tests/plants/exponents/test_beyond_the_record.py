@@ -88,6 +88,20 @@ def test_a_record_of_a_few_swings_tells_growth_by_smooth_averages(mean, said):
         assert "estimated from one deviation's growth" in v.why and "at an estimated" in v.sentence
 
 
+@pytest.mark.parametrize(
+    ("span", "size", "speed", "phase"),
+    [(4.6, (1.8, 1.6), (6.3, 6.7), (0.3, 2.0)), (4.4, (1.7, 1.2), (6.3, 19.6), (1.4, 3.9))],
+)
+def test_growth_by_coupling_alone_is_not_told_for_growth(span, size, speed, phase):
+    """Triangular, both diagonal entries of mean -0.02 1/s: all decays, though a deviation grows by a half here."""
+    t = np.linspace(0.0, span, 121)
+    A = np.zeros((121, 2, 2))
+    A[:, 0, 1] = 1.0
+    for i in (0, 1):
+        A[:, i, i] = size[i] * np.cos(speed[i] * t + phase[i]) - 0.02
+    assert assess(ltv(t, A), thorough=False, beyond="persists").verdict != "unstable"
+
+
 def test_systems_that_grow_less_than_tenfold_are_decided():
     """Of the family "little" those that plain averages left undecided, the quickest of them."""
     assert all(answer(seed)[1].verdict == "unstable" for seed in (93, 123, 133, 178))

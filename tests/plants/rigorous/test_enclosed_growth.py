@@ -17,5 +17,5 @@ from pliant.plants.rigorous.enclosed_transition import Piece, transitions
 def test_growth_that_builds_on_itself(A, told):
     t = np.linspace(0.0, 16.0, 33)
     with flint().ctx.workprec(96):
-        own = list(transitions([Piece(t, np.repeat(A[None], 33, axis=0))], []))
+        own = [(end, steps) for end, _, steps in transitions([Piece(t, np.repeat(A[None], 33, axis=0))], [])]
         assert compounds(0.0, own) is told

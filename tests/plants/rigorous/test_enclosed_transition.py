@@ -9,9 +9,9 @@ from pliant.plants.rigorous.enclosed_transition import Frames, Piece, TooLong, t
 def over(pieces, jumps=(), bits=96):
     with flint().ctx.workprec(bits):
         frames, times = Frames(pieces[0].A.shape[-1]), []
-        for t, steps in transitions(pieces, jumps):
+        for t, jump, steps in transitions(pieces, jumps):
             times.append(t)
-            for P in steps:
+            for P in jump + steps:
                 frames.times(P)
         return frames.whole, times
 

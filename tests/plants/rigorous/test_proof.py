@@ -71,6 +71,15 @@ def test_motion_with_a_closed_form():
     assert found.transition_error.max() < 1e-15
 
 
+def test_the_peak_is_also_that_just_after_a_jump():
+    # decay by e^-1, times 50, decay by e^-8: largest after the jump, at 1 s
+    t = np.linspace(0.0, 1.0, 3)
+    pieces = [Piece(t, np.full((3, 1, 1), -1.0)), Piece(t + 1, np.full((3, 1, 1), -8.0))]
+    found = of_motion(pieces, [np.array([[50.0]])], np.ones(1))
+    assert found.peak == pytest.approx((50 / np.e,) * 2, rel=1e-14) and found.peak_time == 1.0
+    assert found.end == pytest.approx((50 * np.exp(-9),) * 2, rel=1e-14) and found.verdict == "stable"
+
+
 @pytest.mark.parametrize(
     "rate, drifting, told",
     [

@@ -86,3 +86,12 @@ def test_a_decay_by_slow_variation_says_that_deviations_end_larger():
     told = assess(ltv(t, A), periodic=False)
     assert (told.verdict, told.method) == ("stable", "slow_variation") and told.evidence["growth"].total > 1
     assert "times as large as they began" in told.sentence
+
+
+def test_slow_variation_that_the_nodes_do_not_show_leaves_it_to_growth():
+    """9 nodes and modes of up to 150 1/s: slow as A looks, but what may be between its nodes is more than the decay."""
+    rng, t = np.random.default_rng(7), np.arange(9) / 8.0
+    first, second = (np.round(rng.standard_normal((3, 3)) * 16) * 2.5 for _ in range(2))
+    A = first + (t * (1.0 - t))[:, None, None] * second / 4 - 8.0 * np.eye(3)
+    quick = assess(ltv(t, A), periodic=False, thorough=False)
+    assert quick.evidence["slow_variation"] and quick.verdict == assess(ltv(t, A), periodic=False).verdict

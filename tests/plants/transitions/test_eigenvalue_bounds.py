@@ -117,3 +117,18 @@ def test_curves_that_are_crossed_are_not_free():
 def test_what_is_not_finite_is_not_judged():
     b = bounds(np.full((2, 2), np.inf), np.zeros((2, 2)))
     assert not b.inside and not b.outside and b.most == np.inf
+
+
+def test_powers_beyond_the_range_of_numbers_tell_nothing():
+    """1e200 squared is no number: no warning is given."""
+    M = 1e200 * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    with np.errstate(all="raise"):
+        found = bounds(M, np.abs(M) * 0.5)
+    assert not found.inside and found.most > 1e200
+
+
+def test_of_a_matrix_that_may_be_off_without_bound_nothing_is_known():
+    M = np.array([[0.1, 0.2, 0.0], [0.0, 0.1, 0.3], [0.2, 0.0, 0.1]])
+    found = bounds(M, np.full((3, 3), np.inf))
+    assert not found.inside and not found.outside and (found.least, found.most) == (0.0, np.inf)
+    assert np.isinf(found.errors).all()
