@@ -20,6 +20,7 @@ FASTEST, SLOWEST = 1e-3, 0.02  # of control periods [s]
 FEW = 4  # joints are named, more counted
 ROOM = 2.0  # limits over what the motion takes
 WIDTH = 120  # characters of a line
+LEAST = 1e-30  # an effort below is none
 UNKNOWN = 1e6  # a limit while it is asked what the motion takes
 SAID = {
     "duration": "[s]",
@@ -70,7 +71,7 @@ def first_scene(name: str, plant: Plant) -> Scene:
     except (PliantError, ValueError):  # the motion is to be said otherwise
         used = np.zeros(plant.nu)
     asked = [float(f"{ROOM * u:.2g}") if u > 1e-9 * used.max(initial=0.0) else 1.0 for u in used]
-    told = {joint.input: joint.effort for joint in plant.joints if 0 < joint.effort < math.inf}
+    told = {joint.input: joint.effort for joint in plant.joints if LEAST < joint.effort < math.inf}
     limits = tuple(told.get(s.name, least) for s, least in zip(plant.inputs, asked))
     effort = tuple((s.name, float(f"{0.1 / limit**2:.2g}")) for s, limit in zip(plant.inputs, limits))
     return Scene(**given, dt=_period(free, len(moved)), limits=limits, effort=effort)

@@ -28,6 +28,7 @@ READING = 250  # rows on the virtual machine that reading a function's instructi
 EACH = 4e-9  # [s] of an instruction on the virtual machine
 _LONG = np.dtype(ctypes.c_long)
 INSTRUCTION = np.dtype([("op", "<i4"), ("i0", "<i4"), ("i1", "<i4"), ("i2", "<i4")])  # i1 and i2 of a constant: it
+EDGES = (0.0, -0.0, 0.5, -2.0, np.inf, -np.inf, np.nan)
 TRIED = 8  # instructions by which the place of all is found, and as many by which it is tried
 
 
@@ -145,11 +146,21 @@ def _check(run: Any) -> None:
     each += [ca.SX.binary(getattr(ca, f"OP_{name}"), a[1], b) for name in BINARY]
     function = ca.Function("each", [a, b], [ca.vertcat(*each), a * b + 1.5])
     rng = np.random.default_rng(0)
-    points = [rng.uniform(-1.0, 1.0, (3 * BLOCK + 5, n)) for n in (2, 1)]
+    points = [np.vstack([rng.uniform(-1.0, 1.0, (3 * BLOCK + 5, n)), _edges(n)]) for n in (2, 1)]
     expected = _Mapped(function)(*points, batch=len(points[0]))
     for found, known in zip(Tape(function, run)(points, len(points[0])), expected):
-        if not np.array_equal(found, known.reshape(found.shape), equal_nan=True):
+        known = known.reshape(found.shape)
+        signs = (np.signbit(found) == np.signbit(known)) | np.isnan(known)
+        if not np.array_equal(found, known, equal_nan=True) or not signs.all():
             raise CompileError("rows evaluated in C have other numbers than CasADi's virtual machine gives")
+
+
+def _edges(n: int) -> Array:
+    """(rows, n): zeros of both signs, infinities and NaN; of n = 2 and n = 1 each meets each."""
+    values = np.array(EDGES)
+    return (
+        np.tile(values, len(values))[:, None] if n == 1 else np.repeat(values, len(values))[:, None].repeat(n, axis=1)
+    )
 
 
 library = Program("rows", source, _load, _check)

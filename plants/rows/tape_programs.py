@@ -32,7 +32,10 @@ UNARY = {
 }  # fmt: skip
 BINARY = {
     "ADD": "a + b", "SUB": "a - b", "MUL": "a * b", "DIV": "a / b", "POW": "pow(a, b)", "CONSTPOW": "pow(a, b)",
-    "ATAN2": "atan2(a, b)", "FMIN": "fmin(a, b)", "FMAX": "fmax(a, b)", "LT": "a < b", "LE": "a <= b", "EQ": "a == b",
+    "ATAN2": "atan2(a, b)",
+    # of zeros of two signs the first, as the virtual machine takes; C leaves it open
+    "FMIN": "a <= b || b != b ? a : b", "FMAX": "a >= b || b != b ? a : b",
+    "LT": "a < b", "LE": "a <= b", "EQ": "a == b",
     "NE": "a != b", "AND": "a && b", "OR": "a || b", "IF_ELSE_ZERO": "a != 0 ? b : 0.",
 }  # fmt: skip
 FIRST = 3  # 0 .. 2: an input, a constant, an output

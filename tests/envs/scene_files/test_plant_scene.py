@@ -72,3 +72,10 @@ def test_the_control_period_samples_the_slowest_vibration_ten_times(stiffness, p
     tree = FlexibleTree(bodies=(link,), gravity=(0, 0, 0))
     w = (stiffness * (1 / 2.0 + 1 / 2.5)) ** 0.5
     assert first_scene("sprung", tree).dt == period <= max(0.2 * math.pi / w, 1e-3)
+
+
+def test_an_effort_whose_square_no_number_holds_is_none():
+    """As one of zero: the limit is what the motion takes."""
+    link = TreeBody(name="link", joint=Joint(name="hub", effort=1e-170), mass=1.0, inertia=2.0)
+    scene = first_scene("still", FlexibleTree(bodies=(link,), gravity=(0, 0, 0)))
+    assert scene.limits[0] > 1e-3

@@ -55,6 +55,17 @@ def test_matrices_and_other_operations(compiled):
         numeric(values[:, :2], 0.25, batch=ROWS)
 
 
+def test_of_zeros_of_two_signs_the_smaller_and_the_larger_are_the_virtual_machines(compiled):
+    a, b = ca.SX.sym("a"), ca.SX.sym("b")
+    function = ca.Function("f", [a, b], [1 / ca.fmin(a, b), 1 / ca.fmax(a, b)])
+    values = (
+        np.resize([0.0, 0.0, -0.0, -0.0, np.nan, 1.0], (ROWS, 1)),
+        np.resize([0.0, -0.0, 0.0, -0.0, 1.0], (ROWS, 1)),
+    )
+    for own, known in zip(Tape(function, library.run)(values, ROWS), mapped(function, *values)):
+        np.testing.assert_array_equal(own, known.T)
+
+
 def test_few_rows_and_what_c_has_not_stay_on_the_virtual_machine(compiled, monkeypatch):
     x = ca.SX.sym("x")
     few = NumericFunction(ca.Function("few", [x], [x * x]))
