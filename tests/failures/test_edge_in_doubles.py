@@ -50,7 +50,7 @@ def test_balls_without_frames_blow_up():
     A = 4.0 * (1 + 1e-3 * t)[:, None, None] * np.array([[0.0, 1.0], [-1.0, 0.0]])
     with flint.ctx.workprec(64):
         frames, wrapped = Frames(2), matrix(np.eye(2))
-        for _, steps in transitions([Piece(t, A)], []):
+        for _, _, steps in transitions([Piece(t, A)], []):
             for P in steps:
                 frames.times(P)
                 wrapped = P * wrapped
