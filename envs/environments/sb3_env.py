@@ -30,9 +30,9 @@ class PlantVecEnv(OwnsArrays, VecEnv):
     Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `max_episode_steps`, those of `Task`); observations
     default to float32, what its networks take. Where an episode ended, infos[i] holds "terminal_observation",
     "TimeLimit.truncated", "diverged", "cost" and "early_end_cost" of the last period and the "parameters" it was played
-    with, and where a range of the plant's `validity` is left its largest value over its limit as "validity"; every
-    other infos[i] is an empty dictionary of its lane's own. "reward_terms" and "cost_constraint" are told of every
-    period where the task asks for them.
+    with, where it is drawn also the "fidelity", and where a range of the plant's `validity` is left its largest value
+    over its limit as "validity"; every other infos[i] is an empty dictionary of its lane's own. "reward_terms" and
+    "cost_constraint" are told of every period where the task asks for them.
 
     `seed(s)` seeds lane i with s + i, which then plays the episodes of PlantEnv.reset(seed=s + i); `set_options` takes
     what PlantEnv.reset does, for all lanes or a list with one dictionary a lane. Both serve the next `reset`. What
@@ -66,11 +66,12 @@ class PlantVecEnv(OwnsArrays, VecEnv):
 
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
-        """The "parameters" of the episode that each lane plays; empty before the first reset."""
+        """The "parameters" of the episode that each lane plays, its "fidelity" where that is drawn; empty before the
+        first reset."""
         if not self.vector.begun:
             return [{} for _ in range(self.num_envs)]
-        names, lanes = self.vector.scene.varied_plant.varied, np.arange(self.num_envs)
-        return [{"parameters": dict(zip(names, p))} for p in self.vector.parameters_of(lanes).tolist()]
+        lanes = np.arange(self.num_envs)
+        return of_lanes(self.vector.told_of(lanes), lanes)
 
     @reset_infos.setter
     def reset_infos(self, value: list[dict[str, Any]]) -> None:
@@ -94,8 +95,9 @@ class PlantVecEnv(OwnsArrays, VecEnv):
             raise ValueError(f"{owner}: options = {shown(options)} must be a dictionary, or a list of {n} of them")
 
     def _start(self, owner: str, options: Any) -> dict[str, Any]:
-        own = arguments.require_options(owner, options, arguments.OPTIONS)
-        return arguments.require_start(owner, self.vector.scene, own)
+        mixture = self.vector._mixture
+        own = arguments.require_options(owner, options, arguments.known(mixture))
+        return arguments.require_start(owner, self.vector.scene, own, mixture)
 
     def reset(self) -> np.ndarray:
         """New episodes in all lanes, with the seeds and options set since the last reset."""
@@ -131,6 +133,8 @@ class PlantVecEnv(OwnsArrays, VecEnv):
                     "early_end_cost": early,
                     "parameters": dict(zip(names, p)),
                 }
+            for i, label in zip(lanes, () if ended.fidelity is None else ended.fidelity.tolist()):
+                infos[i]["fidelity"] = label
         if "validity" in valid:
             for i in valid["_validity"].nonzero()[0].tolist():
                 infos[i] = {**infos[i], "validity": float(valid["validity"][i])}

@@ -47,7 +47,7 @@ class Channel(OwnsArrays):
         no, nu = self.deviations.size, self.first.size
         return no + self.task.history * (no + nu) + self._goal.shape[1]
 
-    def seed(self, lanes: Sequence[int], seeds: Sequence[Any]) -> None:
+    def seed(self, lanes: Sequence[int] | Array, seeds: Sequence[Any]) -> None:
         """From now on the lanes draw from streams of these seeds."""
         for lane, seed in zip(lanes, seeds):
             self._streams[lane] = np.random.default_rng([STREAM, int(seed)])
