@@ -112,12 +112,6 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         self._require_begun("time")
         return self._done * self.scene.dt
 
-    @property
-    def fidelity(self) -> str:
-        """The label of the model that is played. ResetNeeded before the first reset."""
-        self._require_begun("fidelity")
-        return self._step.scene.plant.label
-
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
@@ -161,7 +155,7 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         info: dict[str, Any] = {"cost": cost, "early_end_cost": early, "diverged": diverged}
         info |= {"cost_constraint": 0.0, "parameters": self._drawn.copy()}
         if self._mixture is not None:
-            info["fidelity"] = self.fidelity
+            info["fidelity"] = self._step.scene.plant.label
         if reach[0] > 1.0 and not diverged:
             info["validity"] = _left(self._step, self.time, self._u)
         return info
