@@ -200,6 +200,7 @@ REASONS = {  # patterns of module and name
     "envs.scenes.scene.Scene.vector_env": "an environment's arguments: calls of environments",
     "envs.scenes.scene.Scene.differentiable": "takes torch: tests/envs/simulation/test_differentiable.py",
     "envs.scenes.scene.Scene.sb3_env": "an environment's arguments: calls of environments",
+    "envs.scenes.scene.Scene.puffer_env": "an environment's arguments: calls of environments",
     "envs.scenes.spacecraft*": "by scenes.get",
     "studies.closed_loop.rollout.Conditions": "by rollout",
     "studies.closed_loop.*": "a part of scoreboard and report",
