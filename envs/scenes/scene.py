@@ -285,13 +285,13 @@ class Scene(Manoeuvre, SceneTable):
         """`num_envs` lanes of this scene for PufferLib, a PlantPufferEnv. ImportError without it."""
         return ENVIRONMENTS["puffer"](self, num_envs, **options)
 
-    def differentiable(self, torch: Any, lanes: int = 1) -> Any:
-        """Rollouts of so many `lanes` with exact gradients, of the module `torch`.
+    def differentiable(self, module: Any, lanes: int = 1) -> Any:
+        """Rollouts of so many `lanes` with exact gradients, of the module torch or jax that is given.
 
         >>> import torch; scene.differentiable(torch, lanes=2).lanes
         2
         """
-        return ENVIRONMENTS["differentiable"](self, torch, lanes)
+        return ENVIRONMENTS["differentiable"](self, module, lanes)
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: sealed(getattr(self, f.name)) for f in dataclasses.fields(self)}

@@ -198,7 +198,7 @@ REASONS = {  # patterns of module and name
     "envs.scenes.scene.Scene.open_loop": "options of Plant.simulate",
     "envs.scenes.scene.Scene.nominal_motion": "options of Plant.simulate",
     "envs.scenes.scene.Scene.vector_env": "an environment's arguments: calls of environments",
-    "envs.scenes.scene.Scene.differentiable": "takes torch: tests/envs/simulation/test_differentiable.py",
+    "envs.scenes.scene.Scene.differentiable": "takes torch or jax: tests/envs/gradients",
     "envs.scenes.scene.Scene.sb3_env": "an environment's arguments: calls of environments",
     "envs.scenes.scene.Scene.puffer_env": "an environment's arguments: calls of environments",
     "envs.scenes.spacecraft*": "by scenes.get",
