@@ -11,7 +11,7 @@ from pliant.envs.scenes.scene import Scene
 from .puffer_lanes import PufferLanes
 
 
-class PlantPufferEnv(PufferLanes, pufferlib.PufferEnv):  # type: ignore[misc]
+class PlantPufferEnv(PufferLanes, pufferlib.PufferEnv):
     """`num_envs` agents of a scene in the buffers `buf` that PufferLib hands over, or its own; see `PufferLanes`."""
 
     def __init__(self, scene: str | Scene, num_envs: int, *, buf: Any = None, seed: int = 0, **options: Any) -> None:

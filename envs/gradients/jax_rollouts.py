@@ -62,7 +62,7 @@ class JaxRollouts:
         def with_slopes(k: Any, *given: Any) -> tuple[JaxArray, ...]:
             return tuple(jax.pure_callback(called, shapes, k, *given, vmap_method="sequential"))
 
-        @jax.custom_vjp  # type: ignore[untyped-decorator]
+        @jax.custom_vjp
         def native(k: Any, x: Any, u: Any, p: Any) -> JaxArray:
             return with_slopes(k, x, u, p)[0]
 

@@ -1,5 +1,8 @@
 """Rollouts in JAX, where it is installed: gradients under jit, against differences and against PyTorch's."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -72,6 +75,14 @@ def test_one_period_outside_of_jit_is_the_plants_own() -> None:
         )  # fmt: skip
         np.testing.assert_allclose(after[lane], motion.x[-1], rtol=1e-12, atol=1e-14)
     assert rollouts.observe(x, u).shape == (2, 4) and (rollouts.cost(x, u) > 0).all()
+
+
+def test_the_block_of_the_page_runs() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "learning.md").read_text(encoding="utf-8")
+    [block] = [text for text in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if text.startswith("import jax")]
+    found: dict = {}
+    exec(block, found)
+    assert found["value"] > 0 and found["slope"].shape == (4, 1) and np.isfinite(found["slope"]).all()
 
 
 def test_what_is_refused() -> None:
