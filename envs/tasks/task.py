@@ -62,7 +62,7 @@ class Task:
     history       so many former readings and actions follow the reading, newest first, readings before actions; at the
                   start of an episode the first reading, and zeros
     goal_spread   each coordinate of the goal is drawn within so much of the scene's own [its unit]; where it is drawn,
-                  less the scene's own, are the last observations. Pictures show the scene's own
+                  less the scene's own, are the last observations; quaternions are made unit. Pictures show the scene's own
     terms         True: info["reward_terms"] tells what each weighted signal and input adds to minus the stage cost
     constraint    "end": an episode ends where a bounded signal leaves its bound. "cost": it goes on, and
                   info["cost_constraint"] is 1 in a period that ends beyond, 0 in others
