@@ -27,7 +27,7 @@ Indices = int | Iterable[int] | None
 class PlantVecEnv(OwnsArrays, VecEnv):
     """`num_envs` lanes of a scene for Stable-Baselines3: episodes restart in the step that ends them.
 
-    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `max_episode_steps`, those of `Task`); observations
+    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `render_mode`, .., those of `Task`); observations
     default to float32, what its networks take. Where an episode ended, infos[i] holds "terminal_observation",
     "TimeLimit.truncated", "diverged", "cost" and "early_end_cost" of the last period and the "parameters" it was played
     with, where it is drawn also the "fidelity", and where a range of the plant's `validity` is left its largest value
@@ -47,6 +47,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         randomise: bool = False,
         dtype: type | str = np.float32,
         threads: int | None = None,
+        render_mode: str | None = None,
         max_episode_steps: int | None = None,
         **task: Unpack[TaskKeywords],
     ) -> None:
@@ -57,6 +58,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
             dtype=dtype,
             threads=threads,
             autoreset_mode=AutoresetMode.SAME_STEP,
+            render_mode=render_mode,
             max_episode_steps=max_episode_steps,
             **task,
         )
@@ -149,9 +151,13 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         self.vector.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:
-        """None for every lane, with a warning: lanes are not drawn."""
-        warnings.warn("PlantVecEnv.get_images: lanes are not drawn; PlantEnv draws one", stacklevel=2)
-        return [None] * self.num_envs
+        """A picture (height, width, 3) uint8 of every lane, as PlantVectorEnv draws them; None for every lane, with a
+        warning, unless the environment was made with render_mode="rgb_array".
+        """
+        if self.render_mode is None:
+            warnings.warn('PlantVecEnv.get_images: make the environment with render_mode="rgb_array"', stacklevel=2)
+            return [None] * self.num_envs
+        return list(self.vector.render() or ())
 
     def _lanes(self, indices: Indices) -> list[int]:
         """The lanes named, negative ones counted from the end; IndexError where there is none."""

@@ -61,8 +61,8 @@ class Task:
                   (least, most) is drawn anew for each episode. Before the first action acts what holds the start
     history       so many former readings and actions follow the reading, newest first, readings before actions; at the
                   start of an episode the first reading, and zeros
-    goal_spread   each coordinate of the goal is drawn within so much of the scene's own [its unit]; where it is drawn,
-                  less the scene's own, are the last observations; quaternions are made unit. Pictures show the scene's own
+    goal_spread   each coordinate of the goal is drawn within so much of the scene's own [its unit], a quaternion made
+                  unit; where it is drawn, less the scene's, are the last observations. Pictures show the scene's own
     terms         True: info["reward_terms"] tells what each weighted signal and input adds to minus the stage cost
     constraint    "end": an episode ends where a bounded signal leaves its bound. "cost": it goes on, and
                   info["cost_constraint"] is 1 in a period that ends beyond, 0 in others

@@ -22,7 +22,7 @@ def test_goals_that_move_are_refused() -> None:
 
 
 def test_attitudes_are_drawn_as_unit_quaternions() -> None:
-    """Off by (0, 0.1, 0, 0) of no turn: the turn of tangent 0.1 of half its angle, which the attitude's output shows."""
+    """Off by (0, 0.1, 0, 0) of no turn: a turn of tangent 0.1 of half its angle, which the attitude's output shows."""
     slew = scenes.get("spacecraft-slew")
     found = allowed_offsets(slew, np.array([[0.0, 0.1, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]))
     half = np.arctan(0.1)
