@@ -1,7 +1,8 @@
 """Returns at which a scene counts as solved: of the reward "cost", from the scene's own start, nothing drawn.
 
-What LQR returns in the scoreboard's exact case (docs/scoreboard), MPC where LQR leaves the bounds, less one percent. None
-for slider-crank-run, where doing nothing returns that already. The normalised reward has another scale: its return is at most the number of periods.
+What LQR returns in the scoreboard's exact case (docs/scoreboard), MPC where LQR leaves the bounds, less one percent.
+None for slider-crank-run, where doing nothing returns that already. The normalised reward has another scale: its return
+is at most the number of periods.
 """
 
 THRESHOLDS = {
