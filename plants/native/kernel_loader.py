@@ -137,6 +137,12 @@ class Bound:
         for task in waiting:
             task.result()
 
+    def part(self, first: int, last: int, scalars: Sequence[float] = (), count: int = 1) -> None:
+        """The lanes from `first` to before `last` alone, multiples of the kernel's lanes, on this thread."""
+        for i, value in enumerate(scalars):
+            self._scalars[i] = value
+        self.kernel._run(first, last, self.ld, *self._fixed, count)
+
 
 _loaded: dict[str, Kernel] = {}
 
