@@ -29,7 +29,7 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.linear_quadratic.delay import Predictive, delayed
     from pliant.controllers.linear_quadratic.lqg import LQG
     from pliant.controllers.linear_quadratic.lqr import LQR
-    from pliant.controllers.linear_quadratic.periodic_lqr import PeriodicLQR
+    from pliant.controllers.cycles.periodic_lqr import PeriodicLQR
     from pliant.controllers.linear_quadratic.tvlqr import TVLQR
     from pliant.controllers.mpc.mpc import MPC
     from pliant.controllers.mpc_gradients.law_derivative import DifferentiableMPC, LawDerivative
@@ -129,7 +129,7 @@ imports.offer(
         "linear_quadratic.delay": "Predictive delayed",
         "linear_quadratic.lqg": "LQG",
         "linear_quadratic.lqr": "LQR",
-        "linear_quadratic.periodic_lqr": "PeriodicLQR",
+        "cycles.periodic_lqr": "PeriodicLQR",
         "linear_quadratic.tvlqr": "TVLQR",
         "mpc.mpc": "MPC",
         "mpc_gradients.law_derivative": "DifferentiableMPC LawDerivative",
@@ -158,7 +158,7 @@ imports.serve(
         "hinf=hinf_norm",
         "optimal_control": "optimal plan transcription=multiple_shooting shooting=shooting_derivatives "
         "stage_terms=stage_derivatives nominals=nominal_motions",
-        "linear_quadratic": "lqr lqg tvlqr funnel period_cost periodic_lqr delay",
+        "linear_quadratic": "lqr lqg tvlqr funnel period_cost delay",
         "analysis": "loops margins spillover",
         "joint_control": "pd computed_torque collocated=collocation shaping=input_shaping",
         "learning": "run=training_callback lanes=training_env policy actor=sb3_export checkpoint torch_threads",

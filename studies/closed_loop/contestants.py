@@ -12,7 +12,7 @@ import numpy as np
 
 from pliant import controllers
 from pliant.controllers import Controller, Policy
-from pliant.controllers.linear_quadratic.periodic_lqr import turning
+from pliant.controllers.cycles.cycle import turning
 from pliant.envs import scenes
 from pliant.envs.scenes.registry import VARIANTS, is_file
 from pliant.envs.scenes.scene import Scene

@@ -5,7 +5,7 @@ import pytest
 
 from pliant.controllers import PeriodicLQR, riccati
 from pliant.controllers.base.objective import Objective
-from pliant.controllers.linear_quadratic.periodic_lqr import deviations, turning, whole_turns
+from pliant.controllers.cycles.cycle import deviations, turning, whole_turns
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError
