@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.analysis.spillover import Spillover, spillover
     from pliant.controllers.base.controller import Controller, Feedback
     from pliant.controllers.base.objective import Objective
+    from pliant.controllers.cycles.periodic_lqr import PeriodicLQR
     from pliant.controllers.estimation import sensors
     from pliant.controllers.estimation.kalman import Kalman
     from pliant.controllers.estimation.sensors import Sensor, sensors_of
@@ -29,7 +30,6 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.linear_quadratic.delay import Predictive, delayed
     from pliant.controllers.linear_quadratic.lqg import LQG
     from pliant.controllers.linear_quadratic.lqr import LQR
-    from pliant.controllers.cycles.periodic_lqr import PeriodicLQR
     from pliant.controllers.linear_quadratic.tvlqr import TVLQR
     from pliant.controllers.mpc.mpc import MPC
     from pliant.controllers.mpc_gradients.law_derivative import DifferentiableMPC, LawDerivative

@@ -76,14 +76,18 @@ class PeriodicLQR(OwnsArrays):
         require_scene("PeriodicLQR.for_scene", scene)
         effort = require_number("PeriodicLQR.for_scene.effort", effort, "positive")
         late = delay_range("PeriodicLQR.for_scene", delay)
-        cycle = Cycle.find(scene)
-        if late[1]:
-            made, around = of_delays(cycle, late, effort)
+        return cls.about(Cycle.find(scene), effort, late)
+
+    @classmethod
+    def about(cls, cycle: Cycle, effort: float, delay: tuple[float, float]) -> PeriodicLQR:
+        """The same about a cycle that is found."""
+        if delay[1]:
+            made, around = of_delays(cycle, delay, effort)
         else:
-            about = of_cycle(cycle, effort)
-            made = riccati.dplqr(*about.system, q=about.q, s=about.s)
+            on_time = of_cycle(cycle, effort)
+            made = riccati.dplqr(*on_time.system, q=on_time.q, s=on_time.s)
             around = np.abs(made.multipliers)
-        return cls.of(cycle, made, around, late)
+        return cls.of(cycle, made, around, delay)
 
     @classmethod
     def of(cls, cycle: Cycle, made: Regulator, around: Array, delay: tuple[float, float]) -> PeriodicLQR:
@@ -114,18 +118,22 @@ class PeriodicLQR(OwnsArrays):
         """u (nu,) from the states y (nx,)."""
         y = reading("PeriodicLQR.y", y, len(self.reads))
         moment("PeriodicLQR", t)
+        u = np.minimum(np.maximum(self.unlimited(y)[0], self.limits[0]), self.limits[1])
+        self.asked(u)
+        return u
+
+    def unlimited(self, y: Array) -> tuple[Array, Array]:
+        """The law's u (nu,) without limits, and what it acts on (nx + M nu,): y (nx,) less the cycle at its angle, zero
+        for that, and the inputs on their way less u*."""
         k, share = self._nodes.at(y[self.angle])
         off = y - ((1 - share) * self._x[k] + share * self._x[k + 1])
         off[self.angle] = 0.0
         if len(self._past):
             off = np.concatenate([off, self._past.ravel()])
-        u = (1 - share) * (self._u[k] - self._K[k] @ off) + share * (self._u[k + 1] - self._K[k + 1] @ off)
-        u = np.minimum(np.maximum(u, self.limits[0]), self.limits[1])
-        self.acted(u)
-        return u
+        return (1 - share) * (self._u[k] - self._K[k] @ off) + share * (self._u[k + 1] - self._K[k + 1] @ off), off
 
-    def acted(self, u: Array) -> None:
-        """Take u (nu,) for what was asked for last."""
+    def asked(self, u: Array) -> None:
+        """Take u (nu,) for the last input that was asked for."""
         if len(self._past):
             self._past[:-1] = self._past[1:]
             self._past[-1] = u - self.mean

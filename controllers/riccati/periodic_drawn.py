@@ -58,7 +58,11 @@ def drawn_periodic(F: Any, W: Any, g: Any) -> DrawnRegulator:
     K, k, S = np.empty((N, nu, nz)), np.empty((N, nu)), np.empty((N, nu, nu))
     paid = W_mean.max(axis=0).diagonal()
     least = paid[paid > 0].min(initial=1.0)
-    P, p, largest = np.diag(np.where(paid > 0, paid, least)[:nz]), np.zeros(nz), None  # that every input costs something
+    P, p, largest = (
+        np.diag(np.where(paid > 0, paid, least)[:nz]),
+        np.zeros(nz),
+        None,
+    )  # that every input costs something
     Ps, ps = np.empty((N, nz, nz)), np.empty((N, nz))
     for _ in range(SWEEPS):
         before = P, p
