@@ -6,8 +6,8 @@ L_k   = S_k C_k'(V_k + C_k S_k C_k')^-1                                         
 
 With A', C', W, V and time turned round it is the regulator's equation (duality), and its stabilising solution that one.
 
-Source   Bittanti, Colaneri and De Nicolao, "The difference periodic Riccati equation for the periodic prediction problem",
-         1988
+Source   Bittanti, Colaneri and De Nicolao, "The difference periodic Riccati equation for the periodic prediction
+         problem", 1988
 """
 
 from __future__ import annotations
