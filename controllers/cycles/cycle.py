@@ -28,8 +28,10 @@ from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.controllers.optimal_control.stage_derivatives import StageTerms
 from pliant.controllers.riccati.late_inputs import periods_of
 from pliant.plants.core.errors import EquilibriumError
+from pliant.plants.dynamics.plant import Plant
 
 Array = np.ndarray
+Machine = tuple[Plant, Array]  # a plant and its parameters (np,)
 TURNS, NODES = 24, 5000  # in which control periods have to fit, at most; nodes of these
 FITS = 1e-6  # of a control period by which they may miss
 NEWTON, CLOSED = 30, 1e-10  # steps; of the cycle's size, what may be left open at its end
@@ -96,24 +98,25 @@ class Cycle:
         """(N, nx) dx/dt at the ends of the steps."""
         return np.asarray(self.scene.plant.dynamics(self.x[1:], np.tile(self.u, (self.steps, 1))))
 
-    def _moved(self, part: float, x: Array, p: Array | None) -> tuple[Array, Array]:
+    def _moved(self, part: float, x: Array, machine: Machine | None) -> tuple[Array, Array]:
         """Ends (N, nx) and slopes (N, nx, nx + nu) of `part` of a period from x (N, nx)."""
-        plant, scene = self.scene.plant, self.scene
-        given = np.zeros(plant.nw), plant.nominal_parameters if p is None else p
+        scene = self.scene
+        plant, p = (scene.plant, scene.plant.nominal_parameters) if machine is None else machine
+        given = np.zeros(plant.nw), p
         substeps = max(1, math.ceil(part * scene.substeps - 1e-9))
         held = HeldSteps(plant, part * self.dt, substeps, self.dt * np.arange(self.steps), *given)
         found = held.slopes(x, np.tile(self.u, (self.steps, 1)))
         return found.end, found.slope
 
-    def late_slopes(self, delay: float, p: Array | None = None) -> tuple[Array, Array, Array]:
+    def late_slopes(self, delay: float, machine: Machine | None = None) -> tuple[Array, Array, Array]:
         """A (N, nx, nx), and B (N, nx, nu) of the input that acts in the first `f` of a period, and after it, of the
-        whole state. p: the plant's parameters, its own where None."""
+        whole state. machine: another plant and its parameters, along the same cycle."""
         nx, (_, part) = self.scene.plant.nx, periods_of(delay)
         if not part:
-            S = self._moved(1.0, self.x[:-1], p)[1]
+            S = self._moved(1.0, self.x[:-1], machine)[1]
             return S[:, :, :nx], np.zeros_like(S[:, :, nx:]), S[:, :, nx:]
-        middle, first = self._moved(part, self.x[:-1], p)
-        second = self._moved(1.0 - part, middle, p)[1]
+        middle, first = self._moved(part, self.x[:-1], machine)
+        second = self._moved(1.0 - part, middle, machine)[1]
         A = second[:, :, :nx]
         return A @ first[:, :, :nx], A @ first[:, :, nx:], second[:, :, nx:]
 
@@ -137,12 +140,12 @@ class Cycle:
         H = np.concatenate([np.concatenate([Q, N], 2), np.concatenate([N.transpose(0, 2, 1), R], 2)], 1)
         return H, slope, ahead
 
-    def late(self, delay: float, past: int, effort: float = 1.0, p: Array | None = None) -> LateSteps:
+    def late(self, delay: float, past: int, effort: float = 1.0, machine: Machine | None = None) -> LateSteps:
         """Steps of z with `past` inputs on their way, of inputs that act `delay` periods late."""
         plant, N, (m, part) = self.scene.plant, self.steps, periods_of(delay)
         nx, nu, nr = plant.nx, plant.nu, plant.nx - 1
         nz = nr + past * nu
-        A, B_first, B_after = self.late_slopes(delay, p)
+        A, B_first, B_after = self.late_slopes(delay, machine)
         H, slope, ahead = self.cost(effort)
         keep = [*self.rest, *range(nx, nx + nu)]
         H, slope = H[:, keep][:, :, keep], slope[:, keep]

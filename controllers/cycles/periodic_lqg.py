@@ -19,6 +19,7 @@ from pliant.controllers.base.controller import reading
 from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.estimation.sensors import Sensor
 from pliant.controllers.riccati.late_inputs import delay_range
+from pliant.controllers.robust_design.many_model_lqr import box_of
 from pliant.plants.core.argument_gates import require_instance, require_number
 from pliant.plants.core.signals import OwnsArrays
 
@@ -61,16 +62,18 @@ class PeriodicLQG(OwnsArrays):
         W: Mapping[str, float] | None = None,
         effort: float = 1.0,
         input_delay: float | tuple[float, float] = 0.0,
+        ranges: Mapping[str, tuple[float, float]] | None = None,
     ) -> PeriodicLQG:
         """PeriodicLQR.for_scene and PeriodicKalman.for_scene. effort: a factor on what the inputs cost [-]. W:
         densities [unit^2 s] by name. input_delay: periods, or (shortest, longest), of which the law is the one for all
-        and the filter is told the middle.
+        and the filter is told the middle. ranges: of the law, as in PeriodicLQR.for_scene; the filter is the scene's
+        own plant's.
         """
         require_scene("PeriodicLQG.for_scene", scene)
         low, high = delay_range("PeriodicLQG", input_delay, "input_delay")
         effort = require_number("PeriodicLQG.for_scene.effort", effort, "positive")
         cycle = Cycle.find(scene)
-        law = PeriodicLQR.about(cycle, effort, (low, high))
+        law = PeriodicLQR.about(cycle, effort, (low, high), box_of(scene, ranges or {}, "PeriodicLQG.ranges"))
         return cls(law, PeriodicKalman.about(cycle, sensors, W, (low + high) / 2))
 
     @property

@@ -9,14 +9,18 @@ below 1. k moves the cycle to the one of least mean cost. Both are found at the 
 angle, and are linear in between.
 
 Late   inputs on their way count as states, less u*. Of a range of delays the gain is the one for a delay that is drawn
-       anew at each period from it (riccati/periodic_drawn.py); the loop of each that stays is looked at.
+       anew at each period from it (riccati/periodic_drawn.py); the loop of each that stays is looked at. Machines of
+       a box of parameters are drawn alike; that their own cycles are others is left out.
 
-Guarantee   the multipliers of the linear loop about its cycle are inside the unit circle. None beyond.
+Guarantee   the multipliers of the linear loop about the cycle are inside the unit circle, at the delays and for the
+            machines that were looked at. None beyond.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import final
 
 import numpy as np
@@ -27,12 +31,13 @@ from pliant.controllers.base.scene_protocol import CostedScene, require_scene
 from pliant.controllers.riccati.late_inputs import LOOKED, POINTS, delay_range, past_of
 from pliant.controllers.riccati.periodic import PeriodicRegulator
 from pliant.controllers.riccati.periodic_drawn import DrawnRegulator, drawn_periodic, multipliers_of
+from pliant.controllers.robust_design.many_model_lqr import box_of
 from pliant.plants.core.argument_gates import require_number
 from pliant.plants.core.errors import UncontrollableError
 from pliant.plants.core.signals import OwnsArrays
 
 from .by_angle import ByAngle
-from .cycle import Cycle, of_cycle
+from .cycle import Cycle, Machine, of_cycle
 
 Array = np.ndarray
 Regulator = PeriodicRegulator | DrawnRegulator
@@ -64,25 +69,38 @@ class PeriodicLQR(OwnsArrays):
 
     @classmethod
     def for_scene(
-        cls, scene: CostedScene, *, effort: float = 1.0, delay: float | tuple[float, float] = 0.0
+        cls,
+        scene: CostedScene,
+        *,
+        effort: float = 1.0,
+        delay: float | tuple[float, float] = 0.0,
+        ranges: Mapping[str, tuple[float, float]] | None = None,
     ) -> PeriodicLQR:
         """About the cycle that a scene's goal runs in, with its cost, limits and control period.
 
         The angle that goes round is the state in rad that alone moves at the goal, at a steady rate. effort:
         dimensionless, a factor on what the inputs cost. delay: after how many periods an input acts, or (shortest,
-        longest) [periods]. EquilibriumError where no cycle is found; UncontrollableError where a deviation from it
-        cannot be made to decay, at one of the delays, or the cost does not see it.
+        longest) [periods]. ranges: smallest and largest factor by name of parameter: one gain for the machines at the
+        corners of that box and its middle, about the cycle of the scene's own plant. EquilibriumError where no cycle is
+        found; UncontrollableError where a deviation from it cannot be made to decay, at one of the delays or by one of
+        the machines, or the cost does not see it.
         """
         require_scene("PeriodicLQR.for_scene", scene)
         effort = require_number("PeriodicLQR.for_scene.effort", effort, "positive")
         late = delay_range("PeriodicLQR.for_scene", delay)
-        return cls.about(Cycle.find(scene), effort, late)
+        return cls.about(Cycle.find(scene), effort, late, box_of(scene, ranges or {}, "PeriodicLQR.ranges"))
 
     @classmethod
-    def about(cls, cycle: Cycle, effort: float, delay: tuple[float, float]) -> PeriodicLQR:
+    def about(
+        cls,
+        cycle: Cycle,
+        effort: float,
+        delay: tuple[float, float],
+        box: Mapping[str, tuple[float, float]] | None = None,
+    ) -> PeriodicLQR:
         """The same about a cycle that is found."""
-        if delay[1]:
-            made, around = of_delays(cycle, delay, effort)
+        if delay[1] or box:
+            made, around = of_draws(cycle, delay, effort, machines_of(cycle, box or {}))
         else:
             on_time = of_cycle(cycle, effort)
             made = riccati.dplqr(*on_time.system, q=on_time.q, s=on_time.s)
@@ -139,19 +157,32 @@ class PeriodicLQR(OwnsArrays):
             self._past[-1] = u - self.mean
 
 
-def of_delays(cycle: Cycle, delay: tuple[float, float], effort: float) -> tuple[DrawnRegulator, Array]:
-    """The regulator for inputs that act so late [periods], and its multipliers' sizes at the worst delay of those."""
+def machines_of(cycle: Cycle, box: Mapping[str, tuple[float, float]]) -> list[Machine | None]:
+    """The scene's own plant, None, and those at the corners of a box of factors by name of parameter."""
+    if not box:
+        return [None]
+    varied = cycle.scene.plant.vary(*box)
+    return [None, *((varied, varied.nominal_parameters * factors) for factors in product(*box.values()))]
+
+
+def of_draws(
+    cycle: Cycle, delay: tuple[float, float], effort: float, machines: Sequence[Machine | None]
+) -> tuple[DrawnRegulator, Array]:
+    """The regulator for inputs that act so late [periods] on each of the machines, and its multipliers' sizes at the
+    worst of both."""
     low, high = delay
-    past = past_of(high)
-    drawn = [cycle.late(d, past, effort) for d in np.linspace(low, high, 1 if low == high else POINTS)]
+    past, known = past_of(high), 1 if low == high else POINTS
+    drawn = [cycle.late(d, past, effort, one) for d in np.linspace(low, high, known) for one in machines]
     made = drawn_periodic(*(np.array(part) for part in zip(*drawn, strict=True)))
-    stays = np.linspace(low, high, 1 if low == high else LOOKED)
-    sizes = np.abs(multipliers_of(np.array([cycle.late(d, past, effort).step for d in stays]), made.K))
+    stays = [(d, None) for d in np.linspace(low, high, 1 if low == high else LOOKED)]
+    stays += [(d, one) for d in np.linspace(low, high, known) for one in machines if one is not None]
+    sizes = np.abs(multipliers_of(np.array([cycle.late(d, past, effort, one).step for d, one in stays]), made.K))
     worst = int(sizes[:, 0].argmax())
     if not sizes[worst, 0] < 1:
         raise UncontrollableError(
-            f"delay = ({low:g}, {high:g}) periods: the law for all is not stable for one of {stays[worst]:.3g} that "
-            f"stays (largest multiplier {sizes[worst, 0]:.4f}): narrow the range, or make the inputs dearer",
+            f"delay = ({low:g}, {high:g}) periods, {len(machines)} machines: the law for all is not stable for one of "
+            f"{stays[worst][0]:.3g} that stays (largest multiplier {sizes[worst, 0]:.4f}): narrow delay or ranges, or "
+            "make the inputs dearer",
             (),
         )
     return made, sizes[worst]

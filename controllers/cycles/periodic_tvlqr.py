@@ -1,7 +1,7 @@
 """TVLQR towards a cycle: the regulator along a nominal motion, then the periodic regulator about the cycle for ever.
 
-Cost at the nominal's end   d'P d, d the deviation across the cycle, P that of the periodic regulator at the node next to
-                            the nominal's angle there: a deviation along the cycle costs nothing
+Cost at the nominal's end   d'P d, d the deviation across the cycle, P that of the periodic regulator at the nominal's
+                            angle there: a deviation along the cycle costs nothing
 
 Guarantee   after the nominal's end that of PeriodicLQR; along it none, as of TVLQR.
 """

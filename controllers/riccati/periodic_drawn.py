@@ -1,7 +1,7 @@
 """The periodic regulator of systems that are drawn anew at every step: delays of a range, machines of a box.
 
-min of the mean of [z; u]'W[z; u] + 2 g'[z; u] over time and draws, z+ = F_k [z; u]; F, W, g repeat after N steps and are
-drawn among m.
+min of the mean of [z; u]'W[z; u] + 2 g'[z; u] over time and draws, z+ = F_k [z; u]; F, W, g repeat after N steps and
+are drawn among m.
 P_k = H_zz - K'S K,  H = E[W + F'P_k+1 F],  S = H_uu,  K = S^-1 H_uz; the linear terms p, k beside it alike.
 
 For m = 1 it is `dplqr`. It is stable in the mean square where draws are new at every step; a draw that stays is another
