@@ -1,7 +1,7 @@
 """The cycle that a scene's goal runs in, and deviations across it: taken at the same angle, not at the same time.
 
-(x*, u*) is the cycle of the sampled plant under a constant input, by Newton's method on a whole number of control
-periods in few turns, at whose ends x*_k lie its nodes.
+(x*, u*) is the cycle of the sampled plant under a constant input, by Newton's method on the ends x*_k of a whole number
+of control periods in few turns: its nodes.
 
 Over a step A_k = Pi_k+1 dF/dx, Pi = 1 - f e'/f_phi with f the cycle's direction: what has moved along it is taken back,
 so that being early or late is no deviation. To be further on by dphi saves what is dearer than the mean of that
@@ -209,25 +209,29 @@ def whole_turns(period: float, dt: float) -> tuple[int, int]:
 
 
 def _closed(scene: CostedScene, angle: int, rate: float, turns: int, steps: int) -> Array:
-    """x* (steps + 1, nx) under the goal's input, ending where it began but for the turns."""
+    """x* (steps + 1, nx) under the goal's input, closed but for the turns: Newton's method on all nodes."""
     plant, dt = scene.plant, 2 * math.pi * turns / abs(rate) / steps
     (start, u_goal), given = scene.target, (np.zeros(plant.nw), plant.nominal_parameters)
-    u, nx = u_goal[None], plant.nx
-    round_ = np.zeros(nx)
-    round_[angle] = math.copysign(2 * math.pi * turns, rate)
-    start = start.copy()
+    nx, u = plant.nx, np.tile(u_goal, (steps, 1))
+    x = np.tile(start, (steps + 1, 1)).astype(float)
+    x[:, angle] += rate * dt * np.arange(steps + 1)
+    held, round_ = HeldSteps(plant, dt, scene.substeps, dt * np.arange(steps), *given), x[-1] - x[0]
+    size, miss = 1.0, np.inf
     for _ in range(NEWTON):
-        x, whole = [start], np.eye(nx)
-        for k in range(steps):
-            now = HeldSteps(plant, dt, scene.substeps, np.array([k * dt]), *given).slopes(x[-1][None], u)
-            x.append(now.end[0])
-            whole = now.slope[0, :, :nx] @ whole
-        open_ = x[-1] - start - round_
-        size = float(np.abs(np.array(x) - start).max(axis=0)[np.arange(nx) != angle].max(initial=0.0))
-        if not np.isfinite(open_).all():
+        now = held.slopes(x[:-1], u)
+        gaps, open_ = now.end - x[1:], x[-1] - x[0] - round_
+        miss = float(max(np.abs(gaps).max(), np.abs(open_).max()))
+        size = max(float(np.abs(x - x[0]).max(axis=0)[np.arange(nx) != angle].max(initial=0.0)), 1.0)
+        if not np.isfinite(miss):
             break
-        if np.abs(open_).max() <= CLOSED * max(size, 1.0):
-            return np.array(x)
+        if miss <= CLOSED * size:
+            return x
+        whole, pushed = np.eye(nx), np.zeros(nx)
+        for A, gap in zip(now.slope[:, :, :nx], gaps):
+            whole, pushed = A @ whole, A @ pushed + gap
         # no unique start along the cycle, nor among cycles of other speeds: the shortest step
-        start = start - np.linalg.lstsq(whole - np.eye(nx), open_, rcond=1e-9)[0]
-    raise EquilibriumError(f"no cycle about the goal of scene {scene.name!r} is found", float(np.abs(open_).max()))
+        dx = np.linalg.lstsq(whole - np.eye(nx), -(open_ + pushed), rcond=1e-9)[0]
+        for k in range(steps):
+            x[k], dx = x[k] + dx, now.slope[k, :, :nx] @ dx + gaps[k]
+        x[-1] += dx
+    raise EquilibriumError(f"no cycle about the goal of scene {scene.name!r} is found", miss)
