@@ -100,12 +100,10 @@ class PeriodicLQR(OwnsArrays):
     ) -> PeriodicLQR:
         """The same about a cycle that is found."""
         if delay[1] or box:
-            made, around = of_draws(cycle, delay, effort, machines_of(cycle, box or {}))
-        else:
-            on_time = of_cycle(cycle, effort)
-            made = riccati.dplqr(*on_time.system, q=on_time.q, s=on_time.s)
-            around = np.abs(made.multipliers)
-        return cls.of(cycle, made, around, delay)
+            return cls.of(cycle, *of_draws(cycle, delay, effort, machines_of(cycle, box or {})), delay)
+        on_time = of_cycle(cycle, effort)
+        made = riccati.dplqr(*on_time.system, q=on_time.q, s=on_time.s)
+        return cls.of(cycle, made, np.abs(made.multipliers), delay)
 
     @classmethod
     def of(cls, cycle: Cycle, made: Regulator, around: Array, delay: tuple[float, float]) -> PeriodicLQR:
@@ -174,7 +172,9 @@ def of_draws(
     past, known = past_of(high), 1 if low == high else POINTS
     drawn = [cycle.late(d, past, effort, one) for d in np.linspace(low, high, known) for one in machines]
     made = drawn_periodic(*(np.array(part) for part in zip(*drawn, strict=True)))
-    stays = [(d, None) for d in np.linspace(low, high, 1 if low == high else LOOKED)]
+    stays: list[tuple[float, Machine | None]] = [
+        (d, None) for d in np.linspace(low, high, 1 if low == high else LOOKED)
+    ]
     stays += [(d, one) for d in np.linspace(low, high, known) for one in machines if one is not None]
     sizes = np.abs(multipliers_of(np.array([cycle.late(d, past, effort, one).step for d, one in stays]), made.K))
     worst = int(sizes[:, 0].argmax())
