@@ -99,7 +99,8 @@ class PeriodicKalman(OwnsArrays):
     def about(
         cls, cycle: Cycle, sensors: Sequence[Sensor] | None, W: Mapping[str, float] | None, late: float
     ) -> PeriodicKalman:
-        """The same about a cycle that is found."""
+        """The same about a cycle that is found, late [periods] the inputs' delay. ValueError where sensors or W name
+        nothing."""
         scene, plant = cycle.scene, cycle.scene.plant
         known = sensors_of(plant) if sensors is None else require_all("PeriodicKalman.sensors", sensors, Sensor)
         if not known:

@@ -98,15 +98,15 @@ class PeriodicLQR(OwnsArrays):
         delay: tuple[float, float],
         box: Mapping[str, tuple[float, float]] | None = None,
     ) -> PeriodicLQR:
-        """The same about a cycle that is found."""
+        """The same about a cycle that is found. effort [-], delay (shortest, longest) [periods], box: ranges."""
         if delay[1] or box:
-            return cls.of(cycle, *of_draws(cycle, delay, effort, machines_of(cycle, box or {})), delay)
+            return cls._of(cycle, *of_draws(cycle, delay, effort, machines_of(cycle, box or {})), delay)
         on_time = of_cycle(cycle, effort)
         made = riccati.dplqr(*on_time.system, q=on_time.q, s=on_time.s)
-        return cls.of(cycle, made, np.abs(made.multipliers), delay)
+        return cls._of(cycle, made, np.abs(made.multipliers), delay)
 
     @classmethod
-    def of(cls, cycle: Cycle, made: Regulator, around: Array, delay: tuple[float, float]) -> PeriodicLQR:
+    def _of(cls, cycle: Cycle, made: Regulator, around: Array, delay: tuple[float, float]) -> PeriodicLQR:
         """The law of a regulator of deviations across a cycle, with the scene's limits."""
         scene, plant, past = cycle.scene, cycle.scene.plant, past_of(delay[1])
         K = np.zeros((cycle.steps, plant.nu, plant.nx + past * plant.nu))

@@ -59,7 +59,7 @@ class PeriodicTVLQR(OwnsArrays):
         index: str = "time",
     ) -> PeriodicTVLQR:
         """nominal, reserve, effort, index: as of TVLQR.for_scene; None: "optimal", the least cost over the scene's
-        duration. EquilibriumError where the goal is no cycle.
+        duration. reserve, effort: dimensionless. EquilibriumError where the goal is no cycle.
         """
         require_scene("PeriodicTVLQR.for_scene", scene)
         reserve = share("PeriodicTVLQR.for_scene.reserve", reserve)

@@ -25,7 +25,15 @@ Array = np.ndarray
 
 
 class PeriodicFilter(NamedTuple):
-    """Gains and covariances at the N readings of a period."""
+    """Gains and covariances at the N readings of a period.
+
+    Example
+    -------
+    >>> A, C = np.ones((2, 1, 1)), np.ones((2, 1, 1))
+    >>> found = dpkalman(A, C, np.eye(1), np.eye(1))
+    >>> isinstance(found, PeriodicFilter), found.before.shape
+    (True, (2, 1, 1))
+    """
 
     L: Array  # (N, nx, ny) of the innovation
     before: Array  # (N, nx, nx) covariance of the estimate before the reading
