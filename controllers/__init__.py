@@ -44,6 +44,7 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.robust_design.led import Led
     from pliant.controllers.robust_design.many_model_lqr import MultiModelLQR
     from pliant.controllers.robust_design.robust_lqg import RobustLQG, robust_lqg
+    from pliant.controllers.tube_mpc import DisturbanceSet, TubeMPC
 
 __all__ = [
     "LQG",
@@ -55,6 +56,7 @@ __all__ = [
     "ComputedTorque",
     "Controller",
     "DifferentiableMPC",
+    "DisturbanceSet",
     "Feedback",
     "Filter",
     "Filtered",
@@ -76,6 +78,7 @@ __all__ = [
     "Sensor",
     "Shaper",
     "Spillover",
+    "TubeMPC",
     "TunedMPC",
     "UncertainLTV",
     "WorstParameters",
@@ -144,6 +147,7 @@ imports.offer(
         "robust_design.led": "Led",
         "robust_design.many_model_lqr": "MultiModelLQR",
         "robust_design.robust_lqg": "RobustLQG robust_lqg",
+        "tube_mpc": "DisturbanceSet TubeMPC",
     },
 )
 imports.serve(
