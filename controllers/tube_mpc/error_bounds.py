@@ -27,7 +27,7 @@ Array = np.ndarray
 
 
 class Course(NamedTuple):
-    """The model, the signals and both laws over times 0 .. T + n, as arrays whose last entry stays."""
+    """The model, the signals and both laws over time, as arrays whose last entry stays."""
 
     A: Array  # (.., nx, nx)
     B: Array  # (.., nx, nu)
@@ -40,55 +40,50 @@ class Course(NamedTuple):
         """(A, B, C, D, K, Kf) of time k."""
         return tuple(part[min(k, len(part) - 1)] for part in self)
 
-    @property
-    def still(self) -> bool:
-        """Whether it is the same at all times."""
-        return all(len(part) == 1 for part in self)
+    def over(self, first: int, times: int) -> tuple[Array, ...]:
+        """The same (times, .., ..) of times first, first + 1, ..; (1, .., ..) where it is the same at all times."""
+        span = 1 if all(len(part) == 1 for part in self) else times
+        return tuple(part[np.minimum(np.arange(first, first + span), len(part) - 1)] for part in self)
 
 
 class Tightening(NamedTuple):
     """What a plan of time k has to leave j periods on: of inputs and of signals, to their upper and lower ends."""
 
-    u_high: Array  # (T, n + 1, nu)
+    u_high: Array  # (times, n + 1, nu)
     u_low: Array
-    z_high: Array  # (T, n + 1, nb)
+    z_high: Array  # (times, n + 1, nb)
     z_low: Array
 
 
-def responses(course: Course, s: int, n: int, horizon: int) -> tuple[Array, Array]:
-    """Inputs (n, nu, nx) and signals (n, nb, nx) at times s + 1 .. s + n by what the state is off at s + 1."""
-    nx = course.A.shape[-1]
-    M, inputs, signals = np.eye(nx), [], []
+def responses(course: Course, times: int, n: int, horizon: int) -> tuple[Array, Array]:
+    """Inputs (times, n, nu, nx) and signals (times, n, nb, nx) 1 .. n periods after each time, by what the state is off
+    one period after it; (1, ..) where the course is the same at all times."""
+    M, inputs, signals = np.eye(course.A.shape[-1]), [], []
     for lag in range(n):
-        A, B, C, D, K, Kf = course.at(s + 1 + lag)
-        law = K if lag < horizon else Kf
-        U = -law @ M
+        A, B, C, D, K, Kf = course.over(1 + lag, times)
+        U = -(K if lag < horizon else Kf) @ M
         inputs.append(U)
         signals.append(C @ M + D @ U)
         M = A @ M + B @ U
-    return np.array(inputs), np.array(signals)
+    return np.stack(inputs, axis=1), np.stack(signals, axis=1)
 
 
-def tightening(course: Course, W: DisturbanceSet, times: int, n: int, horizon: int) -> Tightening:
-    """For plans of times 0 .. times - 1, the last of which stays, n periods of `horizon` with inputs of their own."""
-    nu, nb = course.B.shape[-1], course.C.shape[-2]
+def tightening(course: Course, rows: tuple[Array, Array], disturbances: DisturbanceSet, times: int) -> Tightening:
+    """Of plans made at times 0 .. times - 1, the last of which stays; rows: its `responses`."""
+    (nu, nx), nb, n = course.K.shape[-2:], course.C.shape[-2], rows[0].shape[1]
     found = Tightening(*(np.zeros((times, n + 1, width)) for width in (nu, nu, nb, nb)))
-    whole = responses(course, 0, n, horizon) if course.still else None
+    noise = disturbances.noise
     for k in range(times - 1, -1, -1):
-        inputs, signals = responses(course, k, n, horizon) if whole is None else whole
         A, _, C, D, _, _ = course.at(k)
-        found.z_high[k, 0] = found.z_low[k, 0] = np.where(D.any(axis=1), np.abs(C) @ W.noise, 0.0)
+        found.z_high[k, 0] = found.z_low[k, 0] = np.where(D.any(axis=1), np.abs(C) @ noise, 0.0)
         unread = ~course.at(k + 1)[3].any(axis=1)  # signals of the next period that no reading enters
-        for rows, ends, seen in ((inputs, found[:2], False), (signals, found[2:], True)):
-            d = rows.reshape(n * rows.shape[1], -1)
-            noise = np.abs(d) @ W.noise
-            if seen:
-                noise[:nb][unread] = 0.0
-            noise += np.abs(d @ A) @ W.noise
+        for seen, ends in zip(rows, (found[:2], found[2:])):
+            d = seen[min(k, len(seen) - 1)].reshape(-1, nx)
+            off = np.abs(d) @ noise
+            if ends[0] is found.z_high:
+                off[:nb][unread] = 0.0
+            off += np.abs(d @ A) @ noise
             for end, way in zip(ends, (1.0, -1.0)):
-                new = (W.support(k, way * d) + noise).reshape(n, -1)
-                if k + 1 < times:
-                    end[k, 1:] = end[k + 1, :-1] + new
-                else:
-                    end[k, 1:] = end[k, 0] + np.cumsum(new, axis=0)
+                new = (disturbances.support(k, way * d) + off).reshape(n, -1)
+                end[k, 1:] = end[k + 1, :-1] + new if k + 1 < times else end[k, 0] + np.cumsum(new, axis=0)
     return found

@@ -66,7 +66,7 @@ def tubes_of(
         found = chosen("TubeMPC.for_scene", tubes, disturbances, times, empty=True)
         law = MPC(**found.made)
     last = DisturbanceSet(unforetold(scene, corners, law, course, tubes.origin, tubes.c), off)
-    asked = tightening(found.course, last, times, tubes.periods + 1, law.horizon)
+    asked = tightening(found.course, tubes.rows(found.price, times), last, times)
     return tubes, disturbances, _beyond(asked, found, law)
 
 

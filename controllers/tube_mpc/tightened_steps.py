@@ -55,15 +55,18 @@ def require_room(owner: str, found: Tightening, limits: Limits) -> None:
 def tightened(steps: Sequence[Step], found: Tightening, limits: Limits, course: Course) -> list[Step]:
     """A step for each time of `found`; where there is one step, its solver and maps serve all."""
     finite = np.flatnonzero(np.isfinite(limits.low) | np.isfinite(limits.high))
+    times, n = len(found.u_high), len(steps[0].low) // max(steps[0].stride, 1)
+    k, j = np.arange(times)[:, None], np.arange(n)
+    direct = course.D.any(axis=2)[np.minimum(k + j, len(course.D) - 1)]  # (times, n, nb)
+    at = np.where(direct, j[:, None], j[:, None] + 1)  # as in `mpc.constraints.assemble`
+    high, low = (
+        np.concatenate([u[:, :n, finite], np.take_along_axis(z, at, axis=1)], axis=2).reshape(times, -1)
+        for u, z in ((found.u_high, found.z_high), (found.u_low, found.z_low))
+    )
     made = []
-    for k in range(len(found.u_high)):
-        step, high, low = steps[min(k, len(steps) - 1)], [], []
-        for j in range(len(step.low) // max(step.stride, 1)):
-            D = course.at(k + j)[3]
-            at = [j if row.any() else j + 1 for row in D]  # as in `mpc.constraints.assemble`
-            high += [*found.u_high[k, j, finite], *(found.z_high[k, a, i] for i, a in enumerate(at))]
-            low += [*found.u_low[k, j, finite], *(found.z_low[k, a, i] for i, a in enumerate(at))]
-        up = np.where(step.high < INFINITE, step.high - np.array(high) / step.scale, step.high)
-        down = np.where(step.low > -INFINITE, step.low + np.array(low) / step.scale, step.low)
+    for i in range(times):
+        step = steps[min(i, len(steps) - 1)]
+        up = np.where(step.high < INFINITE, step.high - high[i] / step.scale, step.high)
+        down = np.where(step.low > -INFINITE, step.low + low[i] / step.scale, step.low)
         made.append(step._replace(low=down, high=up))
     return made

@@ -28,7 +28,7 @@ from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.quadratic_cost import signal_rows
 
 from .disturbance_set import DisturbanceSet
-from .error_bounds import Course, Tightening, tightening
+from .error_bounds import Course, Tightening, responses, tightening
 from .tightened_steps import crowding, largest_share, require_room, tightened
 
 Array = np.ndarray
@@ -44,6 +44,14 @@ class Tubes(NamedTuple):
     c: Array  # (.., nx) what moves the state besides
     origin: tuple[Array, Array, Array]  # x (.., nx), u (.., nu), bounded signals (.., nb)
     periods: int  # of a plan
+    made_before: dict[tuple[float, int], tuple[Array, Array]]  # responses, by price and times
+
+    def rows(self, price: float, times: int) -> tuple[Array, Array]:
+        """The responses of a course, one period longer than a plan."""
+        key, horizon = (price, times), len(self.made["steps"][0].plan[0])
+        if key not in self.made_before:
+            self.made_before[key] = responses(self.courses[price], times, self.periods + 1, horizon)
+        return self.made_before[key]
 
 
 class Chosen(NamedTuple):
@@ -79,7 +87,7 @@ def about_point(
         K = _gain(model, *ancillary_cost(model, Q, R, limits, price), dt, start)
         found[price] = Course(*parts, K[None], Kf[None])
     still = np.zeros((1, len(model.x0)))
-    return Tubes(made, found, still, (model.x0[None], model.u0[None], z0[None]), horizon + limited[3])
+    return Tubes(made, found, still, (model.x0[None], model.u0[None], z0[None]), horizon + limited[3], {})
 
 
 def _gain(model: LinearModel, Q: Any, R: Any, dt: float, start: Any) -> Array:
@@ -102,7 +110,7 @@ def along_nominal(ltv: LTVModel, Q: Any, R: Any, horizon: int, limited: Limited)
     for price in PRICES:
         _, _, _, *cost = problem_along(ltv, *ancillary_cost(models[-1], Q, R, limits, price), None, n)
         found[price] = Course(A, B, C, D, laws(A, B, c, *cost).K, Kf)
-    return Tubes(made, found, c, (ltv.x, ltv.u, z0), n)
+    return Tubes(made, found, c, (ltv.x, ltv.u, z0), n, {})
 
 
 def chosen(owner: str, tubes: Tubes, disturbances: DisturbanceSet, times: int, *, empty: bool = False) -> Chosen:
@@ -113,8 +121,8 @@ def chosen(owner: str, tubes: Tubes, disturbances: DisturbanceSet, times: int, *
     made, nx = tubes.made, tubes.origin[0].shape[1]
     if len(disturbances.noise) != nx:
         raise ValueError(f"{owner}.disturbances are of {len(disturbances.noise)} states, must be of {nx}, the model's")
-    limits, n, horizon = made["limits"], tubes.periods, len(made["steps"][0].plan[0])
-    taken = {price: tightening(one, disturbances, times, n + 1, horizon) for price, one in tubes.courses.items()}
+    limits = made["limits"]
+    taken = {p: tightening(one, tubes.rows(p, times), disturbances, times) for p, one in tubes.courses.items()}
 
     def worth(price: float) -> tuple[bool, float]:
         share = largest_share(taken[price], limits)[0]

@@ -23,7 +23,7 @@ Guarantee   a theorem for the linear model above, along a nominal too, with ever
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -64,13 +64,15 @@ class TubeMPC(OwnsArrays):
     True
     """
 
-    mpc: MPC  # whose limits are tightened
-    course: Course  # the model with both laws, along its time
-    disturbances: DisturbanceSet
-    taken: Tightening  # of the limits, by the error
+    mpc: MPC = field(repr=False)  # whose limits are tightened
+    course: Course = field(repr=False)  # the model with both laws, along its time
+    disturbances: DisturbanceSet = field(repr=False)
+    taken: Tightening = field(repr=False)  # of the limits, by the error
     price: float  # of inputs, in the cost of the ancillary law
-    c: Array  # (.., nx) affine term of the course
-    origin: tuple[Array, Array, Array]  # x, u and bounded signals (.., n) that the course counts from, by time
+    c: Array = field(repr=False)  # (.., nx) affine term of the course
+    origin: tuple[Array, Array, Array] = field(
+        repr=False
+    )  # x, u and bounded signals (.., n) that the course counts from, by time
     begins: float = 0.0  # [s] time 0 of the course
     outside: float | None = None  # `for_scene`: what the corners' last motions ask for beyond the set, of a range
 
