@@ -12,7 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pliant.plants.core.argument_gates import real_array, require_finite, require_number
+from pliant.plants.core.argument_gates import require_finite, require_number
 from pliant.plants.core.signals import OwnsArrays, read_only
 
 Array = np.ndarray
@@ -45,7 +45,8 @@ class DisturbanceSet(OwnsArrays):
 
     @classmethod
     def box(cls, size: Any, noise: Any = None) -> DisturbanceSet:
-        """|w_i| <= size_i at all times: size (nx,) >= 0, noise (nx,) >= 0 or None, in the states' units.
+        """|w_i| <= size_i at all times: size (nx,) >= 0, noise (nx,) >= 0 or None, in the states' units. ValueError for
+        more than 12 states.
 
         Example
         -------
@@ -72,9 +73,7 @@ class DisturbanceSet(OwnsArrays):
         array([2., 0.])
         """
         k = min(max(int(require_number("DisturbanceSet.support.k", k)), 0), len(self.points) - 1)
-        d = real_array("DisturbanceSet.support.directions", directions)
-        if d.ndim != 2 or d.shape[1] != self.points.shape[2]:
-            raise ValueError(f"DisturbanceSet.support.directions has shape {d.shape}, must be (m, {len(self.noise)})")
+        d = require_finite("DisturbanceSet.support.directions", directions, (-1, len(self.noise)))
         return np.asarray(np.maximum((d @ self.points[k].T).max(axis=1), 0.0))
 
     def scaled(self, share: float) -> DisturbanceSet:

@@ -59,9 +59,12 @@ class TubeMPC(OwnsArrays):
 
     Example
     -------
-    >>> law = TubeMPC.for_scene(scenes.get("single-link-slew-gentle"))
-    >>> law.share[0] < 1
-    True
+    >>> tubes = TubeMPC.for_scene(scene)
+    >>> tubes.share[0] < 1, tubes.dt, len(tubes.reads)
+    (True, 0.02, 6)
+    >>> tubes.reset()
+    >>> tubes.act(0.0, np.zeros(6)).shape, tubes.record.violations
+    ((1,), 0)
     """
 
     mpc: MPC = field(repr=False)  # whose limits are tightened
@@ -95,13 +98,14 @@ class TubeMPC(OwnsArrays):
         penalty: float | None = None,
         start: Any = None,
     ) -> TubeMPC:
-        """On a linear model about an equilibrium; all but `disturbances` as in MPC.design.
+        """On a linear model about a rest; Q, R, horizon, limits, bounds, terminal, penalty, start as MPC.design.
 
         disturbances: what is added to the model's states (nx,) in each period, in their units. InfeasibleError where
         its effect takes a limit's whole range.
 
         Example
         -------
+        >>> from pliant.plants import LinearModel
         >>> cart = LinearModel.from_matrices([[0, 1], [0, 0]], [[0], [1]], states=["p", "v"], inputs=["a"])
         >>> wind = DisturbanceSet.box([0.0, 0.02])
         >>> law = TubeMPC.design(cart, np.eye(2), [[1]], wind, dt=0.1, limits=(-1, 1), bounds={"v": (-1, 1)})
@@ -126,7 +130,7 @@ class TubeMPC(OwnsArrays):
         terminal: int = 0,
         penalty: float | None = None,
     ) -> TubeMPC:
-        """Along a nominal motion; all but `disturbances` as in MPC.along.
+        """Along a nominal motion; Q, R, horizon, limits, bounds, terminal, penalty: MPC.along's.
 
         disturbances: as in `design`, period k from node k of the nominal to the next, in the states' units.
 
@@ -204,7 +208,7 @@ class TubeMPC(OwnsArrays):
 
     @property
     def share(self) -> tuple[float, str]:
-        """The most that the error takes of a limit's range, and of which signal."""
+        """The most that the error takes of a limit's range, dimensionless, and of which signal."""
         return largest_share(self.taken, self.mpc.limits)
 
     def lasting(self) -> bool:

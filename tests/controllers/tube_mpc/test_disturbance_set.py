@@ -42,5 +42,5 @@ def test_no_set(points, noise, words):
 def test_bad_input():
     with pytest.raises(ValueError, match=r"must have 1 to 12"):
         DisturbanceSet.box(np.ones(13))
-    with pytest.raises(ValueError, match=r"must be \(m, 2\)"):
+    with pytest.raises(ValueError, match=r"DisturbanceSet\.support\.directions has shape \(1, 3\)"):
         DisturbanceSet.box([1.0, 1.0]).support(0, np.ones((1, 3)))
