@@ -57,7 +57,7 @@ def tightened(steps: Sequence[Step], found: Tightening, limits: Limits, course: 
     finite = np.flatnonzero(np.isfinite(limits.low) | np.isfinite(limits.high))
     times, n = len(found.u_high), len(steps[0].low) // max(steps[0].stride, 1)
     k, j = np.arange(times)[:, None], np.arange(n)
-    direct = course.D.any(axis=2)[np.minimum(k + j, len(course.D) - 1)]  # (times, n, nb)
+    direct = np.asarray(course.D.any(axis=2))[np.minimum(k + j, len(course.D) - 1)]  # (times, n, nb)
     at = np.where(direct, j[:, None], j[:, None] + 1)  # as in `mpc.constraints.assemble`
     high, low = (
         np.concatenate([u[:, :n, finite], np.take_along_axis(z, at, axis=1)], axis=2).reshape(times, -1)
