@@ -240,20 +240,21 @@ class TubeMPC(OwnsArrays):
             return u
         if self._kept is None or not 0 < at - self._kept[0] < mpc.horizon:
             return u
-        v, z, K = self._planned(at)
+        v, z, K = _planned(self, at)
         u = v - K @ (reading("TubeMPC.y", y, len(self.reads)) - z)
         return np.minimum(np.maximum(u, mpc.limits.low), mpc.limits.high)
 
-    def _planned(self, at: int) -> tuple[Array, Array, Array]:
-        """Input (nu,) and state (nx,) that the last plan that keeps its limits has at period `at`, and K there."""
-        assert self._kept is not None
-        first, step, known, free = self._kept
-        G, M, fixed = step.plan
-        v = G @ known + fixed + (0.0 if free is None else M @ free)
-        z, age = known[: len(self.reads)].copy(), at - first
-        for j in range(age):
-            x0, u0, _ = (part[min(first + j, len(part) - 1)] for part in self.origin)
-            x1 = self.origin[0][min(first + j + 1, len(self.origin[0]) - 1)]
-            A, B = self.course.at(first + j)[:2]
-            z = x1 + A @ (z - x0) + B @ (v[j] - u0) + self.c[min(first + j, len(self.c) - 1)]
-        return v[age], z, self.course.at(at)[4]
+
+def _planned(law: TubeMPC, at: int) -> tuple[Array, Array, Array]:
+    """Input (nu,) and state (nx,) that the last plan that keeps its limits has at period `at`, and K there."""
+    assert law._kept is not None
+    first, step, known, free = law._kept
+    G, M, fixed = step.plan
+    v = G @ known + fixed + (0.0 if free is None else M @ free)
+    z, age = known[: len(law.reads)].copy(), at - first
+    for j in range(age):
+        x0, u0, _ = (part[min(first + j, len(part) - 1)] for part in law.origin)
+        x1 = law.origin[0][min(first + j + 1, len(law.origin[0]) - 1)]
+        A, B = law.course.at(first + j)[:2]
+        z = x1 + A @ (z - x0) + B @ (v[j] - u0) + law.c[min(first + j, len(law.c) - 1)]
+    return v[age], z, law.course.at(at)[4]
