@@ -150,6 +150,7 @@ REASONS = {  # patterns of module and name
     "controllers.linear_quadratic.periodic_lqr.Deviations": RESULT,
     "controllers.linear_quadratic.periodic_lqr.turning": INNER,
     "controllers.linear_quadratic.periodic_lqr.whole_turns": INNER,
+    "controllers.linear_quadratic.lqg.PlainFilterWarning": PROTOCOL,
     "controllers.linear_quadratic.tvlqr.TVLQR": "made by along, design and for_scene",
     "controllers.mpc.mpc.MPC": "made by design, along and for_scene",
     "controllers.mpc.mpc.MPC.*": "see the calls that are there",
