@@ -4,7 +4,8 @@
 for --steps actions, and evaluates the policy on the scene as it is, in its own cost, every 8,192 and at the end. With
 --until N a run ends sooner: where its policy costs 1 / N of what doing nothing does. Every evaluation is written to
 results/stock_learners.json, and stock_learners.md is made; a run that was broken off begins again, one that is there to
-its end is not made again.
+its end is not made again. docs/figures/stock-learners.png shows all; --show makes table and picture anew, and trains
+nothing.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from pliant.envs import Scene, scenes
 from pliant.plants.files.atomic_files import write_text
 from pliant.studies.commands.train import lqr_cost
 from pliant.studies.common import machine
+from pliant.studies.figures import style
 
 TASKS: dict[str, Any] = {  # about 30 actions an episode; "nominal" where limits are far from what the motion takes
     "single-link-slew": {"hold": 5, "actions": "midway"},
@@ -37,9 +39,10 @@ TASKS: dict[str, Any] = {  # about 30 actions an episode; "nominal" where limits
     "six-axis-pick": {"hold": 12, "actions": "nominal"},
     "spin-up": {"hold": 25, "actions": "nominal"},
 }
-LANES = {"ppo": 2, "sac": 8}
+SCALED = ("sac",)  # learners that read through VecNormalize: the motor of flexible-joint-slew turns 100 times its joint
+LANES = {"ppo": 2, "sac": 16}
 EVERY, ASKED = 8192, 5.0  # actions between evaluations; times that nothing must cost as much
-RESULTS = Path(__file__).parents[1] / "results"
+HERE = Path(__file__).parents[1]
 
 
 def played(lanes: Any, act: Any) -> float:
@@ -62,12 +65,18 @@ def learned(scene: Scene, learner: str, seed: int, steps: int, least: float, tel
     import torch
     from stable_baselines3 import PPO, SAC
     from stable_baselines3.common.callbacks import BaseCallback
+    from stable_baselines3.common.vec_env import VecNormalize
 
     torch.set_num_threads(1)
     begin, task = time.process_time(), TASKS[scene.name]
 
+    env: Any = scene.sb3_env(LANES[learner], randomise=True, reward="normalised", **task)
+    if learner in SCALED:
+        env = VecNormalize(env, norm_reward=False)
+    read = env.normalize_obs if learner in SCALED else lambda obs: obs
+
     def evaluated(model: Any, last: bool) -> bool:
-        cost = played(scene.vector_env(1, **task), lambda obs: model.predict(obs, deterministic=True)[0])
+        cost = played(scene.vector_env(1, **task), lambda obs: model.predict(read(obs), deterministic=True)[0])
         ended = last or cost <= least
         tell(model.num_timesteps, cost, time.process_time() - begin, ended)
         return ended
@@ -81,7 +90,6 @@ def learned(scene: Scene, learner: str, seed: int, steps: int, least: float, tel
                 self.ended = evaluated(self.model, False)
             return not self.ended
 
-    env = scene.sb3_env(LANES[learner], randomise=True, reward="normalised", **task)
     made = {"ppo": PPO, "sac": SAC}[learner]("MlpPolicy", env, seed=seed, device="cpu")
     watch = Evaluated()
     made.learn(steps, callback=watch)
@@ -91,15 +99,22 @@ def learned(scene: Scene, learner: str, seed: int, steps: int, least: float, tel
 
 def table(runs: list[dict[str, Any]], about: dict[str, Any]) -> list[str]:
     """Markdown: a row a run."""
-    heads = ["scene", "learner", "seed", "hold, actions=", "actions", "s", "cost at the end", "least", "after"]
+    heads = ["scene", "learner", "seed", "lanes", "hold, actions=", "actions", "s", "cost at the end", "least", "after"]
     heads += ["doing nothing", "LQR", "ratio at the end", "of the least", "five times"]
-    lines = [f"| {' | '.join(heads)} |", f"| --- | --- | ---: | --- |{' ---: |' * (len(heads) - 5)} --- |"]
+    lines = [f"| {' | '.join(heads)} |", f"| --- | --- | ---: | ---: | --- |{' ---: |' * (len(heads) - 6)} --- |"]
     for run in sorted(runs, key=lambda r: (list(TASKS).index(r["scene"]), r["learner"], r["seed"])):
         none, law, curve = about[run["scene"]]["nothing"], about[run["scene"]]["lqr"], run["curve"]
         last, best = curve[-1], min(curve, key=lambda point: point["cost"])
         task, whole = TASKS[run["scene"]], last["steps"] >= run["asked"]
+        scaled = ", scaled" if run["scaled"] else ""
         end = "" if whole else f", stopped at {run['until']:g} times" if run["ended"] else ", broken off"
-        cells = [run["scene"], run["learner"].upper(), run["seed"], f"{task['hold']}, {task['actions']}"]
+        cells = [
+            run["scene"],
+            run["learner"].upper(),
+            run["seed"],
+            run["lanes"],
+            f"{task['hold']}, {task['actions']}{scaled}",
+        ]
         cells += [f"{last['steps']:,}{end}", f"{last['seconds']:.0f}", f"{last['cost']:.3g}", f"{best['cost']:.3g}"]
         cells += [f"{best['steps']:,}", f"{none:.3g}", "-" if law is None else f"{law:.3g}"]
         cells += [f"{none / last['cost']:.1f}", f"{none / best['cost']:.1f}"]
@@ -118,6 +133,26 @@ def _when(ratios: list[float], curve: list[dict[str, Any]]) -> str:
     return f"from {curve[first]['steps']:,} on"
 
 
+@style.styled
+def picture(runs: list[dict[str, Any]], about: dict[str, Any]) -> Any:
+    """Times that doing nothing costs as much as the policy, over the actions played, a panel a learner."""
+    figure, axes = style.panels(len(LANES), height=3.4)
+    for axis, learner in zip(axes, LANES):
+        for k, name in enumerate(TASKS):
+            curves = [run["curve"] for run in runs if (run["scene"], run["learner"]) == (name, learner)]
+            for curve in curves:
+                ratios = [about[name]["nothing"] / point["cost"] for point in curve]
+                first = name if curve is curves[0] else None
+                colour, dash = style.COLOURS[k % len(style.COLOURS)], ("-", "--")[k // len(style.COLOURS)]
+                axis.plot([point["steps"] / 1000 for point in curve], ratios, dash, color=colour, label=first)
+        axis.axhline(ASKED, color="0.4", linestyle=":")
+        axis.set_xlabel("actions [thousand]")
+        axis.set_ylabel("cost of doing nothing over the policy's [-]")
+        axis.set_title(learner.upper())
+        axis.legend(fontsize="x-small")
+    return figure
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", nargs="+", default=list(TASKS), choices=list(TASKS))
@@ -125,14 +160,24 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, nargs="+", default=[0])
     parser.add_argument("--steps", type=int, default=300_000)
     parser.add_argument("--until", type=float, default=None)
-    parser.add_argument("--out", type=Path, default=RESULTS)
+    parser.add_argument("--out", type=Path, default=HERE / "results")
+    parser.add_argument("--show", action="store_true")
+    parser.add_argument("--picture", type=Path, default=HERE.parent / "docs" / "figures" / "stock-learners.png")
     given = parser.parse_args()
     path = given.out / "stock_learners.json"
-    for name in given.scenes:
+    for name in () if given.show else given.scenes:
         for learner in given.learners:
             for seed in given.seeds:
                 _run(path, name, learner, seed, given.steps, given.until)
+    found = json.loads(path.read_text("utf-8"))
+    _write_table(path, found)
+    style.save(picture(found["runs"], found["about"]), given.picture)
     return 0
+
+
+def _write_table(path: Path, found: Any) -> None:
+    head = ["# Stock learners", "", "Processor seconds of one thread, on a machine that others kept busy.", ""]
+    write_text(path.with_suffix(".md"), "\n".join([*head, *table(found["runs"], found["about"]), ""]))
 
 
 def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: float | None) -> None:
@@ -154,11 +199,11 @@ def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: floa
         print(f"{name} {learner} {seed}: {actions} actions, cost {cost:.4g} of {about['nothing']:.4g}", flush=True)
         now = read()  # another process may have written since
         now["runs"] = [run for run in now["runs"] if any(run[k] != v for k, v in key.items())]
-        now["runs"].append({**key, "asked": steps, "until": until, "ended": ended, "curve": curve})
+        told = {"asked": steps, "until": until, "ended": ended, "curve": curve}
+        now["runs"].append({**key, "lanes": LANES[learner], "scaled": learner in SCALED, **told})
         now["about"][name], now["machine"] = about, machine.describe()
         write_text(path, json.dumps(now, indent=1) + "\n")
-        head = ["# Stock learners", "", "Processor seconds of one thread, on a machine that others kept busy.", ""]
-        write_text(path.with_suffix(".md"), "\n".join([*head, *table(now["runs"], now["about"]), ""]))
+        _write_table(path, now)
 
     learned(scene, learner, seed, steps, 0.0 if until is None else about["nothing"] / until, tell)
 
