@@ -14,7 +14,8 @@ import numpy as np
 from pliant.plants import Plant, PliantError
 from pliant.studies.common.reference_motions import Motions, Progress
 from pliant.studies.physics.effects import Effect
-from pliant.studies.physics.physics_motion import PhysicsMotion, physics_motion
+from pliant.studies.physics.known_physics import PhysicsMotion
+from pliant.studies.physics.physics_motion import physics_motion
 
 CLIMB = 1e-6  # rtol of a rung's motion
 NEAR = 2.0  # times the tolerance: where the integration may decide, it is done again ..

@@ -11,7 +11,7 @@ from pliant.studies import choose
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity import climb as module
 from pliant.studies.fidelity.climb import Climb
-from pliant.studies.physics.physics_motion import PhysicsMotion
+from pliant.studies.physics.known_physics import PhysicsMotion
 
 SHORT = scenes.get("single-link-slew", duration=0.5)
 
