@@ -33,7 +33,7 @@ def window_by_window(
     NotSettled where a single control period does not settle, or what the model cannot be evaluated at.
     """
     periods, m = len(nodes.times) - 1, 2 * nodes.parts
-    rate, drifts = np.empty((m * periods, fine.nx)), fine.embedding(simple).any(axis=1)
+    rate, drifts = np.empty((m * periods, fine.nx)), np.asarray(fine.embedding(simple).any(axis=1))
     here, first, length = x0, 0, FIRST
     for _ in range(MOST):
         last = min(first + length, periods)
