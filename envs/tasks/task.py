@@ -67,7 +67,8 @@ class Task:
     constraint    "end": an episode ends where a bounded signal leaves its bound. "cost": it goes on, and
                   info["cost_constraint"] is 1 in a period that ends beyond, 0 in others
     actions       "limits": an action is an input over its limit. "midway": 0 is the input midway between what holds the
-                  start and what holds the goal, 1 adds half of the limit, or what reaches both; see `actions`
+                  start and what holds the goal, 1 adds half of the limit, or what reaches both. "nominal": 1 adds 1.25
+                  times the most that the scene's nominal inputs differ from there; see `actions`
     hold          so many control periods an action is held: rewards and costs of these are summed (a normalised reward
                   is their mean), readings are the last ones. Where an episode ends sooner, so does the step
     fidelities    models of the machine, of which each episode plays one that is drawn: labels of the plant's `ladder`,
