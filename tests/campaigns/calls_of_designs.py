@@ -24,6 +24,7 @@ from pliant.controllers import (
     sensors,
 )
 from pliant.controllers.linear_quadratic.delay import delay_margin, predictive_gain, radius
+from pliant.controllers.riccati.periodic_drawn import drawn_periodic, multipliers_of
 from pliant.plants import Beam, Material
 
 A, B, N = Array(MODEL.A), Array(MODEL.B), Array(np.zeros((2, 1)), none=True)
@@ -47,6 +48,8 @@ def riccati_calls() -> list[Call]:
     ends = {"r": Number(0.0, none=True, array=False), "end": Array(Q, none=True)}
     noise = {"A": A, "E": E, "C": C, "W": Array(np.array([[0.5]])), "V": Array(np.array([[0.25]]))}
     along = {"model": Object(LTV), "Q": Array(Q), "R": Array(R), "N": N}
+    drawn = np.array([[[[0.5, 0.25, 0.0], [0.0, 0.5, 1.0]]] * 2])
+    slope = {"g": Array(np.zeros((1, 2, 3)))}
     timed = riccati.dtvlqr(steps["A"].value, steps["B"].value, Q, R)
     return [
         Call("riccati.lqr", riccati.lqr, plain | {"names": NAMES}),
@@ -69,6 +72,16 @@ def riccati_calls() -> list[Call]:
             riccati.dplqr,
             steps | {"Q": Array(Q), "R": Array(R), "N": N} | {name: each[name] for name in ("c", "q", "s")},
         ),
+        Call(
+            "riccati.dpkalman",
+            riccati.dpkalman,
+            {"A": steps["A"], "C": Array(np.repeat(np.array([[[1.0, 0.25]]]), 3, 0))}
+            | {"W": Array(np.diag([0.5, 0.25])), "V": Array(np.array([[0.25]]))},
+        ),
+        Call(
+            "drawn_periodic", drawn_periodic, {"F": Array(drawn), "W": Array(np.tile(np.eye(3), (1, 2, 1, 1)))} | slope
+        ),
+        Call("multipliers_of", multipliers_of, {"F": Array(drawn), "K": Array(np.zeros((2, 1, 2)))}),
         Call("riccati.dtvlqr", riccati.dtvlqr, steps | {"Q": Array(Q), "R": Array(R), "N": N} | each | ends),
         Call("riccati.tvlqr", riccati.tvlqr, along | {"end": Array(Q, none=True)}),
         Call("riccati.sampled_along", riccati.sampled_along, along),
