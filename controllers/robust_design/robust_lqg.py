@@ -39,7 +39,8 @@ Array = np.ndarray
 FIRST = ((1.0, 1e-2), (1e-2, 1e-4), (1e-2, 1e-3), (1e-4, 1e-4))  # shares of actuators' and of parameters' noise
 SPAN = 2.0  # of the first simplex, in powers of e
 ITERATIONS = 150
-FARTHEST = 20.0  # powers of e
+FARTHEST = 20.0  # powers of e, of shares
+DEAREST = 7.0  # of the price of inputs: beyond, laws hardly act, and the search for one takes ever longer
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +101,7 @@ def robust_lqg(
         return LQG(known[effort], _filter(scene, plain, roots, np.exp(theta[:-1]), float(np.mean((late[0], late[-1])))))
 
     def value(theta: Array) -> float:
-        if np.abs(theta).max() > FARTHEST:
+        if np.abs(theta).max() > FARTHEST or abs(theta[-1]) > DEAREST:
             return np.inf
         try:
             return loops.value(made(theta)).score
