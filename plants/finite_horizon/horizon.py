@@ -78,10 +78,8 @@ class FiniteHorizon(OwnsArrays):
             rows = np.repeat(np.arange(len(looked)), [len(near) for near in looked])
             finer = pushed_outputs.bounded_at(self._on, self._allowed, np.concatenate(looked), rows)
             within = [finer[rows == i] for i in range(len(looked))]
-        return {
-            s.name: self._by_limits(i, looked[i], within[i], float(max(most[:, i].max(), beside[i])))
-            for i, s in enumerate(self.outputs)
-        }
+        beside = np.maximum(beside, most.max(axis=0))
+        return {s.name: self._by_limits(i, looked[i], within[i], float(beside[i])) for i, s in enumerate(self.outputs)}
 
     @property
     def t_tube(self) -> Array:
