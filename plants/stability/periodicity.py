@@ -11,7 +11,7 @@ from pliant.plants.core.argument_gates import LEAST, require_seconds
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
 from pliant.plants.splines.cubic_spline import CubicSpline
-from pliant.plants.transitions.state_matrix_path import CLOSES, Path, scaling
+from pliant.plants.transitions.state_matrix_path import CLOSES, Path, ranges, scaling
 
 ONE_SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # first derivative at the first of five nodes
 TURNS = 2e-2  # of the largest |dA/dt|: how near its rate must come back
@@ -23,9 +23,9 @@ def varying(model: LTVModel) -> tuple[np.ndarray, float]:
     In scaled coordinates, where a slow motion's entries are not lost beside a fast one's squared frequency.
     """
     scale = scaling(model.A)
-    flat = (model.A * scale / scale[:, None]).reshape(len(model.t), -1)
-    spread = np.ptp(flat, axis=0)
-    moving = spread > 1e-12 * np.abs(flat).max(initial=1e-300)
+    flat = (model.A * (scale / scale[:, None])).reshape(len(model.t), -1)
+    spread, largest = ranges(flat)
+    moving = spread > 1e-12 * largest.max(initial=1e-300)
     return flat[:, moving], float(spread.max(initial=0.0))
 
 
@@ -66,8 +66,8 @@ def one_period(
     k = int(np.argmax(later))
     ends = later.any() and abs(t[k] - begin - period) <= 1e-9 * period
     last = A[k] if ends else values[0]
-    scale, spread = scaling(A), np.ptp(A, axis=0)
-    moving = spread > 1e-14 * np.abs(A).max(axis=0)
+    scale, (spread, largest) = scaling(A), ranges(A)
+    moving = spread > 1e-14 * largest
     nodes = np.append(first, begin + period)
     path = Path(nodes, np.concatenate([values, last[None]]), scale, periodic=True, moving=moving)
     if rounding is not None:

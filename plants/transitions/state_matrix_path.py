@@ -142,6 +142,12 @@ def scaling(A: np.ndarray) -> np.ndarray:
     return scale / scale.max()
 
 
+def ranges(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """By how much each entry of A (nt, ..) varies, and its largest size, (..)."""
+    low, high = A.min(axis=0), A.max(axis=0)
+    return high - low, np.maximum(high, -low)
+
+
 def modal(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Real coordinates X (n, n) in which the mean of A (nt, n, n) is a mode beside the other, and their inverse.
 
@@ -169,11 +175,11 @@ class Path(OwnsArrays):
         periodic: bool = False,
         moving: np.ndarray | None = None,  # (n, n) which entries count as varying; None: those that do
     ) -> None:
-        A = A * scale / scale[:, None]
+        A = A * (scale / scale[:, None])
         self.t, self.n, self.scale = t, A.shape[-1], scale
-        self.size = float(np.abs(A).max(initial=0.0))  # [1/s]
-        rounding = 1e-14 * np.abs(A).max(axis=0, initial=0.0)
-        self.rows, self.columns = np.nonzero(np.ptp(A, axis=0) > rounding if moving is None else moving)
+        spread, largest = ranges(A)
+        self.size = float(largest.max(initial=0.0))  # [1/s]
+        self.rows, self.columns = np.nonzero(spread > 1e-14 * largest if moving is None else moving)
         self.base = A.mean(axis=0)
         self.rounding = np.zeros((self.n, self.n))  # [1/s] what every A(t) may be off beside what `area` says
         if not len(self.rows):

@@ -297,4 +297,4 @@ def _over_one(
 def _widest(X: np.ndarray) -> np.ndarray:
     """The largest of each and its two neighbours on either side."""
     padded = np.concatenate([X[:1], X[:1], X, X[-1:], X[-1:]])
-    return np.max([padded[k : k + len(X)] for k in range(5)], axis=0)
+    return reduce(np.maximum, (padded[k : k + len(X)] for k in range(5)))

@@ -268,3 +268,6 @@ def test_the_longest_sources_are_compiled_in_fewer_passes_and_added_flags_stay_l
     assert short == ("-O2", "-DOWN")
     assert long == ("-O2", *compiler.QUICK, "-DOWN")
     assert longest[: len(long) - 1] == long[:-1] and longest[-1] == "-DOWN" and "-fno-tree-reassoc" in longest
+    clang = compiler.Toolchain(("cc",), "cc", "", 512, (*compiler.CLANG, "-DOWN"), ())
+    assert compiler._flags_for(" " * 200_000, clang) == clang.compile_flags
+    assert compiler._flags_for(" " * 4_000_001, clang) == (*compiler.CLANG, "-O1", "-DOWN")
