@@ -16,6 +16,12 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.analysis.spillover import Spillover, spillover
     from pliant.controllers.base.controller import Controller, Feedback
     from pliant.controllers.base.objective import Objective
+    from pliant.controllers.cycles.periodic_kalman import PeriodicKalman
+    from pliant.controllers.cycles.periodic_lqg import PeriodicLQG
+    from pliant.controllers.cycles.periodic_lqr import PeriodicLQR
+    from pliant.controllers.cycles.periodic_mpc import PeriodicMPC
+    from pliant.controllers.cycles.periodic_nmpc import periodic_nmpc
+    from pliant.controllers.cycles.periodic_tvlqr import PeriodicTVLQR
     from pliant.controllers.estimation import sensors
     from pliant.controllers.estimation.kalman import Kalman
     from pliant.controllers.estimation.sensors import Sensor, sensors_of
@@ -29,7 +35,6 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.linear_quadratic.delay import Predictive, delayed
     from pliant.controllers.linear_quadratic.lqg import LQG
     from pliant.controllers.linear_quadratic.lqr import LQR
-    from pliant.controllers.linear_quadratic.periodic_lqr import PeriodicLQR
     from pliant.controllers.linear_quadratic.tvlqr import TVLQR
     from pliant.controllers.mpc.mpc import MPC
     from pliant.controllers.mpc_gradients.law_derivative import DifferentiableMPC, LawDerivative
@@ -44,6 +49,7 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.robust_design.led import Led
     from pliant.controllers.robust_design.many_model_lqr import MultiModelLQR
     from pliant.controllers.robust_design.robust_lqg import RobustLQG, robust_lqg
+    from pliant.controllers.tube_mpc import DisturbanceSet, TubeMPC
 
 __all__ = [
     "LQG",
@@ -55,6 +61,7 @@ __all__ = [
     "ComputedTorque",
     "Controller",
     "DifferentiableMPC",
+    "DisturbanceSet",
     "Feedback",
     "Filter",
     "Filtered",
@@ -67,7 +74,11 @@ __all__ = [
     "Motion",
     "MultiModelLQR",
     "Objective",
+    "PeriodicKalman",
+    "PeriodicLQG",
     "PeriodicLQR",
+    "PeriodicMPC",
+    "PeriodicTVLQR",
     "Policy",
     "Predictive",
     "RobustGain",
@@ -76,6 +87,7 @@ __all__ = [
     "Sensor",
     "Shaper",
     "Spillover",
+    "TubeMPC",
     "TunedMPC",
     "UncertainLTV",
     "WorstParameters",
@@ -91,6 +103,7 @@ __all__ = [
     "notch",
     "optimal",
     "over_box",
+    "periodic_nmpc",
     "plan",
     "riccati",
     "rl",
@@ -129,7 +142,12 @@ imports.offer(
         "linear_quadratic.delay": "Predictive delayed",
         "linear_quadratic.lqg": "LQG",
         "linear_quadratic.lqr": "LQR",
-        "linear_quadratic.periodic_lqr": "PeriodicLQR",
+        "cycles.periodic_kalman": "PeriodicKalman",
+        "cycles.periodic_lqg": "PeriodicLQG",
+        "cycles.periodic_lqr": "PeriodicLQR",
+        "cycles.periodic_mpc": "PeriodicMPC",
+        "cycles.periodic_nmpc": "periodic_nmpc",
+        "cycles.periodic_tvlqr": "PeriodicTVLQR",
         "linear_quadratic.tvlqr": "TVLQR",
         "mpc.mpc": "MPC",
         "mpc_gradients.law_derivative": "DifferentiableMPC LawDerivative",
@@ -144,6 +162,7 @@ imports.offer(
         "robust_design.led": "Led",
         "robust_design.many_model_lqr": "MultiModelLQR",
         "robust_design.robust_lqg": "RobustLQG robust_lqg",
+        "tube_mpc": "DisturbanceSet TubeMPC",
     },
 )
 imports.serve(
@@ -158,7 +177,7 @@ imports.serve(
         "hinf=hinf_norm",
         "optimal_control": "optimal plan transcription=multiple_shooting shooting=shooting_derivatives "
         "stage_terms=stage_derivatives nominals=nominal_motions",
-        "linear_quadratic": "lqr lqg tvlqr funnel period_cost periodic_lqr delay",
+        "linear_quadratic": "lqr lqg tvlqr funnel period_cost delay",
         "analysis": "loops margins spillover",
         "joint_control": "pd computed_torque collocated=collocation shaping=input_shaping",
         "learning": "run=training_callback lanes=training_env policy actor=sb3_export checkpoint torch_threads",

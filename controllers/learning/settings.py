@@ -27,7 +27,7 @@ COUNTS = {  # least and most
     "delay": (0, 1000),
 }
 MOST = {"gamma": 1.0, "gae_lambda": 1.0, "tau": 1.0}  # of numbers > 0
-MAY_BE_ZERO = ("gamma", "gae_lambda", "spread", "noise")
+MAY_BE_ZERO = ("gamma", "gae_lambda", "spread", "APGSettings.noise")  # PPO takes the logarithm of its own
 
 
 def _check(settings: Any) -> None:
@@ -38,7 +38,7 @@ def _check(settings: Any) -> None:
         if name in COUNTS:
             value = require_count(owner, name, value, *COUNTS[name])
         else:
-            allowed = "nonnegative" if name in MAY_BE_ZERO else "positive"
+            allowed = "nonnegative" if {name, f"{owner}.{name}"} & {*MAY_BE_ZERO} else "positive"
             value = require_number(f"{owner}.{name}", value, allowed)
             if value > MOST.get(name, value):
                 raise ValueError(f"{owner}.{name} = {value!r} must be at most {MOST[name]:g}")

@@ -23,7 +23,7 @@ from .stage_recursion import StageRecursion
 if TYPE_CHECKING:
     from pliant.controllers.base.objective import Objective
 
-    from .terminal_cost import Terminal
+    from .terminal_cost import MovingEnd, Terminal
 
 Array = np.ndarray
 DAMPING = 3.0  # changes besides the regulator's feedback are a quarter as long
@@ -44,9 +44,18 @@ def stage_kernel(objective: Objective) -> BatchKernel:
 class Horizon:
     """The plan x (N+1, nx), u (N, nu), at times from t on, and after `linearize` its quadratic program."""
 
-    def __init__(self, objective: Objective, N: int, substeps: int, P: Array | None, law: Terminal | None) -> None:
-        """P (nx, nx) >= 0: the weight of x_N's deviation from the goal; None for none. law: about the goal, if any."""
-        plant = objective.plant
+    def __init__(
+        self,
+        objective: Objective,
+        N: int,
+        substeps: int,
+        P: Array | None,
+        law: Terminal | None,
+        end: MovingEnd | None = None,
+    ) -> None:
+        """P (nx, nx) >= 0: the weight of x_N's deviation from the goal; None for none. law: about the goal, if any.
+        end: what is charged in place of both."""
+        plant, self.end = objective.plant, end
         self.objective, self.plant, self.N, self.P = objective, plant, N, P
         self.x, self.u = np.empty((N + 1, plant.nx)), np.empty((N, plant.nu))
         self.forget()
@@ -55,7 +64,7 @@ class Horizon:
         self._stage = kernel.workspace(N)
         self._stage.set(4, plant.nominal_parameters)
         nr, _, nb, _ = kernel.rows[1]
-        L = np.zeros((0, plant.nx)) if P is None else _root(P)
+        L = np.zeros((0 if end is None else end.rows, plant.nx)) if P is None else _root(P)
         self.condensed = Condensed(N, plant.nx, plant.nu, nr + plant.nu, nb, L)
         self.recursion = StageRecursion(self.condensed) if self.condensed.long else None
         self._stages, self._held = self.condensed.residual[:, :nr], self.condensed.residual[:, nr:]
@@ -71,6 +80,7 @@ class Horizon:
         self.t = 0.0
         self.x[:], self.u[:] = self.objective.x_goal, self.objective.u_goal
         self.damping = self.damped = 0.0  # now, and in what was linearised last
+        self._reference = self.objective.x_goal  # where an end moves: of the plan that was linearised last
 
     def linearize(self, *, close: bool = False) -> bool:
         """Form the quadratic program about the plan. False where the plan is no motion: a slope is not finite.
@@ -94,6 +104,9 @@ class Horizon:
         np.multiply(np.sqrt(self.damping), self._hold, out=self._held)
         _fill(ready.bounded, nx, z, bounded)
         with np.errstate(over="ignore", invalid="ignore"):
+            if self.end is not None and np.isfinite(self.x[-1]).all():
+                self._reference, ready.L[:] = self.end.at(self.x[-1])
+                ready.end[:, :nx] = ready.L
             ready.finish(self.x[-1] - self.goal)
             if self.recursion is not None:
                 return self.recursion.factor()
@@ -134,12 +147,12 @@ class Horizon:
     @property
     def goal(self) -> Array:
         """The goal (nx,) at the end of the plan."""
-        return self.objective.goal_at(self.t + self.N * self.objective.dt)
+        return self.objective.goal_at(self.t + self.N * self.objective.dt) if self.end is None else self._reference
 
     def cost(self) -> float:
         """The plan's cost, its terminal term included."""
-        end = self.x[-1] - self.goal
-        return self.objective.cost(self.x, self.u, self.t) + (0.0 if self.P is None else float(end @ self.P @ end))
+        end = self.condensed.L @ (self.x[-1] - self.goal)
+        return self.objective.cost(self.x, self.u, self.t) + float(end @ end)
 
 
 def _fill(stages: Array, nx: int, value: Array, slopes: Array) -> None:

@@ -39,7 +39,7 @@ from pliant.plants.core.signals import owned, sealed
 from .gauss_newton import converge
 from .horizon import Horizon
 from .horizon_qp import HorizonProgram
-from .terminal_cost import end_of, fewest_substeps
+from .terminal_cost import MovingEnd, end_of, fewest_substeps
 
 Array = np.ndarray
 ROUGH = 1e-6  # share of gaps in a plan's cost
@@ -96,13 +96,13 @@ class NMPC:
     ) -> None:
         """horizon: control periods; substeps: RK4 steps in each, None for the fewest that are stable and fine enough.
 
-        terminal: "riccati", the cost-to-go of the regulator about the goal; a matrix P (nx, nx) >= 0; or None, which
-        warns where the horizon is short. penalty: cost of leaving a bound by half its range at one node, linear.
-        starts: states (nx,) that the choice of substeps is to serve. first_steps: Gauss-Newton steps, at most, on the
-        first plan after `reset`. iteration_limit: of the quadratic program's active-set changes. delay: after how many
-        periods an input acts, 1.5 say; the plan begins at the state that the plant's own steps take the reading to by
-        then, of a range (shortest, longest) after a quarter of it. before (nu,): what acts until the first input does;
-        the goal's where None.
+        terminal: "riccati", the cost-to-go of the regulator about the goal; P (nx, nx) >= 0; a `MovingEnd`, as a cycle
+        has (`periodic_nmpc`); or None, which warns where the horizon is short. penalty: cost of leaving a bound by half
+        its range at one node, linear. starts: states (nx,) that the choice of substeps is to serve. first_steps: Gauss-
+        Newton steps, at most, on the first plan after `reset`. iteration_limit: of the quadratic program's active-set
+        changes. delay: after how many periods an input acts, 1.5 say; the plan begins at the state that the plant's own
+        steps take the reading to by then, of a range (shortest, longest) after a quarter of it. before (nu,): what acts
+        until the first input does; the goal's where None.
         """
         require_instance("NMPC.objective", objective, Objective)
         horizon = require_count("NMPC", "horizon", horizon, 1, 10_000)
@@ -125,8 +125,9 @@ class NMPC:
         self.objective, self.first_steps = objective, first_steps
         self.record = IterationRecord(tuple(objective.bounds))
         self.substeps = fewest_substeps(objective, *starts) if substeps is None else substeps
-        P, self.law = end_of(objective, terminal, self.substeps, horizon)
-        self.horizon = Horizon(objective, horizon, self.substeps, P, self.law)
+        self.end = terminal if isinstance(terminal, MovingEnd) else None
+        P, self.law = (None, None) if self.end else end_of(objective, terminal, self.substeps, horizon)
+        self.horizon = Horizon(objective, horizon, self.substeps, P, self.law, self.end)
         self._program = HorizonProgram(self.horizon, penalty, iteration_limit)
         self.delay = late
         self._ahead = StateAhead(objective.plant, objective.dt, late, self.substeps, first) if late else None
@@ -226,6 +227,7 @@ class NMPC:
         else:
             plan.x[:] = y  # the plan was no motion: begin again from what was measured, with its inputs
         tail = plan.u[-1] if self.law is None else goal.u_goal - self.law.K @ (plan.x[-1] - plan.goal)
+        tail = self.end.tail(plan.x[-1]) if self.end else tail
         plan.shift(np.minimum(np.maximum(tail, self._program.lowest), self._program.highest))
         self._program.linearize(close=True)
         self.record.damped += plan.damping > 0
@@ -261,10 +263,10 @@ class NMPC:
         return x
 
     def _line(self, x: Array) -> None:
-        """A first guess: the straight line from x to the goal, under the goal's input."""
+        """A first guess: the straight line from x to the goal, under the goal's input; or that of an end that moves."""
         plan, goal = self.horizon, self.objective
-        plan.x[:] = x + np.linspace(0.0, 1.0, plan.N + 1)[:, None] * (plan.goal - x)
-        plan.u[:] = goal.u_goal
+        line = x + np.linspace(0.0, 1.0, plan.N + 1)[:, None] * (plan.goal - x), goal.u_goal
+        plan.x[:], plan.u[:] = line if self.end is None else self.end.guess(x, plan.N)
 
     def __copy__(self) -> Self:
         return deepcopy(self)  # plan and workspace are not to be shared

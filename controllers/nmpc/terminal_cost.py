@@ -8,7 +8,7 @@ left out of it and cost nothing.
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 import scipy.linalg as sla
@@ -41,6 +41,25 @@ class Terminal(NamedTuple):
     K: np.ndarray  # (nu, nx)
     poles: np.ndarray  # (n,) of the closed loop, in the z plane
     M: np.ndarray  # (nu, nu): v'M v is what an input v beside the law costs
+
+
+@runtime_checkable
+class MovingEnd(Protocol):
+    """The end of a horizon that is charged |L (x - reference)|^2, both of where the plan's end stands."""
+
+    rows: int  # of L
+
+    def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Reference (nx,) and L (rows, nx) at the plan's end x (nx,)."""
+        ...
+
+    def tail(self, x: np.ndarray) -> np.ndarray:
+        """The input (nu,) after the plan's end."""
+        ...
+
+    def guess(self, x: np.ndarray, periods: int) -> tuple[np.ndarray, np.ndarray]:
+        """A first plan (periods + 1, nx), (periods, nu) from about x (nx,)."""
+        ...
 
 
 class _Period(NamedTuple):

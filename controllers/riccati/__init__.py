@@ -7,6 +7,7 @@ sampled  the discrete problem that is the continuous one with u held over each s
 kalman   dx/dt = A x + E w, y = C x + v with white w, v          dz/dt = A z + L (y - C z), L = P C' V^-1
 dkalman  x+ = A x + E w, y = C x + v                             z+ = A z + L (y - C z), L = A P C' (C P C' + V)^-1
 dplqr    dlqr of a system that repeats, for ever: the periodic Riccati equation
+dpkalman dkalman of one that repeats: its gains go round with it
 tvlqr    lqr over a finite time along an LTVModel, its affine term included; dtvlqr the same in discrete time
 
 Riccati equations by SciPy's QZ method in units that follow from the problem alone, refined by Newton steps in extended
@@ -17,9 +18,11 @@ reached by the input and seen by the cost (Popov, Belevitch, Hautus); the error 
 from .algebraic import Regulator, Sampled, dkalman, dlqr, kalman, lqi, lqr, sampled
 from .ltv_discretisation import SampledLTV, noise_along, sampled_along
 from .periodic import PeriodicRegulator, dplqr
+from .periodic_filter import PeriodicFilter, dpkalman
 from .time_varying import TimeVaryingRegulator, dtvlqr, tvlqr
 
 __all__ = [
+    "PeriodicFilter",
     "PeriodicRegulator",
     "Regulator",
     "Sampled",
@@ -27,6 +30,7 @@ __all__ = [
     "TimeVaryingRegulator",
     "dkalman",
     "dlqr",
+    "dpkalman",
     "dplqr",
     "dtvlqr",
     "kalman",

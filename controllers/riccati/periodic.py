@@ -37,6 +37,7 @@ class PeriodicRegulator(NamedTuple):
     orbit: Array  # (N, nx) xi_k: what the closed loop settles to
     multipliers: Array  # (nx,) of the closed loop over a period, largest first
     residual: float  # of the Riccati equation, relative
+    S: Array  # (N, nu, nu): what v'S v an input v beside the law adds
 
 
 def dplqr(
@@ -169,7 +170,7 @@ def _with_orbit(
     zero = np.zeros(nx)
     p, held = back(np.linalg.solve(np.eye(nx) - around.T, back(zero)[0][0]))
     orbit = ahead(np.linalg.solve(np.eye(nx) - around, ahead(zero, held)[-1]), held)[:-1]
-    return PeriodicRegulator(K, held, P, p, orbit, *about)
+    return PeriodicRegulator(K, held, P, p, orbit, *about, heavy)
 
 
 def _each(name: str, value: Any, T: int, shape: tuple[int, ...]) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,9 @@ import numpy as np
 
 from pliant import controllers
 from pliant.controllers import Controller, Policy
-from pliant.controllers.linear_quadratic.periodic_lqr import turning
+from pliant.controllers.base.goal_model import goal_model
+from pliant.controllers.cycles.cycle import turning
+from pliant.controllers.robust_design.many_model_lqr import box_of
 from pliant.envs import scenes
 from pliant.envs.scenes.registry import VARIANTS, is_file
 from pliant.envs.scenes.scene import Scene
@@ -22,14 +25,16 @@ from pliant.plants.core.argument_gates import require_names
 from .evaluation_scene import play
 from .rollout import nominal, rollout
 
+LATE = (0, 1)  # periods
 EFFORTS = (1.0, 3.0, 10.0, 30.0, 100.0)  # times what the scene charges for its inputs
 MARGIN = 0.1  # by which controllers are told tighter bounds than those that end a run
 Maker = Callable[[Scene], Controller]
-LACKS_OF_A_CYCLE = {
-    "TVLQR": "cost to go at its nominal's end, nor law after it, that go round with a cycle",
-    "MPC": "model, targets and cost to go at its horizon's end that go round with a cycle",
-    "NMPC": "cost to go at its horizon's end that goes round with a cycle",
-    "LQG": "gains, of its law and of its filter, that go round with a cycle",
+IN_A_CYCLE = {  # what plays where the goal is no point but a cycle
+    "LQR": "PeriodicLQR.for_scene",
+    "TVLQR": "PeriodicTVLQR.for_scene",
+    "MPC": "PeriodicMPC.for_scene",
+    "NMPC": "periodic_nmpc",
+    "LQG": "PeriodicLQG.for_scene",
 }
 
 
@@ -44,29 +49,28 @@ class Designed:
         try:
             made: Controller = getattr(controllers, self.name).for_scene(scene, **dict(self.options))
         except EquilibriumError as failure:
-            if self.name not in LACKS_OF_A_CYCLE:
-                raise
-            try:
-                angle, rate = turning(scene)
-            except PliantError:
-                raise failure from None
-            raise EquilibriumError(
-                f"the goal is a cycle, {scene.plant.states[angle].name} goes round at {rate:.4g} rad/s: {self.name} "
-                f"has no {LACKS_OF_A_CYCLE[self.name]}; PeriodicLQR, which plays as LQR, holds it",
-                failure.residual,
-            ) from None
+            if self.name not in IN_A_CYCLE or not goes_round(scene):
+                raise failure
+            made = attrgetter(IN_A_CYCLE[self.name])(controllers)(scene, **dict(self.options))
         return made
+
+
+def goes_round(scene: Scene) -> bool:
+    """Whether the goal is a cycle, and no point even of what the cost sees."""
+    try:
+        goal_model(scene)
+    except EquilibriumError:
+        try:
+            turning(scene)
+        except EquilibriumError:
+            return False
+        return True
+    return False
 
 
 def regulator(scene: Scene) -> Controller:
     """LQR about the goal; where that is no point but a cycle, about the cycle."""
-    try:
-        return controllers.LQR.for_scene(scene)
-    except EquilibriumError as failure:
-        try:
-            return controllers.PeriodicLQR.for_scene(scene)
-        except PliantError:
-            raise failure from None
+    return Designed("LQR")(scene)
 
 
 def predictive(scene: Scene) -> Controller:
@@ -78,7 +82,9 @@ def enduring(scene: Scene, reads: str = "states") -> Controller:
     """One gain for +-30 % of payload, stiffness and damping, on time and a period late, designed on the scene's own
     plant; its inputs made dearer until it stays within the bounds on that plant, as it is and with all that is
     uncertain at its least and at its most, on time and late; or led along a nominal motion that keeps a reserve of
-    them, where that lasts and costs less."""
+    them, where that lasts and costs less. About a cycle the periodic gain, by sensors on a periodic filter."""
+    if goes_round(scene):
+        return enduring_cycle(scene, reads)
     played = play(scene)
     lasting: list[tuple[float, Controller]] = []
     law: Controller
@@ -99,6 +105,14 @@ def enduring(scene: Scene, reads: str = "states") -> Controller:
     except PliantError:
         pass
     return min(lasting, key=lambda pair: pair[0])[1] if lasting else law
+
+
+def enduring_cycle(scene: Scene, reads: str) -> Controller:
+    """The same about a cycle."""
+    ranges = box_of(scene, None, "enduring")
+    if reads == "states":
+        return lasting(scene, lambda e: controllers.PeriodicLQR.for_scene(scene, effort=e, delay=LATE, ranges=ranges))
+    return lasting(scene, lambda e: controllers.PeriodicLQG.for_scene(scene, effort=e, input_delay=LATE, ranges=ranges))
 
 
 def _cost_if_it_lasts(played: Scene, law: Controller, delays: Sequence[int]) -> float | None:
@@ -133,16 +147,23 @@ def robust_lqg(scene: Scene) -> Controller:
 
 
 def lasting_lqg(scene: Scene) -> Controller:
-    """LQG whose inputs cost the least of EFFORTS with which it stays within the bounds on the scene's own plant, as it
-    is and with all that is uncertain at its least and at its most, on time and late; without noise. PliantError where
-    none does."""
+    """`lasting` LQG; about a cycle, for inputs on time and late."""
+    late = (("input_delay", LATE),) if goes_round(scene) else ()
+    return lasting(scene, lambda e: Designed("LQG", (("effort", e), *late))(scene))
+
+
+def lasting(scene: Scene, design: Callable[[float], Controller]) -> Controller:
+    """The law whose inputs cost the least of EFFORTS with which it stays within the bounds on the scene's own plant, as
+    it is and with all that is uncertain at its least and at its most, on time and late; without noise. PliantError
+    where none does."""
     played = play(scene)
     for effort in EFFORTS:
-        law = controllers.LQG.for_scene(scene, effort=effort)
-        if _cost_if_it_lasts(played, law, (0, 1)) is not None:
+        law = design(effort)
+        if _cost_if_it_lasts(played, law, LATE) is not None:
             return law
     raise PliantError(
-        f"LQG stays within the bounds of scene {scene.name!r} with inputs at none of {EFFORTS} times the price"
+        f"{type(law).__name__} stays within the bounds of scene {scene.name!r} with inputs at none of {EFFORTS} times "
+        "the price"
     )
 
 

@@ -8,8 +8,23 @@ from further_kinds import Blocks, ByName, Pair
 from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import ARM, DT, GAIN, LIMITS, LTV, MODEL, SAMPLED, SENSOR, STATES, Q, R, fresh, law
 
-from pliant.controllers import LQG, LQR, MPC, TVLQR, Feedback, Kalman, Predictive, Sensor, delayed, riccati, sensors
+from pliant.controllers import (
+    LQG,
+    LQR,
+    MPC,
+    TVLQR,
+    DisturbanceSet,
+    Feedback,
+    Kalman,
+    Predictive,
+    Sensor,
+    TubeMPC,
+    delayed,
+    riccati,
+    sensors,
+)
 from pliant.controllers.linear_quadratic.delay import delay_margin, predictive_gain, radius
+from pliant.controllers.riccati.periodic_drawn import drawn_periodic, multipliers_of
 from pliant.plants import Beam, Material
 
 A, B, N = Array(MODEL.A), Array(MODEL.B), Array(np.zeros((2, 1)), none=True)
@@ -33,6 +48,8 @@ def riccati_calls() -> list[Call]:
     ends = {"r": Number(0.0, none=True, array=False), "end": Array(Q, none=True)}
     noise = {"A": A, "E": E, "C": C, "W": Array(np.array([[0.5]])), "V": Array(np.array([[0.25]]))}
     along = {"model": Object(LTV), "Q": Array(Q), "R": Array(R), "N": N}
+    drawn = np.array([[[[0.5, 0.25, 0.0], [0.0, 0.5, 1.0]]] * 2])
+    slope = {"g": Array(np.zeros((1, 2, 3)))}
     timed = riccati.dtvlqr(steps["A"].value, steps["B"].value, Q, R)
     return [
         Call("riccati.lqr", riccati.lqr, plain | {"names": NAMES}),
@@ -55,6 +72,16 @@ def riccati_calls() -> list[Call]:
             riccati.dplqr,
             steps | {"Q": Array(Q), "R": Array(R), "N": N} | {name: each[name] for name in ("c", "q", "s")},
         ),
+        Call(
+            "riccati.dpkalman",
+            riccati.dpkalman,
+            {"A": steps["A"], "C": Array(np.repeat(np.array([[[1.0, 0.25]]]), 3, 0))}
+            | {"W": Array(np.diag([0.5, 0.25])), "V": Array(np.array([[0.25]]))},
+        ),
+        Call(
+            "drawn_periodic", drawn_periodic, {"F": Array(drawn), "W": Array(np.tile(np.eye(3), (1, 2, 1, 1)))} | slope
+        ),
+        Call("multipliers_of", multipliers_of, {"F": Array(drawn), "K": Array(np.zeros((2, 1, 2)))}),
         Call("riccati.dtvlqr", riccati.dtvlqr, steps | {"Q": Array(Q), "R": Array(R), "N": N} | each | ends),
         Call("riccati.tvlqr", riccati.tvlqr, along | {"end": Array(Q, none=True)}),
         Call("riccati.sampled_along", riccati.sampled_along, along),
@@ -197,6 +224,7 @@ def predictive_calls() -> list[Call]:
         Call("MPC.design, noise", MPC.design, noise, given | seen),
         Call("MPC.design, noise by name", MPC.design, named, given | seen),
         Call("MPC.along", MPC.along, {"ltv": Object(LTV)} | along),
+        *tube_calls(),
         Call("MPC.aim", fresh(law("mpc"), "aim"), {"values": ByName({"place": 0.5})}),
         Call("MPC.act", fresh(law("mpc"), "act"), {"y": STATES}, {"t": 0.0}),
         Call("MPC.act, along", fresh(law("mpc, along"), "act"), {"t": Number(0.25), "y": STATES}),
@@ -220,3 +248,25 @@ class _Bounds(ByName):
         """Lists and arrays."""
         for what, value in Pair((-1.0, 1.0)).good():
             yield what, dict.fromkeys(self.value, value)
+
+
+def tube_calls() -> list[Call]:
+    """Of MPC with tubes and of their sets."""
+    points, noise = Array(np.array([[[0.125, 0.0], [0.0, -0.125]]]), wrong=False), Array(np.array([0.0, 0.125]))
+    wind = DisturbanceSet.box([0.0, 0.0625])
+    counts = {"horizon": Count(4), "terminal": Count(1, low=0), "penalty": Number(8.0, none=True, **POSITIVE)}
+    whole = {"Q": Array(Q), "R": Array(R), "disturbances": Object(wind), "bounds": _bounds(), "limits": LIMITS} | counts
+    tube = TubeMPC.design(SAMPLED, Q, R, wind, horizon=4, limits=(-2.0, 2.0))
+    return [
+        Call("DisturbanceSet", DisturbanceSet, {"points": points, "noise": noise}),
+        Call(
+            "DisturbanceSet.box",
+            DisturbanceSet.box,
+            {"size": Array(np.array([0.25, 0.5]), wrong=False), "noise": Array(np.array([0.0, 0.125]), none=True)},
+        ),
+        Call("DisturbanceSet.support", wind.support, {"k": Number(0.0), "directions": Array(np.eye(2), wrong=False)}),
+        Call("DisturbanceSet.scaled", wind.scaled, {"share": Number(0.5, low=0.0)}),
+        Call("TubeMPC.design", TubeMPC.design, {"model": Object(SAMPLED)} | whole),
+        Call("TubeMPC.along", TubeMPC.along, {"ltv": Object(LTV)} | whole),
+        Call("TubeMPC.act", fresh(tube, "act"), {"t": Number(0.25), "y": STATES}),
+    ]

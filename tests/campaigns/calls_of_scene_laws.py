@@ -22,10 +22,16 @@ from pliant.controllers import (
     Led,
     MultiModelLQR,
     Objective,
+    PeriodicKalman,
+    PeriodicLQG,
     PeriodicLQR,
+    PeriodicMPC,
+    PeriodicTVLQR,
     Predictive,
+    TubeMPC,
     loop,
     margins,
+    periodic_nmpc,
     robust_lqg,
     shape,
     shaper_for,
@@ -59,6 +65,22 @@ def scene_law_calls() -> list[Call]:
     return [*for_scene_calls(), *loop_calls(), *joint_calls()]
 
 
+def cycle_calls() -> list[Call]:
+    """Of laws of cycles."""
+    scene, effort = {"scene": Object(CYCLE)}, {"effort": Number(2.0, **POSITIVE)}
+    W = {"W": ByName({"crank_acceleration": 0.5}, none=True, **POSITIVE)}
+    late = {"input_delay": Number(0.5, low=0.0)}
+    led = {"nominal": Choice("rigid", none=True), "reserve": SHARE, "index": Choice("time")}
+    made = [
+        (PeriodicKalman, scene | W | late, {}),
+        (PeriodicLQG, scene | W | effort, {"ranges": {}}),
+        (PeriodicMPC, scene | {"horizon": Count(2), "penalty": Number(9.0, none=True, **POSITIVE)} | effort, {}),
+        (PeriodicTVLQR, scene | effort | led, {}),
+    ]
+    calls = [Call(f"{law.__name__}.for_scene", law.for_scene, *given, compare=False) for law, *given in made]
+    return [*calls, Call("periodic_nmpc", periodic_nmpc, scene | {"horizon": Count(2)}, compare=False)]
+
+
 def for_scene_calls() -> list[Call]:
     """Of every for_scene."""
     effort = {"effort": Number(2.0, **POSITIVE)}
@@ -75,6 +97,7 @@ def for_scene_calls() -> list[Call]:
             {"scene": Object(CYCLE), "effort": effort["effort"]},
             compare=False,
         ),
+        *cycle_calls(),
         Call("Kalman.for_scene", Kalman.for_scene, SCENES | seen),
         Call("LQG.for_scene", LQG.for_scene, SCENES | seen | effort | {"uncertain": SHARE}),
         Call(
@@ -103,6 +126,15 @@ def for_scene_calls() -> list[Call]:
         Call("TVLQR.for_scene", TVLQR.for_scene, SCENES | {"effort": effort["effort"]} | follow),
         Call("Predictive.for_scene", Predictive.for_scene, SCENES | {"delay": Count(1), "law": Object(own, none=True)}),
         Call("MPC.for_scene", MPC.for_scene, SCENES | {"horizon": Count(3), "nominal": Object(_motion(), none=True)}),
+        Call(
+            "TubeMPC.for_scene",
+            TubeMPC.for_scene,
+            SCENES
+            | {"horizon": Count(3), "terminal": Count(1, low=0), "rounds": Count(1)}
+            | {"nominal": Object(_motion(), none=True), "noise": ByName({"hub_angle": 0.5}, none=True, low=0.0)},
+            {"ranges": {}},
+            compare=False,
+        ),
         Call("NMPC.for_scene", NMPC.for_scene, SCENES | {"horizon": Count(3)}),
         Call("PD.for_scene", PD.for_scene, SCENES | {"shape": Choice("zv", none=True)}),
         Call("ComputedTorque.for_scene", ComputedTorque.for_scene, SCENES | {"damping": RATE["damping"]}),

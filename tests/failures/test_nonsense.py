@@ -40,6 +40,7 @@ def test_what_a_package_exports_is_called(package, every):
         "Motion",
         "Sampled",
         "SampledLTV",
+        "PeriodicFilter",
         "PeriodicRegulator",
         "RobustGain",
         "RobustStability",

@@ -13,3 +13,9 @@ def test_names():
     assert PPOSettings().num_envs * PPOSettings().n_steps % PPOSettings().batch_size == 0  # batches leave no rest
     with pytest.raises(dataclasses.FrozenInstanceError):
         PPOSettings().gamma = 0.5
+
+
+def test_only_apg_may_read_and_act_without_noise():
+    assert APGSettings(noise=0.0).noise == 0.0
+    with pytest.raises(ValueError, match=r"PPOSettings\.noise = 0\.0 must be"):
+        PPOSettings(noise=0.0)

@@ -5,21 +5,12 @@ import pytest
 
 from pliant.controllers import PeriodicLQR, riccati
 from pliant.controllers.base.objective import Objective
-from pliant.controllers.linear_quadratic.periodic_lqr import deviations, turning, whole_turns
+from pliant.controllers.cycles.cycle import deviations, of_cycle, turning
+from pliant.controllers.cycles.periodic_lqr import of_draws
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.envs import scenes
 from pliant.plants import EquilibriumError
 from pliant.plants.slider_crank.steady_cycles import steady_cycle
-
-
-@pytest.fixture(scope="module")
-def scene():
-    return scenes.get("slider-crank-run")
-
-
-@pytest.fixture(scope="module")
-def law(scene):
-    return PeriodicLQR.for_scene(scene)
 
 
 def played(scene, law, x, steps):
@@ -89,25 +80,50 @@ def test_its_mean_cost_is_below_that_of_the_free_cycle(scene, law):
     assert predicted < 0 and cost - free == pytest.approx(predicted, rel=0.05)
 
 
-def test_held_against_a_long_horizon(scene, law):
-    """The same gains and costs as three times three turns of the time-varying regulator, by square roots."""
-    cycle = deviations(scene)
-    A, B, Q, R, N = (np.tile(M, (3, 1, 1)) for M in cycle.system)
+def test_held_against_a_long_horizon(cycle, law):
+    """Two turns' gains and costs are those of the time-varying regulator over four, by square roots."""
+    A, B, Q, R, N = (np.concatenate([M, M])[:334] for M in of_cycle(cycle, 1.0).system)
     long, made = riccati.dtvlqr(A, B, Q, R, N), law.regulator
-    T = len(made.K)
-    assert pytest.approx(long.K[:T], rel=1e-6, abs=1e-8 * np.abs(made.K).max()) == made.K
-    assert pytest.approx(long.P[:T], rel=1e-6, abs=1e-8 * np.abs(made.P).max()) == made.P
+    assert pytest.approx(long.K[:167], rel=1e-6, abs=1e-8 * np.abs(made.K).max()) == made.K[:167]
+    assert pytest.approx(long.P[:167], rel=1e-6, abs=1e-8 * np.abs(made.P).max()) == made.P[:167]
     assert law.K[:, :, law.angle] == pytest.approx(0.0)
+
+
+def test_inputs_a_whole_period_late_are_met_by_the_state_ahead(cycle, law):
+    """ "Every stabilizing dead-time controller has an observer-predictor-based structure" (Mirkin and Raskin 2003): the
+    gain without delay on the state that the input will meet."""
+    made, _ = of_draws(cycle, (1.0, 1.0), 1.0, [None])
+    A, B = of_cycle(cycle, 1.0).system[:2]
+    wanted = np.roll(law.regulator.K, -1, axis=0) @ np.concatenate([A, B], axis=2)
+    assert pytest.approx(wanted, rel=1e-8, abs=1e-9 * np.abs(wanted).max()) == made.K
+
+
+def test_a_range_of_delays_bears_every_one_that_stays(scene, cycle):
+    made = PeriodicLQR.about(cycle, 1.0, (0.0, 1.0))
+    assert made.K.shape == (250, 1, 7) and made.multipliers[0] < 0.01
+    for delay in (0.0, 0.3, 1.0):
+        around = np.eye(6)
+        for k, step in enumerate(cycle.late(delay, 1).step):
+            around = (step[:, :6] - step[:, 6:] @ made.regulator.K[k]) @ around
+        assert np.abs(np.linalg.eigvals(around)).max() ** (1 / 3) <= made.multipliers[0] * (1 + 1e-6)
+    u = [made.act(0.0, cycle.x[k] + [0, 0, 0, 0.1, 0, 0]) for k in range(2)]
+    made.reset()
+    assert made.act(0.0, cycle.x[1] + [0, 0, 0, 0.1, 0, 0]) != u[1]  # it knows what is on its way
+    again = PeriodicLQR.about(cycle, 1.0, (0.0, 1.0))
+    again.act(0.0, cycle.x[0] + [0, 0, 0, 0.1, 0, 0])
+    assert again.act(0.0, cycle.x[1] + [0, 0, 0, 0.1, 0, 0]) == u[1]
+
+
+def test_one_gain_for_machines_of_a_box_is_stable_on_its_corners(scene, cycle):
+    made = PeriodicLQR.about(cycle, 1.0, (0.0, 0.0), {"rod.E": (0.7, 1.3)})
+    varied = scene.plant.vary("rod.E")
+    for factor in (0.7, 1.0, 1.3):
+        step, around = cycle.late(0.0, 0, machine=(varied, varied.nominal_parameters * factor)).step, np.eye(5)
+        for k in range(250):
+            around = (step[k, :, :5] - step[k, :, 5:] @ made.regulator.K[k]) @ around
+        assert np.abs(np.linalg.eigvals(around)).max() ** (1 / 3) <= made.multipliers[0] * (1 + 1e-6) < 0.1
 
 
 def test_goals_that_are_no_cycle_are_refused():
     with pytest.raises(EquilibriumError, match="no cycle"):
         PeriodicLQR.for_scene(scenes.get("single-link-slew"))
-    with pytest.raises(EquilibriumError, match="whole control periods"):
-        whole_turns(np.pi, 0.1)
-    assert whole_turns(1.0, 0.0625) == (1, 16) and whole_turns(5 / 12, 0.005) == (3, 250)
-
-
-def test_turning(scene):
-    j, rate = turning(scene)
-    assert scene.plant.states[j].name == "crank_angle" and rate == pytest.approx(144 * np.pi / 30)

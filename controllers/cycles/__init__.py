@@ -1,0 +1,1 @@
+"""Laws of a machine that runs in a cycle."""
