@@ -2,10 +2,11 @@
 
     python tests/campaigns/closed_choices.py --count 20
 
-A link of 0.3 to 3 m stands up within half a radian and is turned by up to a radian; without its law, PD or LQG on what
-sensors read, it falls. True is what the same law does on a model that is on no ladder: exact rotations, stretch and
-shear, seven shapes, played by CVODES. Counted are "met" where the chosen plant's own closed loop is farther from it
-than the tolerance (wrong), refusals where a rung keeps half of it, and whatever `choose` raises.
+A link of 0.3 to 3 m stands up within half a radian and is turned by up to a radian, or nudged by a twentieth of that;
+without its law, PD or every fourth time LQG on what sensors read, it falls. True is what the same law does on a model
+that is on no ladder: exact rotations, stretch and shear, seven shapes, played by CVODES. Counted are "met" where the
+chosen plant's own closed loop is farther from it than the tolerance (wrong), refusals where a rung keeps half of it,
+and whatever `choose` raises.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from pliant.studies.common.reference_motions import ClosedMotions
 from pliant.studies.fidelity.choice import choose
 
 PLAYED = 1e-8  # rtol
+NUDGE = 0.05
 TRUE: dict[str, Any] = {"kinematics": "strain", "basis": "polynomial", "theory": "timoshenko", "extensible": True}
 
 
@@ -41,6 +43,7 @@ def machine(seed: int) -> Scene:
         own.plant, link=link, payload=load, gravity=9.81, hub_friction=0.0, hub_inertia=link.mass * L**2 * 0.1
     )
     begin, way = np.pi / 2 + rng.uniform(-0.5, 0.5), rng.choice([-1, 1]) * rng.uniform(0.2, 1.0)
+    way *= NUDGE ** (seed % 4 == 3)  # an LQG goes to its goal at once
     move = float(np.sqrt(L) * rng.uniform(0.8, 2.0))
     steps = int(rng.integers(150, 300))
     return dataclasses.replace(
@@ -57,7 +60,7 @@ def machine(seed: int) -> Scene:
 
 
 def run(seed: int) -> dict[str, Any]:
-    scene, kind = machine(seed), (PD, LQG)[seed % 2]
+    scene, kind = machine(seed), (PD, PD, PD, LQG)[seed % 4]
     row: dict[str, Any] = {"seed": seed, "law": kind.__name__, "tolerance": scene.tolerance, "crashed": ""}
     row |= {"wrong": False, "refused": False}
     with warnings.catch_warnings():
