@@ -73,7 +73,8 @@ class PhysicsContract(Declaration):
         return {}
 
     def sparing(self, motion: Trajectory, compared: tuple[str, ...], within: float) -> tuple[Self, ...]:
-        """Rungs with no more shapes than outputs of this plant's motion need to be `within`. Default: none."""
+        """Rungs with no more shapes than this plant's `motion` needs to keep outputs `compared` (their names) `within`
+        [their unit], a positive number. Default: none."""
         return ()
 
     @property

@@ -156,7 +156,10 @@ class TreeFidelity(TreeDeclaration):
         return {STRETCH: (dataclasses.replace(self, bodies=tuple(bodies)),)} if changed else {}
 
     def sparing(self, motion: Trajectory, compared: tuple[str, ...], within: float) -> tuple[Self, ...]:
-        """With the shapes of each plane, of torsion and of stretch that the motion needs, linear to exact rotations."""
+        """With the shapes of each plane, of torsion and of stretch that the `motion` of this tree needs to keep outputs
+        `compared` (their names) `within` [their unit]: linear, with shortening, with exact rotations; none where it
+        needs none.
+        """
         if not any(b.beam is not None for b in self.flexible):
             return ()
         found: Any = needed(self, motion, compared, within)

@@ -36,8 +36,8 @@ def needed(tree: TreeFidelity, motion: Trajectory, compared: Sequence[str], with
         counts, first = list(tree.counts(body)), 0
         if body.beam is None or not sum(counts):
             continue
-        own = [names.index(f"{body.name}_{s.name}") for s in coordinates_of(body, tuple(counts))]
-        own = [[i, names.index(tree.rates[names[i]])] for i in own]
+        signals = [f"{body.name}_{s.name}" for s in coordinates_of(body, tuple(counts))]
+        own = [[names.index(name), names.index(tree.rates[name])] for name in signals]
         for family, most in enumerate(tuple(counts)):
             shapes = own[first : first + most]
             first += most

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.controllers import Controller
 from pliant.envs.scenes.scene import Manoeuvre, Scene
 from pliant.plants import Plant, PliantError, Trajectory, ValidityWarning
 from pliant.plants.core.argument_gates import require_finite, shown
@@ -27,6 +28,7 @@ from .processor_time import processor_time
 
 STIFF = "rodas5p"  # the adaptive method of plants that are stiff; of others it is dop853
 MOST_STEPS = 300_000  # of a motion: one that takes more runs away
+LAW = 1e-8  # rtol of the motion whose inputs begin a closed loop's
 TIGHT = 1e-10  # rtol of a converged motion; atol is a hundredth
 Progress = Callable[[float, str], None]  # fraction done, what is being done
 
@@ -85,6 +87,11 @@ class Motions:
     def ladder(self) -> tuple[Plant, ...]:
         """The plant's variants, cheapest first."""
         return tuple(self.scene.plant.ladder())
+
+    @property
+    def simple(self) -> Plant:
+        """The variant from whose motion that of physics is found."""
+        return self.ladder[0]
 
     @cached_property
     def held(self) -> np.ndarray:
@@ -164,3 +171,57 @@ class Motions:
             return float(np.abs(self.converged(plant) - against).max())
         except PliantError:
             return float("inf")
+
+
+class Sampled:
+    """A law that acts at the control times of a scene, whatever times a motion is asked at."""
+
+    def __init__(self, law: Controller, dt: float) -> None:
+        self.law, self.dt, self.reads = law, dt, tuple(law.reads)
+
+    def reset(self) -> None:
+        self.law.reset()
+
+    def act(self, t: float, y: np.ndarray) -> np.ndarray:
+        return np.asarray(self.law.act(t, y), dtype=float)
+
+
+class ClosedMotions(Motions):
+    """Motions of one scene with a law in the loop: each fidelity under the inputs that the law gives from its own."""
+
+    def __init__(self, scene: Scene, law: Controller, name: str) -> None:
+        """ValueError, which calls the law `name`, where it samples at other times than the scene's, or reads what is
+        not the same in all variants.
+        """
+        super().__init__(scene)
+        if law.dt is not None and abs(law.dt - scene.dt) > 1e-9 * scene.dt:
+            raise ValueError(f"{name}.dt = {law.dt:.6g} s must be the control period of the scene, {scene.dt:.6g} s")
+        self.law = Sampled(law, scene.dt)
+        shared = {s.name for s in (*scene.plant.outputs, *self.ladder[0].states)}
+        if shapes := [signal for signal in law.reads if signal not in shared]:
+            raise ValueError(
+                f"{name} reads {', '.join(shapes)}: coordinates of shapes are other ones in other variants; give a law "
+                "that reads outputs or joints, as an LQG does"
+            )
+
+    @property
+    def simple(self) -> Plant:
+        """The scene's own plant: the law may not hold the cheapest."""
+        return self.scene.plant
+
+    @cached_property
+    def held(self) -> np.ndarray:
+        """What the law gives on the scene's own plant, (nt, nu)."""
+        return self.run(self.scene.plant, rtol=LAW, atol=LAW / 100).u
+
+    def run(self, plant: Plant, **options: Any) -> Trajectory:
+        """The closed loop's motion from the start, options as in Plant.simulate."""
+        return self.at_nodes(plant, np.empty((0, plant.nu)), self.scene.times, **options)
+
+    def at_nodes(self, plant: Plant, held: np.ndarray, times: np.ndarray, **options: Any) -> Trajectory:
+        """The motion from the start at times (m,), under the law's inputs whatever is `held`."""
+        if plant.stiff:
+            options.setdefault("method", STIFF)
+        with warnings.catch_warnings(), at_most(MOST_STEPS):
+            warnings.simplefilter("ignore", ValidityWarning)
+            return plant.simulate(self.start(plant), self.law, times, **options)

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from pliant.controllers import Controller
 from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, Trajectory
 from pliant.plants.core.argument_gates import (
@@ -23,7 +24,7 @@ from pliant.plants.core.argument_gates import (
     require_number,
 )
 from pliant.plants.files.html_tables import ChoiceTable
-from pliant.studies.common.reference_motions import Motions, Progress, share, silent
+from pliant.studies.common.reference_motions import ClosedMotions, Motions, Progress, share, silent
 from pliant.studies.physics import effects as worth
 from pliant.studies.physics.effects import Effect
 
@@ -95,8 +96,9 @@ def choose(
 ) -> Choice:
     """The cheapest rung whose error bound is within `tolerance` [unit of scene.compare; None: the scene's].
 
-    `motions`: which motions it is to keep it on, each None (the scene's open loop) or a Trajectory, as of a closed
-    loop, whose inputs are played at the control times; None: the open loop alone. Also the fastest integrator and the
+    `motions`: which motions it is to keep it on, each None (the scene's open loop), a Trajectory, as of a closed loop,
+    whose inputs are played at the control times, or a Controller, which is played in closed loop on every variant, as a
+    machine that falls without it needs; None: the open loop alone. Also the fastest integrator and the
     largest fixed step that keep it on the first; `measured`, the scene's chart, which tries more methods, is asked for
     the fastest before. lanes: how many motions run at once, as in learning; beyond 1 `batch` is the fastest setting of
     the stepper for so many. Where no rung is shown to keep it, `met` is False, and `missing` says what is missing.
@@ -132,7 +134,7 @@ def choose(
             charted = measured.fastest(tolerance, plant.label)
             rows = [row for row in (fastest, charted) if row is not None]
             fastest = min(rows, key=lambda row: row.seconds or 0.0, default=None)
-        if lanes > 1:
+        if lanes > 1 and not isinstance(played[0], ClosedMotions):
             told(0.8, f"{lanes} lanes")
             batch = in_lanes(played[0], climb.physics[0], plant, tolerance, lanes)
     found = Choice(
@@ -171,6 +173,8 @@ def _motions(scene: Scene, given: Any) -> list[Motions]:
             found.append(Motions(scene))
         elif isinstance(one, Motions):
             found.append(_of_this_scene(name, scene, one))
+        elif isinstance(one, Controller):
+            found.append(ClosedMotions(scene, one, name))
         else:
             found.append(Motions.with_inputs_of(scene, require_instance(name, one, Trajectory), name))
     if not found:

@@ -7,6 +7,7 @@ Parts of one block share one inverse, so that a long motion takes no more than a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -81,6 +82,28 @@ class BlockCollocation:
                 for k in range(run.start, run.stop):
                     ends[k + 1] = onward[r] @ ends[k] + push[k]
                 K[run] += ends[run] @ own[r].T
+        slopes = K.reshape(m, 2, n)
+        inner = ends[:-1, None] + self.h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, slopes)
+        return ends, inner, slopes
+
+    def closed_response(
+        self, c: Array, B: Array, start: Array, parts: int, inputs: Callable[[int, Array], Array]
+    ) -> tuple[Array, Array, Array]:
+        """`response` where `inputs(period, delta (n,))` (nu,), held over periods of so many `parts`, act by
+        B (m, 2, n, nu) too.
+        """
+        m, n = len(self.h), self.n
+        solve, own, onward = self._inverses
+        run = np.repeat(np.arange(len(self._runs)), [r.stop - r.start for r in self._runs])
+        ends, K = np.empty((m + 1, n)), np.empty((m, 2 * n))
+        ends[0], u = start, np.zeros(B.shape[-1])
+        with np.errstate(over="ignore", invalid="ignore"):
+            for k in range(m):
+                if k % parts == 0:
+                    u = inputs(k // parts, ends[k])
+                K[k] = solve[run[k]] @ (c[k] + B[k] @ u).ravel()
+                ends[k + 1] = onward[run[k]] @ ends[k] + self.h[k] / 2 * (K[k, :n] + K[k, n:])
+                K[k] += own[run[k]] @ ends[k]
         slopes = K.reshape(m, 2, n)
         inner = ends[:-1, None] + self.h[:, None, None] * np.einsum("ij,kjn->kin", BUTCHER, slopes)
         return ends, inner, slopes

@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from pliant.plants import MassMatrixError, Plant, PliantError
-from pliant.studies.common.reference_motions import Motions
+from pliant.studies.common.reference_motions import ClosedMotions, Motions
 
+from .closed_motion import ClosedMotion
 from .fine_model import between_control_times, compared, start_of
 from .known_physics import KNOWN, ROUNDING, PhysicsMotion, largest
 from .motion_nodes import MotionNodes
@@ -35,7 +36,7 @@ class Search:
     def __init__(self, motions: Motions, tolerance: float, first: int = 0) -> None:
         self.first = first
         self.motions, self.scene = motions, motions.scene
-        self.simple = motions.ladder[0]
+        self.simple = motions.simple
         self.tolerance, self.within = tolerance, KNOWN * tolerance
         self.motion: CorrectedMotion | None = None
         self.settled = set[Plant]()  # models of which a motion has
@@ -139,14 +140,19 @@ class Search:
 
     def _in_windows(self, motion: CorrectedMotion) -> CorrectedMotion:
         """The motion of the same model at the same nodes found anew, window by window."""
+        if isinstance(motion, ClosedMotion):
+            raise NotSettled("a closed loop's motion does not settle")
         fine, start = motion.fine, start_of(self.motions, motion.fine)
         return window_by_window(fine, self.simple, motion.nodes, start, motion.columns, self.within)
 
 
 def from_simple(motions: Motions, fine: Plant, nodes: MotionNodes) -> CorrectedMotion:
     """The motion of `fine` from that of the cheapest variant, before the first pass."""
-    simple = motions.ladder[0]
+    simple = motions.simple
     motion = between_control_times(simple, motions.run(simple, rtol=RTOL, atol=RTOL / 100), nodes)
     if motion is None:
         motion = motions.at_nodes(simple, nodes.inputs, nodes.all, rtol=RTOL, atol=RTOL / 100)
-    return CorrectedMotion.from_simple(fine, simple, motion, nodes, start_of(motions, fine), compared(motions, fine))
+    start, columns = start_of(motions, fine), compared(motions, fine)
+    if isinstance(motions, ClosedMotions):
+        return ClosedMotion.of_loop(fine, motions, motion, nodes, start, columns)
+    return CorrectedMotion.from_simple(fine, simple, motion, nodes, start, columns)

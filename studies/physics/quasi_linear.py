@@ -168,13 +168,17 @@ class CorrectedMotion:
         if not (np.abs(self.x) < BEYOND).all():
             raise NotSettled("the corrected motion runs away")
         c = lacking(self.fine, self.t, self.x, self.u, self.rate, self._inverse(model))
-        delta, moved, slopes = self._steps.response(c.reshape(-1, 2, n), self._start)
+        delta, moved, slopes = self._response(c.reshape(-1, 2, n), self._steps)
         self.at_ends = self.at_ends + delta
         self.x, self.rate = self.x + moved.reshape(-1, n), self.rate + slopes.reshape(-1, n)
         self._start = np.zeros(n)
         self.passes += 1
         before, self.outputs = self.outputs, self._measured()
         self.changes.append(float(np.abs(self.outputs - before).max()))
+
+    def _response(self, c: Array, steps: BlockCollocation) -> tuple[Array, Array, Array]:
+        """What c (m, 2, nx) makes of the motion: at the ends, at the Gauss points and of the slopes there."""
+        return steps.response(c, self._start)
 
     def lacked_by(self, plant: Plant) -> Array:
         """What this motion lacks of being one of another plant of the same states, (m, 2, nx), as a pass takes it."""

@@ -1,10 +1,13 @@
 """Motions computed once, with inputs held."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from pliant.controllers import LQR, PD
 from pliant.envs import scenes
-from pliant.studies.common.reference_motions import Motions, share
+from pliant.studies.common.reference_motions import ClosedMotions, Motions, Sampled, share
 
 SLEW = scenes.get("single-link-slew", duration=0.4, move_time=0.2)
 
@@ -31,3 +34,23 @@ def test_a_part_takes_its_share_of_the_bar():
     for fraction in (-1.0, 0.5, 2.0):
         part(fraction, "x")
     assert [f for f, _ in seen] == pytest.approx([0.2, 0.4, 0.6])
+
+
+def test_a_law_is_played_on_every_variant_at_the_control_times_alone():
+    law = PD.for_scene(SLEW)
+    closed = ClosedMotions(SLEW, law, "law")
+    own = closed.run(SLEW.plant, rtol=1e-8, atol=1e-10)
+    direct = SLEW.plant.simulate(SLEW.initial[0], law, SLEW.times, rtol=1e-8, atol=1e-10)
+    np.testing.assert_allclose(own.x, direct.x, atol=1e-9)
+    fine = np.linspace(0.0, SLEW.times[-1], 4 * (len(SLEW.times) - 1) + 1)
+    np.testing.assert_allclose(closed.at_nodes(SLEW.plant, closed.held, fine).x[::4], own.x, atol=1e-6)
+    assert closed.simple == SLEW.plant and Motions(SLEW).simple == closed.ladder[0]
+    assert not np.allclose(closed.run(closed.ladder[0]).u, closed.held)
+    assert isinstance(closed.law, Sampled) and closed.law.dt == SLEW.dt
+
+
+def test_a_law_of_shapes_or_of_another_period_is_refused():
+    with pytest.raises(ValueError, match=r"law reads eta1, eta2.*give a law that reads outputs"):
+        ClosedMotions(SLEW, LQR.for_scene(SLEW), "law")
+    with pytest.raises(ValueError, match=r"law\.dt = 0\.005 s must be the control period of the scene, 0\.02 s"):
+        ClosedMotions(SLEW, dataclasses.replace(PD.for_scene(SLEW), dt=0.005), "law")

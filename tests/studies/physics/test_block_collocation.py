@@ -73,3 +73,20 @@ def test_the_transpose_agrees_with_the_response_to_rounding():
     influence, of_start = steps.influence(weights)
     found = np.einsum("mgnq,mgn->q", influence, c) + of_start.T @ START
     np.testing.assert_allclose(found, np.einsum("mnq,mn->q", weights, delta), rtol=1e-12)
+
+
+def test_inputs_of_periods_act_as_what_they_push_and_are_asked_where_each_begins():
+    """Held inputs of a law on the states, u = -(2, 1, 0) delta: the exponential of each period under them."""
+    ends, B, K = np.linspace(0.0, 2.0, 81), np.array([[0.0], [1.0], [0.5]]), np.array([[2.0, 1.0, 0.0]])
+    steps = HeldModel(np.array([0.0, 2.0]), A[None]).over(ends)
+    c = np.broadcast_to(PUSH, (80, 2, 3))
+    found, _, _ = steps.closed_response(c, np.broadcast_to(B, (80, 2, 3, 1)), START, 4, lambda k, delta: -K @ delta)
+    delta, h = START, 0.1
+    for k in range(20):
+        np.testing.assert_allclose(found[4 * k], delta, atol=1e-5)
+        grown = np.zeros((4, 4))
+        grown[:3, :3], grown[:3, 3] = A, PUSH - B @ K @ delta
+        delta = (expm(grown * h) @ np.append(delta, 1.0))[:3]
+    still = steps.closed_response(c, np.zeros((80, 2, 3, 1)), START, 4, lambda k, delta: np.ones(1))
+    for one, other in zip(still, steps.response(c, START), strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-12)
