@@ -52,7 +52,7 @@ NUMBERS = (
     40,
     48,
 )  # of points of the whole box along a parameter, at which A is taken
-MOST_POINTS = 4000  # in all
+MOST_POINTS, TRIES = 4000, 3  # in all; numbers of points that are tried
 PAST = 1e-9  # of a rate or a size: growth that is no rounding
 SMALLEST = 1e-4  # of the box: width of a part that is not halved again
 
@@ -193,7 +193,7 @@ def _interpolated(state_matrix: Callable[[Array], Array], count: int) -> _Matric
     def agrees(found: Array, wanted: Array) -> bool:
         return float(np.linalg.norm((found - wanted) * ratio, axis=(1, 2)).max()) <= AGREES * size
 
-    numbers = []
+    asked = []  # places in NUMBERS
     for axis in range(count):
         line = np.tile(drawn[0], (len(drawn), 1))
         line[:, axis] = drawn[:, axis]
@@ -205,10 +205,14 @@ def _interpolated(state_matrix: Callable[[Array], Array], count: int) -> _Matric
             series = np.tensordot(to_series, np.array([state_matrix(d) for d in on]), axes=1)
             if agrees(np.tensordot(np.polynomial.chebyshev.chebvander(line[:, axis], m - 1), series, axes=1), wanted):
                 break
-        numbers.append(m)
-    if np.prod(numbers) > MOST_POINTS:
-        return _Matrices(state_matrix, None)
-    every = np.array([state_matrix(np.array(d)) for d in product(*(_points(m)[0] for m in numbers))])
-    series = _along([_points(m)[1] for m in numbers], every.reshape(*numbers, *own.shape[1:]))
-    found = _Matrices(state_matrix, series)
-    return found if agrees(found.at(drawn), own) else _Matrices(state_matrix, None)
+        asked.append(NUMBERS.index(m))
+    for more in range(TRIES):  # elsewhere than on those lines it may take more
+        numbers = [NUMBERS[min(place + more, len(NUMBERS) - 1)] for place in asked]
+        if np.prod(numbers) > MOST_POINTS:
+            break
+        every = np.array([state_matrix(np.array(d)) for d in product(*(_points(m)[0] for m in numbers))])
+        series = _along([_points(m)[1] for m in numbers], every.reshape(*numbers, *own.shape[1:]))
+        found = _Matrices(state_matrix, series)
+        if agrees(found.at(drawn), own):
+            return found
+    return _Matrices(state_matrix, None)

@@ -36,7 +36,7 @@ def test_a_stable_box_is_shown_whole_and_with_no_looks_nothing():
 
 
 def test_what_is_shown_ends_before_what_is_unstable():
-    found = free_of_zeros(turning, 2, 0.1, 200)
+    found = free_of_zeros(turning, 2, 0.1, 60)
     assert 0.45 < found.stood <= 0.5 + 1e-9
     assert found.unstable is None or 0.9 + 0.2 * found.unstable[1] > 1.0
 
@@ -48,7 +48,7 @@ def test_a_continuous_loop():
         return lambda d: np.array([[0.0, 1.0], [-9 - 4 * share * d[1], -0.2 - 0.3 * share * d[0]]])
 
     assert free_of_zeros(loop(0.66), 2, None, 100).stood == 1.0
-    assert free_of_zeros(loop(0.67), 2, None, 300).stood < 0.667 / 0.67
+    assert free_of_zeros(loop(0.67), 2, None, 60).stood < 0.667 / 0.67
 
 
 def test_modes_that_are_one_in_the_middle():
@@ -81,5 +81,5 @@ def test_of_many_parameters_it_is_not_tried():
 
 
 def test_a_sample_of_the_campaign():
-    found = sampled_boxes.run(10, 300)  # three parameters, of which norms in parts showed 33 % less than is unstable
+    found = sampled_boxes.run(9, 300)  # three parameters
     assert not found["wrong"] and found["gap"] < 0.021
