@@ -49,6 +49,7 @@ if TYPE_CHECKING:  # imported when they are first asked for: see below
     from pliant.controllers.robust_design.led import Led
     from pliant.controllers.robust_design.many_model_lqr import MultiModelLQR
     from pliant.controllers.robust_design.robust_lqg import RobustLQG, robust_lqg
+    from pliant.controllers.tube_mpc import DisturbanceSet, TubeMPC
 
 __all__ = [
     "LQG",
@@ -60,6 +61,7 @@ __all__ = [
     "ComputedTorque",
     "Controller",
     "DifferentiableMPC",
+    "DisturbanceSet",
     "Feedback",
     "Filter",
     "Filtered",
@@ -85,6 +87,7 @@ __all__ = [
     "Sensor",
     "Shaper",
     "Spillover",
+    "TubeMPC",
     "TunedMPC",
     "UncertainLTV",
     "WorstParameters",
@@ -159,6 +162,7 @@ imports.offer(
         "robust_design.led": "Led",
         "robust_design.many_model_lqr": "MultiModelLQR",
         "robust_design.robust_lqg": "RobustLQG robust_lqg",
+        "tube_mpc": "DisturbanceSet TubeMPC",
     },
 )
 imports.serve(

@@ -3,6 +3,8 @@
 if __name__ != "pliant.envs":
     raise ImportError("this folder is installed as pliant.envs: write `import pliant.envs`")
 
+from pliant.envs import adapters as adapters  # fills in Scene.puffer_env
+from pliant.envs import gradients as gradients  # and Scene.differentiable
 from pliant.envs import scene_files, scenes
 from pliant.envs.environments import PlantEnv, environment_id, register
 from pliant.envs.environments.scene_check import check_scene

@@ -63,7 +63,7 @@ TEXTS = {  # what is no name of a signal: {file: the expressions whose beginning
     "studies/fidelity/verdict_in_words.py": {"choice.physics"},  # the choice's own words
     "plants/core/errors.py": {"frame.f_globals.get('__name__', '')"},  # modules
     "controllers/analytic_gradients/run_files.py": {"name"},  # arrays
-    "envs/simulation/parameter_inputs.py": {"name"},  # attributes
+    "envs/gradients/parameter_inputs.py": {"name"},  # attributes
 }
 
 

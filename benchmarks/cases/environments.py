@@ -23,6 +23,7 @@ from pliant.plants import StabilityLimitError
 from pliant.plants.native import kernel_templates
 
 GROUP, SINGLE_GROUP, OUTSIDE = "environments", "single environment", "outside the kernel"
+MIXED_GROUP, MODELS = "lanes of several models", ("rigid", "linear", "own")
 SCENE = "two-link-reach"
 VECTOR = "Pliant, SIMD single, as Stable-Baselines3's VecEnv"
 ACTIONS = 16  # arrays of random actions, drawn beforehand and used in turn
@@ -106,6 +107,13 @@ def vector_steps(env: Any) -> Sampler:
         return env.num_envs
 
     return rate_of(run)
+
+
+def mixed(lanes: int, fidelities: tuple[str, ...] | None) -> PlantVectorEnv:
+    """Randomised lanes that each play one of these models, or all the scene's own."""
+    env = PlantVectorEnv(SCENE, lanes, randomise=True, threads=1, fidelities=fidelities)
+    env.reset(seed=0)
+    return env
 
 
 def single_steps(env: Any) -> Sampler:
@@ -200,6 +208,11 @@ def cases() -> Iterator[Case]:
     for name in (DOUBLE, SINGLE):
         for threads in (1, 2):
             yield case(name, partial(outside, name, 1024, threads), OUTSIDE, unit=SHARE, lanes=1024, threads=threads)
+    for lanes in (64, 1024):
+        for models in (None, *((name,) for name in MODELS), MODELS):
+            shown = f"Pliant, {'as it is' if models is None else ' or '.join(models)}"
+            make = partial(mixed, lanes, models)
+            yield case(shown, lambda make=make: vector_steps(make()), MIXED_GROUP, unit=RATE, lanes=lanes, threads=1)
     yield case(VECTOR, partial(as_vec_env, 1024, 2), lanes=1024, threads=2, peer=True)
     yield case("Pliant, PlantEnv", lambda: single_steps(PlantEnv(SCENE)), SINGLE_GROUP)
     made = partial(gymnasium.make, "pliant/TwoLinkReach-v0", disable_env_checker=True)

@@ -1,9 +1,11 @@
 """Stable-Baselines3's PPO and SAC with their defaults on scenes of arms, as docs/learning.md tells.
 
 `PYTHONPATH=benchmarks python -m cases.stock_learners [--scenes A B] [--learners ppo sac]` trains each, seed by seed,
-for --steps actions at most. A run ends where its policy costs a share of 1 / --until of what doing nothing does, on the
-scene as it is, in its own cost. Every evaluation is written to results/stock_learners.json, and stock_learners.md is
-made; runs that are there, ended, are not made again.
+for --steps actions, and evaluates the policy on the scene as it is, in its own cost, every 8,192 and at the end. With
+--until N a run ends sooner: where its policy costs 1 / N of what doing nothing does. Every evaluation is written to
+results/stock_learners.json, and stock_learners.md is made; a run that was broken off begins again, one that is there to
+its end is not made again. docs/figures/stock-learners.png shows all; --show makes table and picture anew, and trains
+nothing.
 """
 
 from __future__ import annotations
@@ -25,19 +27,22 @@ from pliant.envs import Scene, scenes
 from pliant.plants.files.atomic_files import write_text
 from pliant.studies.commands.train import lqr_cost
 from pliant.studies.common import machine
+from pliant.studies.figures import style
 
-HOLD = {  # control periods of an action: about 30 actions an episode
-    "single-link-slew": 5,
-    "single-link-slew-gentle": 5,
-    "two-link-reach": 5,
-    "two-link-reach-weak": 5,
-    "flexible-joint-slew": 3,
-    "three-link-flexible": 12,
-    "six-axis-pick": 6,
+TASKS: dict[str, Any] = {  # about 30 actions an episode; "nominal" where limits are far from what the motion takes
+    "single-link-slew": {"hold": 5, "actions": "midway"},
+    "single-link-slew-gentle": {"hold": 5, "actions": "midway"},
+    "two-link-reach": {"hold": 5, "actions": "midway"},
+    "two-link-reach-weak": {"hold": 5, "actions": "midway"},
+    "flexible-joint-slew": {"hold": 3, "actions": "midway"},
+    "three-link-flexible": {"hold": 12, "actions": "midway"},
+    "six-axis-pick": {"hold": 12, "actions": "nominal"},
+    "spin-up": {"hold": 25, "actions": "nominal"},
 }
-LANES = {"ppo": 2, "sac": 8}
+SCALED = ("sac",)  # learners that read through VecNormalize: the motor of flexible-joint-slew turns 100 times its joint
+LANES = {"ppo": 2, "sac": 16}
 EVERY, ASKED = 8192, 5.0  # actions between evaluations; times that nothing must cost as much
-RESULTS = Path(__file__).parents[1] / "results"
+HERE = Path(__file__).parents[1]
 
 
 def played(lanes: Any, act: Any) -> float:
@@ -56,68 +61,126 @@ def nothing(scene: Scene) -> float:
 
 
 def learned(scene: Scene, learner: str, seed: int, steps: int, least: float, tell: Any) -> None:
-    """Train, and tell(steps, cost, processor seconds, ended) at every evaluation; end where the cost is `least`."""
+    """Train, and tell(actions, cost, processor seconds, ended) at every evaluation; stop at a cost of `least`."""
     import torch
     from stable_baselines3 import PPO, SAC
     from stable_baselines3.common.callbacks import BaseCallback
+    from stable_baselines3.common.vec_env import VecNormalize
 
     torch.set_num_threads(1)
-    begin, task = time.process_time(), {"actions": "midway", "hold": HOLD[scene.name]}
+    begin, task = time.process_time(), TASKS[scene.name]
+
+    env: Any = scene.sb3_env(LANES[learner], randomise=True, reward="normalised", **task)
+    if learner in SCALED:
+        env = VecNormalize(env, norm_reward=False)
+    read = env.normalize_obs if learner in SCALED else lambda obs: obs
+
+    def evaluated(model: Any, last: bool) -> bool:
+        cost = played(scene.vector_env(1, **task), lambda obs: model.predict(read(obs), deterministic=True)[0])
+        ended = last or cost <= least
+        tell(model.num_timesteps, cost, time.process_time() - begin, ended)
+        return ended
 
     class Evaluated(BaseCallback):
-        following = EVERY
+        following, ended = EVERY, False
 
         def _on_step(self) -> bool:
-            if self.num_timesteps < self.following:
-                return True
-            self.following += EVERY
-            alone = scene.vector_env(1, **task)
-            cost = played(alone, lambda obs: self.model.predict(obs, deterministic=True)[0])
-            ended = cost <= least or self.num_timesteps >= steps
-            tell(self.num_timesteps, cost, time.process_time() - begin, ended)
-            return not ended
+            if self.num_timesteps >= self.following:
+                self.following += EVERY
+                self.ended = evaluated(self.model, False)
+            return not self.ended
 
-    env = scene.sb3_env(LANES[learner], randomise=True, reward="normalised", **task)
     made = {"ppo": PPO, "sac": SAC}[learner]("MlpPolicy", env, seed=seed, device="cpu")
-    made.learn(10 * steps, callback=Evaluated())
+    watch = Evaluated()
+    made.learn(steps, callback=watch)
+    if not watch.ended:
+        evaluated(made, True)
 
 
 def table(runs: list[dict[str, Any]], about: dict[str, Any]) -> list[str]:
     """Markdown: a row a run."""
-    lines = [
-        "| scene | learner | seed | hold | actions | s | cost | doing nothing | ratio | LQR | five times |",
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
-    ]
-    for run in sorted(runs, key=lambda r: (list(HOLD).index(r["scene"]), r["learner"], r["seed"])):
-        none, law = about[run["scene"]]["nothing"], about[run["scene"]]["lqr"]
-        last, ratio = run["curve"][-1], none / run["curve"][-1]["cost"]
-        lqr = "-" if law is None else f"{law:.3g}"
-        told = "yes" if ratio >= ASKED else "not yet" if not run["ended"] else "no"
-        lines.append(
-            f"| {run['scene']} | {run['learner'].upper()} | {run['seed']} | {HOLD[run['scene']]} | {last['steps']:,} | "
-            f"{last['seconds']:.0f} | {last['cost']:.3g} | {none:.3g} | {ratio:.1f} | {lqr} | {told} |"
-        )
+    heads = ["scene", "learner", "seed", "lanes", "hold, actions=", "actions", "s", "cost at the end", "least", "after"]
+    heads += ["doing nothing", "LQR", "ratio at the end", "of the least", "five times"]
+    lines = [f"| {' | '.join(heads)} |", f"| --- | --- | ---: | ---: | --- |{' ---: |' * (len(heads) - 6)} --- |"]
+    for run in sorted(runs, key=lambda r: (list(TASKS).index(r["scene"]), r["learner"], r["seed"])):
+        none, law, curve = about[run["scene"]]["nothing"], about[run["scene"]]["lqr"], run["curve"]
+        last, best = curve[-1], min(curve, key=lambda point: point["cost"])
+        task, whole = TASKS[run["scene"]], last["steps"] >= run["asked"]
+        scaled = ", scaled" if run["scaled"] else ""
+        end = "" if whole else f", stopped at {run['until']:g} times" if run["ended"] else ", broken off"
+        cells = [
+            run["scene"],
+            run["learner"].upper(),
+            run["seed"],
+            run["lanes"],
+            f"{task['hold']}, {task['actions']}{scaled}",
+        ]
+        cells += [f"{last['steps']:,}{end}", f"{last['seconds']:.0f}", f"{last['cost']:.3g}", f"{best['cost']:.3g}"]
+        cells += [f"{best['steps']:,}", f"{none:.3g}", "-" if law is None else f"{law:.3g}"]
+        cells += [f"{none / last['cost']:.1f}", f"{none / best['cost']:.1f}"]
+        lines.append(f"| {' | '.join(map(str, cells))} | {_when([none / point['cost'] for point in curve], curve)} |")
     return lines
+
+
+def _when(ratios: list[float], curve: list[dict[str, Any]]) -> str:
+    """From which evaluation on all have five times, else how many have."""
+    enough = [ratio >= ASKED for ratio in ratios]
+    if not any(enough):
+        return "no"
+    if not enough[-1]:
+        return f"in {sum(enough)} of {len(enough)}"
+    first = len(enough) - enough[::-1].index(False) if not all(enough) else 0
+    return f"from {curve[first]['steps']:,} on"
+
+
+@style.styled
+def picture(runs: list[dict[str, Any]], about: dict[str, Any]) -> Any:
+    """Times that doing nothing costs as much as the policy, over the actions played, a panel a learner."""
+    figure, axes = style.panels(len(LANES), height=3.4)
+    for axis, learner in zip(axes, LANES):
+        for k, name in enumerate(TASKS):
+            curves = [run["curve"] for run in runs if (run["scene"], run["learner"]) == (name, learner)]
+            for curve in curves:
+                ratios = [about[name]["nothing"] / point["cost"] for point in curve]
+                first = name if curve is curves[0] else None
+                colour, dash = style.COLOURS[k % len(style.COLOURS)], ("-", "--")[k // len(style.COLOURS)]
+                axis.plot([point["steps"] / 1000 for point in curve], ratios, dash, color=colour, label=first)
+        axis.axhline(ASKED, color="0.4", linestyle=":")
+        axis.set_xlabel("actions [thousand]")
+        axis.set_ylabel("cost of doing nothing over the policy's [-]")
+        axis.set_title(learner.upper())
+        axis.legend(fontsize="x-small")
+    return figure
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scenes", nargs="+", default=list(HOLD), choices=list(HOLD))
+    parser.add_argument("--scenes", nargs="+", default=list(TASKS), choices=list(TASKS))
     parser.add_argument("--learners", nargs="+", default=list(LANES), choices=list(LANES))
     parser.add_argument("--seeds", type=int, nargs="+", default=[0])
     parser.add_argument("--steps", type=int, default=300_000)
-    parser.add_argument("--until", type=float, default=6.0)
-    parser.add_argument("--out", type=Path, default=RESULTS)
+    parser.add_argument("--until", type=float, default=None)
+    parser.add_argument("--out", type=Path, default=HERE / "results")
+    parser.add_argument("--show", action="store_true")
+    parser.add_argument("--picture", type=Path, default=HERE.parent / "docs" / "figures" / "stock-learners.png")
     given = parser.parse_args()
     path = given.out / "stock_learners.json"
-    for name in given.scenes:
+    for name in () if given.show else given.scenes:
         for learner in given.learners:
             for seed in given.seeds:
                 _run(path, name, learner, seed, given.steps, given.until)
+    found = json.loads(path.read_text("utf-8"))
+    _write_table(path, found)
+    style.save(picture(found["runs"], found["about"]), given.picture)
     return 0
 
 
-def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: float) -> None:
+def _write_table(path: Path, found: Any) -> None:
+    head = ["# Stock learners", "", "Processor seconds of one thread, on a machine that others kept busy.", ""]
+    write_text(path.with_suffix(".md"), "\n".join([*head, *table(found["runs"], found["about"]), ""]))
+
+
+def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: float | None) -> None:
     """One run, unless it is there."""
     scene, key = scenes.get(name), {"scene": name, "learner": learner, "seed": seed}
     found: Any = {"runs": [], "about": {}}
@@ -125,7 +188,8 @@ def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: floa
     def read() -> Any:
         return json.loads(path.read_text("utf-8")) if path.is_file() else found
 
-    if any(run["ended"] for run in read()["runs"] if all(run[k] == v for k, v in key.items())):
+    there = [run for run in read()["runs"] if all(run[k] == v for k, v in key.items())]
+    if any(run["ended"] and run["until"] == until and run["asked"] >= steps for run in there):
         return
     about = {"nothing": nothing(scene), "lqr": lqr_cost(scene)}
     curve: list[dict[str, float]] = []
@@ -135,13 +199,13 @@ def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: floa
         print(f"{name} {learner} {seed}: {actions} actions, cost {cost:.4g} of {about['nothing']:.4g}", flush=True)
         now = read()  # another process may have written since
         now["runs"] = [run for run in now["runs"] if any(run[k] != v for k, v in key.items())]
-        now["runs"].append({**key, "asked": steps, "until": until, "ended": ended, "curve": curve})
+        told = {"asked": steps, "until": until, "ended": ended, "curve": curve}
+        now["runs"].append({**key, "lanes": LANES[learner], "scaled": learner in SCALED, **told})
         now["about"][name], now["machine"] = about, machine.describe()
         write_text(path, json.dumps(now, indent=1) + "\n")
-        head = ["# Stock learners", "", "Processor seconds of one thread, on a machine that others kept busy.", ""]
-        write_text(path.with_suffix(".md"), "\n".join([*head, *table(now["runs"], now["about"]), ""]))
+        _write_table(path, now)
 
-    learned(scene, learner, seed, steps, about["nothing"] / until, tell)
+    learned(scene, learner, seed, steps, 0.0 if until is None else about["nothing"] / until, tell)
 
 
 if __name__ == "__main__":

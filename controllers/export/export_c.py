@@ -20,6 +20,7 @@ from pliant.controllers.linear_quadratic.lqr import LQR
 from pliant.controllers.linear_quadratic.tvlqr import TVLQR
 from pliant.controllers.mpc.mpc import MPC
 from pliant.controllers.nmpc.nmpc import NMPC
+from pliant.controllers.tube_mpc import TubeMPC
 from pliant.plants.core.argument_gates import require_choice
 from pliant.plants.dynamics.plant import Plant
 from pliant.plants.files.atomic_files import Together, require_path
@@ -118,6 +119,11 @@ def law_code(what: Any, prefix: str, precision: str) -> Law:
         raise ValueError(
             "export_c: NMPC has no C form, its program is made anew from the plant at each sample; give MPC.along a "
             "motion of `plan` or `optimal` (MPC.for_scene(scene, nominal=..)), or a Policy"
+        )
+    if isinstance(what, TubeMPC):
+        raise ValueError(
+            "export_c: TubeMPC has no C form, since its ancillary law has none; its `mpc`, the program with tightened "
+            "limits, has one, and acts alike wherever a plan keeps them"
         )
     raise ValueError(
         f"export_c: {type(what).__name__} has no C form; give LQR, LQG, TVLQR, MPC, PD, ComputedTorque, Policy, "

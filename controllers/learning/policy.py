@@ -230,7 +230,7 @@ class Policy(OwnsArrays):
         actions: str = "limits",
     ) -> Self:
         """From a Stable-Baselines3 zip, and a pickled VecNormalize (`statistics`) where there was one; `hold` and
-        `actions` ("limits", "midway") as its environment had them, which the zip does not say.
+        `actions` ("limits", "midway", "nominal") as its environment had them, which the zip does not say.
 
         Both are pickles: reading one runs whatever code its author put in. ValueError unless trust=True.
         """

@@ -8,11 +8,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from pliant.controllers import riccati
 from pliant.controllers.optimal_control.shooting_derivatives import HeldSteps
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.splines.cubic_spline import CubicSpline
 
 from .hold_set import Hold
 from .period_cost import period_weight

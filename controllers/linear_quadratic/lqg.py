@@ -29,7 +29,7 @@ from pliant.controllers.estimation.process_noise import recovering, scene_noise
 from pliant.controllers.estimation.sensors import Sensor
 from pliant.controllers.riccati.late_inputs import delay_range
 from pliant.plants.core.argument_gates import require_instance, require_number, require_seconds
-from pliant.plants.core.errors import UncontrollableError
+from pliant.plants.core.errors import UncontrollableError, warn_caller
 from pliant.plants.core.signals import OwnsArrays, names, rows_by_name
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
@@ -45,6 +45,10 @@ UNCERTAIN = 0.1  # spread of what the plant calls uncertain
 READING = 1e-3  # of what a sensor reads on the way to the goal: what its model is off by, modes that it lacks
 
 
+class PlainFilterWarning(UserWarning):
+    """A filter was to be told of uncertain parameters and could not be."""
+
+
 @final
 @dataclass(eq=False)
 class LQG(OwnsArrays):
@@ -52,6 +56,7 @@ class LQG(OwnsArrays):
 
     law: Controller
     filter: Kalman
+    plain: str = ""  # why `for_scene` could not tell the filter of uncertain parameters; "" where it did or was not to
 
     def __post_init__(self) -> None:
         require_instance("LQG.law", self.law, Controller)
@@ -109,14 +114,16 @@ class LQG(OwnsArrays):
         input_delay: as in `design`; recovery: as there, in limits of the inputs. uncertain: spread of the
         parameters that the plant calls uncertain, 0.1 for +-10 %, whose errors the filter counts as process noise; 0
         for a plain design. All noise is then white, not held over periods, and each reading is off by READING of
-        its range besides. None: UNCERTAIN, or as 0 where W is given,
-        the goal moves, the law leaves states out, or no such filter is found.
+        its range besides. None: UNCERTAIN, or as 0 where W is given; also where the goal moves, the law leaves states
+        out, or no such filter is found, which `plain` and a PlainFilterWarning say.
         """
         late, middle = _late(input_delay)
         law = LQR.for_scene(scene, effort=effort, delay=late)
         options: dict[str, Any] = {"delay": delay, "input_delay": middle, "recovery": recovery}
         plain = Kalman.for_scene(scene, sensors=sensors, W=W, **options)
-        spread = _spread(uncertain, scene, law, plain, W)
+        spread, why = _spread(uncertain, scene, law, plain, W)
+        if why:
+            return cls._plain(law, plain, scene, why)
         if not spread or not (box := uncertain_box(scene, spread)):
             return cls(law, plain)
         assert isinstance(plain.model, LinearModel)
@@ -125,10 +132,20 @@ class LQG(OwnsArrays):
         roots = pushed(scene, plain.model, box, K)
         try:
             return cls(law, told_parameters(plain, read, roots, W, "white", scene.dt))
-        except UncontrollableError:
+        except UncontrollableError as failure:
             if uncertain is not None:
                 raise
-            return cls(law, plain)
+            return cls._plain(law, plain, scene, str(failure).splitlines()[0])
+
+    @classmethod
+    def _plain(cls, law: Controller, plain: Kalman, scene: CostedScene, why: str) -> Self:
+        """With the filter that knows of no uncertain parameters, and a warning that says why."""
+        warn_caller(
+            f"LQG.for_scene: the filter of {scene.name!r} is told nothing of its uncertain parameters: {why}. "
+            "uncertain=0 asks for that filter",
+            PlainFilterWarning,
+        )
+        return cls(law, plain, why)
 
     @property
     def dt(self) -> float:
@@ -176,17 +193,23 @@ class LQG(OwnsArrays):
 
 def _spread(
     uncertain: float | None, scene: CostedScene, law: LQR, plain: Kalman, W: Mapping[str, float] | None
-) -> float:
-    """The spread of uncertain parameters that is asked for; ValueError where one is and cannot be told."""
-    told = not dict(scene.goal_rates) and law.reads == plain.model.state_names and isinstance(plain.model, LinearModel)
+) -> tuple[float, str]:
+    """(the spread of uncertain parameters that is asked for, why the default cannot be told); ValueError where one is
+    asked for and cannot be told."""
+    why = ""
+    if dict(scene.goal_rates):
+        why = "the goal moves"
+    elif law.reads != plain.model.state_names or not isinstance(plain.model, LinearModel):
+        why = "the law leaves states out"
     if uncertain is None:
-        return UNCERTAIN if told and W is None else 0.0
+        named = W is None and bool(uncertain_box(scene, UNCERTAIN))
+        return (0.0, why if named else "") if why or W is not None else (UNCERTAIN, "")
     spread = require_number("LQG.uncertain", uncertain, "nonnegative")
     if not spread < 1.0:
         raise ValueError(f"LQG.uncertain = {uncertain!r} must be >= 0 and < 1, a share of the parameters")
-    if spread and not told:
+    if spread and why:
         raise ValueError(f"LQG.uncertain = {uncertain!r} must be 0 where the goal moves or the law leaves states out")
-    return spread
+    return spread, ""
 
 
 def _late(input_delay: Delay) -> tuple[Delay, float]:

@@ -49,18 +49,8 @@ def follower(
     if len(own) != nx:
         raise ValueError(f"MPC.reads = {own} must be {nx} names, one for each state of the model")
     models = [ltv.at(k) for k in range(nodes)]
-    last = models[-1].discretize(dt)
-    own_A, own_B, own_c = ltv.transition()
-    A, B, c = (
-        np.concatenate([part, np.repeat(end[None], n + 1, axis=0)])
-        for part, end in ((own_A, last.A), (own_B, last.B), (own_c, last.f0))
-    )
+    A, B, c, Qs, Rs, Ns, P = problem_along(ltv, Q, R, P, n)
     where = [*range(nodes), *[nodes - 1] * n]  # of each step in the nominal
-    costs = [tuple(dt * M for M in weight_matrices("MPC", model, Q, R)) for model in models]
-    Qs, Rs, Ns = (np.array([costs[k][i] for k in where]) for i in range(3))
-    if P is None:
-        P = riccati.dlqr(last.A, last.B, Qs[-1], Rs[-1], Ns[-1], names=ltv.state_names, dt=dt).P
-    P = check_weights(Qs[-1], Rs[-1], Ns[-1], P)
     found = laws(A, B, c, Qs, Rs, Ns, P)
     bounded = limits_of(models[0], limits, rates, bounds, dt)
     signals = [signal_rows(model, bounded.bounded, "MPC.bounds: state or output") for model in models]
@@ -89,6 +79,23 @@ def follower(
         "names": soft_names(bounded, horizon, n),
         "exact": exact,
     }
+
+
+def problem_along(ltv: LTVModel, Q: Any, R: Any, P: Any, n: int) -> tuple[np.ndarray, ...]:
+    """A, B, c, Q, R, N (nodes + n, ..) of each step along a nominal, and n more at its last node; P past the end."""
+    nodes, dt = len(ltv.t), float(np.diff(ltv.t).mean())
+    models = [ltv.at(k) for k in range(nodes)]
+    last = models[-1].discretize(dt)
+    own_A, own_B, own_c = ltv.transition()
+    A, B, c = (
+        np.concatenate([part, np.repeat(end[None], n + 1, axis=0)])
+        for part, end in ((own_A, last.A), (own_B, last.B), (own_c, last.f0))
+    )
+    costs = [tuple(dt * M for M in weight_matrices("MPC", model, Q, R)) for model in models]
+    Qs, Rs, Ns = (np.array([costs[min(k, nodes - 1)][i] for k in range(nodes + n)]) for i in range(3))
+    if P is None:
+        P = riccati.dlqr(last.A, last.B, Qs[-1], Rs[-1], Ns[-1], names=ltv.state_names, dt=dt).P
+    return A, B, c, Qs, Rs, Ns, check_weights(Qs[-1], Rs[-1], Ns[-1], P)
 
 
 def about_goal(

@@ -23,6 +23,7 @@ import numpy as np
 
 from pliant.plants.core.errors import PliantError
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.splines.cubic_spline import CubicSpline
 
 from .ltv_discretisation import SampledLTV
 
@@ -83,7 +84,6 @@ def halved(model: LTVModel) -> LTVModel:
 
 def refined(model: LTVModel) -> LTVModel:
     """Half of the nodes told at all of them and half way between."""
-    from scipy.interpolate import CubicSpline
 
     coarse, t = halved(model), np.insert(model.t, np.arange(1, len(model.t)), (model.t[1:] + model.t[:-1]) / 2)
     values = {name: getattr(coarse, name) for name in FIELDS[1:]}

@@ -63,7 +63,7 @@ def dpkalman(A: Any, C: Any, W: Any, V: Any) -> PeriodicFilter:
     except UncontrollableError as failure:
         raise UncontrollableError(
             "dpkalman: an error of the estimate does not decay: the readings do not see it, or the noise does not "
-            f"drive it ({str(failure).removeprefix('dplqr: ')})",
+            f"drive it ({failure})",
             failure.modes,
         ) from None
     before = np.roll(found.P[::-1], 1, axis=0)

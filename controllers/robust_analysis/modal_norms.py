@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from pliant.plants.core.imports import linalg
 
@@ -56,7 +55,7 @@ def modal_norms(A: Array, alike: float) -> Norms | None:
     for c in range(len(A)):
         if not np.linalg.cond(V[c]) < 1 / np.finfo(float).eps:
             return None
-        order = linear_sum_assignment(-np.abs(first @ V[c]))[1]
+        order = _matched(np.abs(first @ V[c]))
         right = V[c][:, order]
         left = np.linalg.inv(right)
         for k, group in enumerate(groups):
@@ -71,6 +70,16 @@ def modal_norms(A: Array, alike: float) -> Norms | None:
                 return None
             parts[k, c] = found[0]
     return _weighted(A, parts, groups, start)
+
+
+def _matched(alike: Array) -> Array:
+    """Of each row of `alike` (n, n) a column of its own, of the largest sum in all."""
+    best = alike.argmax(axis=1)
+    if len(set(best.tolist())) == len(best) and ((alike >= alike.max(axis=1)[:, None]).sum(axis=1) == 1).all():
+        return np.asarray(best)  # no sum is larger than that of the largest of all rows
+    from scipy.optimize import linear_sum_assignment
+
+    return np.asarray(linear_sum_assignment(-alike)[1])
 
 
 def _groups(values: Array, V: Array, alike: float) -> list[list[int]]:

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from itertools import product
 
 import numpy as np
-from scipy.optimize import brentq
 
 Array = np.ndarray
 StateMatrix = Callable[[Array], Array]
@@ -58,6 +57,8 @@ def nearest(
 
 def first_along(rate: Callable[[Array], float], delta: Array) -> tuple[float, Array]:
     """The first instability on the ray to delta."""
+    from scipy.optimize import brentq
+
     shares = np.linspace(0, 1, ALONG + 1)
     at = next(i for i, s in enumerate(shares) if rate(s * delta) > 0 or i == ALONG)
     share = brentq(lambda s: rate(s * delta), shares[max(at - 1, 0)], shares[at], xtol=1e-13) if at else 1e-12

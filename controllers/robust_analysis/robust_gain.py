@@ -20,7 +20,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import minimize
 
 from pliant.plants.core.argument_gates import require_finite, require_instance, require_number
 from pliant.plants.core.signals import GAUSS, OwnsArrays, read_only_times
@@ -124,6 +123,8 @@ def robust_gain(system: UncertainLTV, *, size: float, pole: float = 10.0) -> Rob
     if not most < FARTHEST * nominal:
         return RobustGain(np.inf, nominal, np.zeros((2, 2)))
     simplex = best + np.vstack([np.zeros(3), np.diag([0.15, 0.3, 0.3])])
+    from scipy.optimize import minimize
+
     options = {"maxfev": TRIES, "initial_simplex": simplex, "xatol": 1e-2, "fatol": CLOSE * most / 4}
     end = minimize(lambda y: least(y, 1.5 * most), best, method="Nelder-Mead", options=options)
     best, most = (end.x, float(end.fun)) if end.fun < most else (best, most)

@@ -36,7 +36,9 @@ Every environment takes the keywords of `pliant.envs.Task`, by `gymnasium.make(i
 | terms=True | info["reward_terms"]: what each weighted signal and input adds to minus the stage cost |
 | constraint="cost" | leaving a bound ends no episode: info["cost_constraint"] is 1 in a period that ends beyond |
 | actions="midway" | 0 is the input midway between what holds start and goal, 1 adds half of the limit, or more |
+| actions="nominal" | as "midway", but 1 adds 1.25 times the most that the nominal inputs differ from there |
 | hold=5 | an action lasts so many control periods; their costs are summed, of a normalised reward the mean |
+| fidelities=("rigid", "linear", "own") | each episode plays one of these models, drawn; of a mapping, by shares |
 
 `info["cost"]` is what the scene charges, whatever the reward is; what Safety-Gymnasium calls cost is
 `info["cost_constraint"]`. The `reward_threshold` of an id is LQR's return less one percent (MPC's on -gentle), of

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from import_graph import FOLDERS, HERE, ROOT, Import, circles, imports, modules, room_of, settings
 
-OPTIONAL = {"stable_baselines3", "torch"}  # installed with an extra only
+OPTIONAL = {"stable_baselines3", "torch", "pufferlib", "jax"}  # installed with an extra only
 MAY = {"plants": {"plants"}, "controllers": {"plants", "controllers"}, "envs": {"plants", "envs"}}
 
 

@@ -3,7 +3,6 @@
 from typing import Any
 
 from pliant.envs.scenes.scene import ENVIRONMENTS, Scene
-from pliant.envs.simulation.differentiable import Differentiable
 
 from .env import PlantEnv
 from .registration import environment_id, register
@@ -19,4 +18,4 @@ def _sb3(scene: Scene, num_envs: int, **options: Any) -> Any:
     return PlantVecEnv(scene, num_envs, **options)
 
 
-ENVIRONMENTS.update(vector=PlantVectorEnv, sb3=_sb3, differentiable=Differentiable)
+ENVIRONMENTS.update(vector=PlantVectorEnv, sb3=_sb3)

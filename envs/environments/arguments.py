@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pliant.envs.mixtures import Mixture
 from pliant.envs.scenes import registry
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_period import LARGEST
@@ -88,9 +89,20 @@ def require_options(owner: str, options: Any, allowed: tuple[str, ...]) -> dict[
     return dict(options)
 
 
-def require_start(owner: str, scene: Scene, options: Mapping[str, Any]) -> dict[str, Any]:
-    """The options "state" and "parameters" of one lane: a state (nx,) of its own, numbers by name in their range."""
+def known(mixture: Mixture | None) -> tuple[str, ...]:
+    """What a reset may be given. States are of one model, so that a mixture takes none of them."""
+    return OPTIONS if mixture is None else ("parameters", "fidelity")
+
+
+def require_start(
+    owner: str, scene: Scene, options: Mapping[str, Any], mixture: Mixture | None = None
+) -> dict[str, Any]:
+    """The options "state" and "parameters" of one lane: a state (nx,) of its own, numbers by name in their range; of a
+    mixture also the place among its models of "fidelity".
+    """
     found: dict[str, Any] = {}
+    if "fidelity" in options and mixture is not None:
+        found["fidelity"] = mixture.index(f"{owner}: options['fidelity']", options["fidelity"])
     if "state" in options:
         name = f"{owner}: options['state']"
         x = parameters.require_finite(name, options["state"], (scene.plant.nx,)).copy()
@@ -112,14 +124,19 @@ def require_start(owner: str, scene: Scene, options: Mapping[str, Any]) -> dict[
     return found
 
 
-def require_starts(owner: str, scene: Scene, options: Mapping[str, Any], lanes: int) -> list[dict[str, Any]] | None:
-    """As require_start, for each of the lanes: states (nx,) or (lanes, nx), numbers or (lanes,) of them by name.
+def require_starts(
+    owner: str, scene: Scene, options: Mapping[str, Any], lanes: int, mixture: Mixture | None = None
+) -> list[dict[str, Any]] | None:
+    """As require_start, for each of the lanes: states (nx,) or (lanes, nx), numbers or (lanes,) of them by name, models
+    by one word or (lanes,).
 
-    None where neither option is there. What all lanes share is looked at once.
+    None where no such option is there. What all lanes share is looked at once.
     """
-    if not any(key in options for key in OPTIONS):
+    shared, apart = {key: options[key] for key in known(mixture) if key in options}, {}
+    if not shared:
         return None
-    shared, apart = {key: options[key] for key in OPTIONS if key in options}, {}
+    if _shape(f"{owner}: options['fidelity']", options.get("fidelity")) == (lanes,):
+        apart["fidelity"] = shared.pop("fidelity")
     shape = _shape(f"{owner}: options['state']", options.get("state"))
     if len(shape) == 2 and shape[0] == lanes:
         apart["state"] = shared.pop("state")
@@ -127,12 +144,12 @@ def require_starts(owner: str, scene: Scene, options: Mapping[str, Any], lanes: 
         shapes = {name: _shape(f"{owner}: options['parameters'][{name!r}]", value) for name, value in values.items()}
         shared["parameters"] = {name: value for name, value in values.items() if shapes[name] != (lanes,)}
         apart["parameters"] = {name: value for name, value in values.items() if shapes[name] == (lanes,)}
-    common, each = require_start(owner, scene, shared), []
+    common, each = require_start(owner, scene, shared, mixture), []
     for k in range(lanes):
-        own = {"state": apart["state"][k]} if "state" in apart else {}
+        own: dict[str, Any] = {key: apart[key][k] for key in ("state", "fidelity") if key in apart}
         if apart.get("parameters"):
             own["parameters"] = {name: value[k] for name, value in apart["parameters"].items()}
-        found = require_start(owner, scene, own)
+        found = require_start(owner, scene, own, mixture)
         if "parameters" in common:
             found["parameters"] = common["parameters"] | found.get("parameters", {})
         each.append(common | found)

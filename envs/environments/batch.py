@@ -8,15 +8,15 @@ from typing import Any, cast
 import gymnasium
 import numpy as np
 
+from pliant.envs.mixtures import Mixture
 from pliant.envs.rendering import Renderer, renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep
 from pliant.envs.simulation.cost_terms import cost_terms, term_names
-from pliant.envs.simulation.episode_start import first_observations, initial_states
-from pliant.envs.simulation.episode_supply import EpisodeSupply
+from pliant.envs.simulation.lane_starts import LaneStarts
 from pliant.envs.tasks import Channel
-from pliant.envs.tasks.infos import of_parameters, of_terms
+from pliant.envs.tasks.infos import masked, of_parameters, of_terms
 from pliant.plants.core.argument_gates import require_flag
 from pliant.plants.core.signals import OwnsArrays
 
@@ -32,17 +32,16 @@ class Batch(Specified, OwnsArrays, Lanes):
 
     scene: Scene
     _step: ControlStep
-    _supply: EpisodeSupply
+    _starts: LaneStarts
+    _mixture: Mixture | None  # where lanes play different models
     _done: Array  # control periods (num_envs,) played of each lane's episode
     _names: tuple[str, ...]  # of the randomised parameters
     _channel: Channel | None
     _obs: Array  # (num_envs, no) the signals, as the kernel shows them
     _seen: Array  # (num_envs, ..) what is read of them: the same array where all passes as it is
     _over: Array  # (num_envs,) whether a lane waits for its next episode
-    _first: Array  # (no,) the signals at the scene's own start
-    _nominal: Array  # (np,) the plant's own parameters
     _randomise: bool
-    _varied: bool  # whether some lane has had other parameters than those
+    _varied: bool  # whether some lane has had other parameters than the plant's own
     _pictures: list[Renderer]  # one a lane, once asked for
     _total: Array  # what each lane's episode has cost, where pictures are drawn
     render_mode: str | None
@@ -50,9 +49,31 @@ class Batch(Specified, OwnsArrays, Lanes):
 
     @property
     def states(self) -> Array:
-        """States (num_envs, nx), a copy. ResetNeeded before the first reset."""
+        """States (num_envs, nx), a copy. ResetNeeded before the first reset.
+
+        Where fidelities are drawn, nx is that of the widest model, and NaN stands beyond a lane's own states.
+        """
         self._require_begun("states")
-        return self._step.x.T.copy()
+        found = self._step.x.T.copy()
+        if self._mixture is not None:
+            found[np.arange(found.shape[1]) >= self._widths(np.arange(self.num_envs))[:, None]] = np.nan
+        return found
+
+    @property
+    def fidelities(self) -> Array:
+        """The label (num_envs,) of the model that each lane plays. ResetNeeded before the first reset."""
+        self._require_begun("fidelities")
+        if self._mixture is None:
+            return np.full(self.num_envs, self.scene.plant.label)
+        return self._mixture.labels[self._mixture.rung]
+
+    def _played(self, lane: int) -> Scene:
+        """The scene on the model that a lane plays."""
+        return self.scene if self._mixture is None else self._mixture.scenes[self._mixture.rung[lane]]
+
+    def _widths(self, lanes: Array) -> Array:
+        """How many states the lanes (k,) have."""
+        return np.array([self._played(lane).plant.nx for lane in lanes.tolist()])
 
     @property
     def times(self) -> Array:
@@ -78,7 +99,7 @@ class Batch(Specified, OwnsArrays, Lanes):
 
     def generator_of(self, lane: int) -> np.random.Generator:
         """The random numbers that a lane draws its episodes from."""
-        return self._supply.generator(lane) or self.np_random
+        return self._starts.generator(lane) or self.np_random
 
     def render(self) -> tuple[Array, ...] | None:
         """A picture (height, width, 3) uint8 of every lane, as PlantEnv draws it; at most MOST_PICTURES of them.
@@ -92,10 +113,11 @@ class Batch(Specified, OwnsArrays, Lanes):
         if self.num_envs > MOST_PICTURES:
             raise ValueError(f"render: num_envs = {self.num_envs} must be at most {MOST_PICTURES}, a picture each")
         if not self._pictures:
-            self._pictures = [renderer(self.scene) for _ in range(self.num_envs)]
-        step = self._step
+            self._pictures = [renderer(self._played(lane)) for lane in range(self.num_envs)]
+        step, widths = self._step, self._widths(np.arange(self.num_envs))
         x, u = step.x.T.astype(float), step.action.T.astype(float)
-        lanes = zip(self._pictures, x, u, self.times.tolist(), self._total.tolist())
+        own = [row[:width] for row, width in zip(x, widths)]
+        lanes = zip(self._pictures, own, u, self.times.tolist(), self._total.tolist())
         return tuple(cast(Array, drawn.draw(*lane)) for drawn, *lane in lanes)
 
     def _terms(self, waiting: Array) -> dict[str, Any]:
@@ -104,7 +126,12 @@ class Batch(Specified, OwnsArrays, Lanes):
         u = np.clip(step.action.T.astype(float), -1.0, 1.0) * self.scene.limits
         x, ref, w, p = (a.T.astype(float) for a in (step.x, step.ref, step.w, step.p))
         names = term_names(self.scene)  # none where nothing is weighed
-        found = cost_terms(self.scene)(x, u, ref, w, p)[0] if names else np.zeros((len(x), 0))
+        found = np.zeros((len(x), len(names)))
+        every = np.arange(self.num_envs)
+        for g, rows in [(0, every)] if self._mixture is None else self._mixture.groups(every):
+            scene = self.scene if self._mixture is None else self._mixture.scenes[g]
+            if names:
+                found[rows] = cost_terms(scene)(x[rows, : scene.plant.nx], *(a[rows] for a in (u, ref, w, p)))[0]
         return of_terms(self.num_envs, playing, names, found[playing])
 
     def _require_begun(self, asked: str) -> None:
@@ -122,24 +149,25 @@ class Batch(Specified, OwnsArrays, Lanes):
         seeded = [int(lane) for lane in lanes if seeds[lane] is not None]
         if seeded:
             own = [cast(int, seeds[lane]) for lane in seeded]
-            self._supply.seed(np.array(seeded), own)
+            self._starts.seed(np.array(seeded), own)
             if self._channel is not None:
                 self._channel.seed(seeded, own)
         self._start(lanes, given)
         self.begun = True
-        return self._seen.copy(), of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
+        return self._seen.copy(), self.told_of(lanes)
+
+    def told_of(self, lanes: Array) -> dict[str, Any]:
+        """What is told of episodes that begin or end in the lanes (k,): parameters, the fidelity where it is drawn."""
+        found = of_parameters(self.num_envs, lanes, self._names, self.parameters_of(lanes))
+        if self._mixture is not None:
+            found |= masked(self.num_envs, lanes, fidelity=self.fidelities[lanes])
+        return found
 
     def _start(self, lanes: Array, given: list[dict[str, Any]] | None = None) -> None:
         """New episodes in the lanes (k,)."""
-        step, k = self._step, len(lanes)
-        if self._randomise:
-            x, obs, w, p = self._supply.take(lanes, lambda: self.np_random)
-        else:
-            x, obs, w, p = (a[None] for a in (self.scene.initial[0], self._first, np.zeros(len(step.w)), self._nominal))
-        if given is not None:
-            x, obs, p = self._given(
-                [given[lane] for lane in lanes], *(np.tile(a, (k // len(a), 1)) for a in (x, obs, p))
-            )
+        step = self._step
+        own = None if given is None else [given[lane] for lane in lanes]
+        x, obs, w, p = self._starts.begin(lanes, self._randomise, own, lambda: self.np_random)
         step.x[:, lanes] = x.T
         if self._randomise or given is not None or self._varied:
             step.w[:, lanes], step.p[:, lanes], self._varied = w.T, p.T, True
@@ -152,7 +180,10 @@ class Batch(Specified, OwnsArrays, Lanes):
             self._first_seen(self._channel, lanes)
         self._total[lanes] = 0.0
         for lane in lanes.tolist() if self._pictures else ():
-            self._pictures[lane].clear()
+            if self._pictures[lane].scene.plant is self._played(lane).plant:
+                self._pictures[lane].clear()
+            else:
+                self._pictures[lane] = renderer(self._played(lane))
 
     def _first_seen(self, channel: Channel, lanes: Array) -> None:
         """What is read first of episodes in the lanes (k,); those without a seed get one from the shared stream."""
@@ -163,19 +194,3 @@ class Batch(Specified, OwnsArrays, Lanes):
         self._seen[lanes] = shown
         if references is not None:
             self._step.aim(lanes, references)
-
-    def _given(self, given: list[dict[str, Any]], x: Array, obs: Array, p: Array) -> tuple[Array, Array, Array]:
-        """Starts (x, obs, p), k rows each, with what the options of each give in place of what was drawn."""
-        for k, own in enumerate(given):
-            for name, value in own.get("parameters", {}).items():
-                p[k, self._names.index(name)] = value
-            if "state" in own:
-                x[k] = own["state"]
-        other = [k for k, own in enumerate(given) if own.get("parameters") and "state" not in own]
-        if other and self.scene.start_at_rest:
-            held = x[other][:, self.scene.positions(name for name, _ in self.scene.start)]
-            x[other] = initial_states(self.scene, held, p[other])
-        changed = [k for k, own in enumerate(given) if own]
-        if changed:
-            obs[changed] = first_observations(self.scene, x[changed], p[changed])
-        return x, obs, p

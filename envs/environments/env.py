@@ -8,12 +8,14 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from pliant.envs.mixtures import MixedStarts, Mixture
 from pliant.envs.rendering import Renderer, renderer
-from pliant.envs.scenes.scene import Scene
+from pliant.envs.scenes.scene import Scene, once_per_scene
 from pliant.envs.simulation.control_kernel import ControlStep
 from pliant.envs.simulation.control_period import check_substep, reach_function
 from pliant.envs.simulation.cost_terms import cost_terms, term_names
-from pliant.envs.simulation.episode_start import draw, early_end_cost, first_observations, initial_states
+from pliant.envs.simulation.episode_start import early_end_cost
+from pliant.envs.simulation.lane_starts import LaneStarts
 from pliant.envs.tasks import Channel, Task, TaskKeywords, normalised, shares
 from pliant.envs.tasks.infos import of_both_infos
 from pliant.plants.core import parameters
@@ -26,7 +28,7 @@ from pliant.plants.validity.ranges import left_at
 from . import arguments
 from .specification import Specified
 
-NO_LANES = np.zeros(0, dtype=int)
+NO_LANES, ONE = np.zeros(0, dtype=int), np.zeros(1, dtype=int)
 
 
 class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
@@ -56,7 +58,8 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
                reset from `np_random` alone, uniformly within scene.start_spread and scene.randomise's factors
     task       what else a scene can be made into: `reward="normalised"`, sensors with their noise, delays, memory,
                drawn goals, `difficulty`; see `Task`
-    options of reset: "state" (nx,) to start from, "parameters" by name, each instead of what was drawn
+    options of reset: "state" (nx,) to start from, "parameters" by name, each instead of what was drawn; where
+               fidelities are drawn, no "state" but "fidelity", which info has too
 
     `gymnasium.make(..., max_episode_steps=n)` ends episodes after n actions, where that is sooner than the scene does.
     A longer one does not lengthen them: make the environment of a scene with a longer `duration`.
@@ -84,10 +87,12 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         width = len(scene.observe) if self._channel is None else self._channel.width
         self.observation_space = spaces.Box(-np.inf, np.inf, (width,), kind.type)
         self._dtype = kind.type
-        self._names, self._nominal = scene.varied_plant.varied, scene.varied_plant.nominal_parameters
         check_substep(scene, self.randomise)
-        self._step = ControlStep(scene, 1, kind, threads=1, alike=True)
-        self._reach = NumericFunction(reach_function(scene))
+        self._mixture = None if made.fidelities is None else Mixture(scene, made.fidelities, 1)
+        self._starts = LaneStarts(scene, 1) if self._mixture is None else MixedStarts(self._mixture)
+        played = (scene,) if self._mixture is None else self._mixture.scenes
+        self._steps_on = [ControlStep(own, 1, kind, threads=1, alike=True, goal=scene) for own in played]
+        self._step = self._steps_on[0]
         self._idle, self._steps = np.zeros(scene.plant.nu), scene.steps
         self._over, self._begun, self._renderer = True, False, cast(Renderer | None, None)
 
@@ -116,55 +121,43 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         """
         owner, scene = "PlantEnv.reset", self.scene
         seed = arguments.require_seed(owner, seed)
-        given = arguments.require_start(
-            owner, scene, arguments.require_options(owner, options, arguments.OPTIONS)
-        )  # all is checked before anything changes
+        mixture, options = self._mixture, arguments.require_options(owner, options, arguments.known(self._mixture))
+        given = arguments.require_start(owner, scene, options, mixture)  # all is checked before anything changes
         super().reset(seed=seed)
-        if self.randomise:
-            starts, w, p = (drawn[0] for drawn in draw(scene, self.np_random, 1))
-        else:
-            starts, w, p = np.array([v for _, v in scene.start]), np.zeros(scene.plant.nw), self._nominal
-        if "parameters" in given:
-            p = p.copy()
-            for name, value in given["parameters"].items():
-                p[self._names.index(name)] = value
-        if "state" in given:
-            x = given["state"]
-        elif self.randomise or "parameters" in given:
-            x = initial_states(scene, starts[None], p[None])[0]
-        else:
-            x = scene.initial[0].copy()
-        step = self._step
+        if mixture is not None and seed is not None:
+            mixture.seed(ONE, [seed])
+        begun = self._starts.begin(ONE, self.randomise, [given] if given else None, lambda: self.np_random)
+        step = self._step = self._steps_on[0 if mixture is None else mixture.rung[0]]
+        x, obs, w, p = begun[0][0, : len(step.x)], *(rows[0] for rows in begun[1:])
         step.x[:], step.w[:], step.p[:] = x[:, None], w[:, None], p[:, None]
         self._x, self._u = x.astype(self._dtype), self._idle
-        self._drawn = dict(zip(self._names, p.astype(self._dtype).tolist()))  # those it is played with
+        self._drawn = dict(zip(self._starts.names, p.astype(self._dtype).tolist()))  # those it is played with
         self._done, self._over, self._begun, self._total = 0, False, True, 0.0
-        self._obs = first_observations(scene, x[None], p[None])[0].astype(self._dtype)
+        self._obs = obs.astype(self._dtype)
         self._seen = self._obs if self._channel is None else self._first_seen(self._channel, seed)
         if self._renderer is not None:
             self._renderer.clear()
         if self.render_mode == "human":
             self.render()
-        return self._seen.astype(self._dtype), self._info(0.0, 0.0, False, self._reach(x, self._idle, w, p)[0])
+        return self._seen.astype(self._dtype), self._info(0.0, 0.0, False, _reach(step.scene)(x, self._idle, w, p)[0])
 
     def _first_seen(self, channel: Channel, seed: int | None) -> np.ndarray:
         """What is read first of an episode; a seed, or the first episode, begins the channel's random numbers."""
-        lane = np.zeros(1, dtype=int)
-        if seed is not None or channel.unseeded(lane):
-            channel.seed([0], [seed if seed is not None else self.np_random.integers(2**62)])
-        shown, references = channel.begin(lane, self._obs[None].astype(float))
+        if seed is not None or channel.unseeded(ONE):
+            channel.seed(ONE, [seed if seed is not None else self.np_random.integers(2**62)])
+        shown, references = channel.begin(ONE, self._obs[None].astype(float))
         if references is not None:
-            self._step.aim(np.arange(self._step.lanes), np.repeat(references, self._step.lanes, axis=0))
+            for step in self._steps_on:
+                step.aim(np.arange(step.lanes), np.repeat(references, step.lanes, axis=0))
         return shown[0].astype(self._dtype)
 
     def _info(self, cost: float, early: float, diverged: bool, reach: np.ndarray) -> dict[str, Any]:
         info: dict[str, Any] = {"cost": cost, "early_end_cost": early, "diverged": diverged}
         info |= {"cost_constraint": 0.0, "parameters": self._drawn.copy()}
+        if self._mixture is not None:
+            info["fidelity"] = self._step.scene.plant.label
         if reach[0] > 1.0 and not diverged:
-            plant, step = self.scene.varied_plant, self._step
-            u = np.clip(self._u, -1.0, 1.0) * self.scene.limits
-            x, w, p = (a[:, 0].astype(float) for a in (step.x, step.w, step.p))
-            info["validity"] = [left.to_json() for left in left_at(plant, self.time, x, u, w=w, p=p)]
+            info["validity"] = _left(self._step, self.time, self._u)
         return info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
@@ -191,7 +184,7 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             action = channel.act(action[None])[0]
         step.action[:] = action[:, None]
         step.begin(self._done)
-        terms = _terms(self.scene, step, action) if task.terms else None
+        terms = _terms(step, action) if task.terms else None
         unsound, outside = step.run()
         diverged, cost, early, beyond = bool(unsound[0]), float(step.cost[0]), 0.0, bool(outside[0])
         self._done += 1
@@ -220,8 +213,11 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             gymnasium.logger.warn('PlantEnv.render: make the environment with render_mode="rgb_array" or "human"')
             return None
         self._require_begun("render")
+        played = self._step.scene
+        if self._renderer is not None and self._renderer.scene is not played:  # another model is played
+            self.close()
         if self._renderer is None:
-            self._renderer = renderer(self.scene, window=self.render_mode == "human")
+            self._renderer = renderer(played, window=self.render_mode == "human")
         return self._renderer.draw(self._x, self._u, self.time, self._total)
 
     def close(self) -> None:
@@ -231,8 +227,21 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
             self._renderer = None
 
 
-def _terms(scene: Scene, step: ControlStep, action: np.ndarray) -> dict[str, float]:
+@once_per_scene
+def _reach(scene: Scene) -> NumericFunction:
+    return NumericFunction(reach_function(scene))
+
+
+def _left(step: ControlStep, time: float, action: np.ndarray) -> list[dict[str, Any]]:
+    """The ranges of the plant's validity that are left, farthest first."""
+    u = np.clip(action, -1.0, 1.0) * step.scene.limits
+    x, w, p = (a[:, 0].astype(float) for a in (step.x, step.w, step.p))
+    return [left.to_json() for left in left_at(step.scene.varied_plant, time, x, u, w=w, p=p)]
+
+
+def _terms(step: ControlStep, action: np.ndarray) -> dict[str, float]:
     """What each term adds to minus the stage cost of the period that begins."""
+    scene = step.scene
     u = (np.clip(action, -1.0, 1.0) * scene.limits)[None]
     x, ref, w, p = (a[:, :1].T.astype(float) for a in (step.x, step.ref, step.w, step.p))
     names = term_names(scene)  # none where nothing is weighed

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import VectorEnv
 
+from pliant.envs.scenes.scene import Scene
 from pliant.envs.tasks.infos import of_lanes
 
 Array = np.ndarray
 SHARED = ("randomise",)  # attributes of the environment that may be set, in all lanes at once
-OWN = {"state": "states", "time": "times"}  # attributes of a lane: rows of an array
+OWN = {"state": "states", "time": "times", "fidelity": "fidelities"}  # attributes of a lane: rows of an array
 METHODS = ("reset", "get_wrapper_attr", "has_wrapper_attr", "set_wrapper_attr")  # of a lane alone
 ABSENT = object()
 
@@ -21,8 +22,9 @@ ABSENT = object()
 class Lanes(VectorEnv[Array, Array, Array]):
     """Attributes and methods of the lanes of one batch, as if each were an environment of its own.
 
-    A lane's own are "state", "time", its spaces, its random numbers, and what `set_lane_attr` has put there. All else
-    is the batch's and the same in every lane. Where something cannot be done to one lane alone, it is refused.
+    A lane's own are "state", "time", "fidelity", its spaces, its random numbers, and what `set_lane_attr` has put
+    there. All else is the batch's and the same in every lane. Where something cannot be done to one lane alone, it is
+    refused.
     """
 
     marks: dict[str, list[Any]]  # what users have set, by name, lane by lane
@@ -34,6 +36,13 @@ class Lanes(VectorEnv[Array, Array, Array]):
     @property
     @abstractmethod
     def times(self) -> Array: ...
+
+    @property
+    @abstractmethod
+    def fidelities(self) -> Array: ...
+
+    @abstractmethod
+    def _played(self, lane: int) -> Scene: ...
 
     @abstractmethod
     def generator_of(self, lane: int) -> np.random.Generator:
@@ -48,7 +57,9 @@ class Lanes(VectorEnv[Array, Array, Array]):
             return values
         if name in OWN:
             rows = getattr(self, OWN[name])
-            return [rows[lane].copy() if name == "state" else float(rows[lane]) for lane in lanes]
+            if name == "state":  # without what stands beyond a lane's own states
+                return [rows[lane][: self._played(lane).plant.nx].copy() for lane in lanes]
+            return [rows[lane].item() for lane in lanes]
         if name == "np_random":
             return [self.generator_of(lane) for lane in lanes]
         if name in ("action_space", "observation_space"):

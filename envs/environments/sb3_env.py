@@ -27,12 +27,12 @@ Indices = int | Iterable[int] | None
 class PlantVecEnv(OwnsArrays, VecEnv):
     """`num_envs` lanes of a scene for Stable-Baselines3: episodes restart in the step that ends them.
 
-    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `max_episode_steps`, those of `Task`); observations
+    Keywords are PlantVectorEnv's (`randomise`, `dtype`, `threads`, `render_mode`, .., those of `Task`); observations
     default to float32, what its networks take. Where an episode ended, infos[i] holds "terminal_observation",
     "TimeLimit.truncated", "diverged", "cost" and "early_end_cost" of the last period and the "parameters" it was played
-    with, and where a range of the plant's `validity` is left its largest value over its limit as "validity"; every
-    other infos[i] is an empty dictionary of its lane's own. "reward_terms" and "cost_constraint" are told of every
-    period where the task asks for them.
+    with, where it is drawn also the "fidelity", and where a range of the plant's `validity` is left its largest value
+    over its limit as "validity"; every other infos[i] is an empty dictionary of its lane's own. "reward_terms" and
+    "cost_constraint" are told of every period where the task asks for them.
 
     `seed(s)` seeds lane i with s + i, which then plays the episodes of PlantEnv.reset(seed=s + i); `set_options` takes
     what PlantEnv.reset does, for all lanes or a list with one dictionary a lane. Both serve the next `reset`. What
@@ -47,6 +47,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         randomise: bool = False,
         dtype: type | str = np.float32,
         threads: int | None = None,
+        render_mode: str | None = None,
         max_episode_steps: int | None = None,
         **task: Unpack[TaskKeywords],
     ) -> None:
@@ -57,6 +58,7 @@ class PlantVecEnv(OwnsArrays, VecEnv):
             dtype=dtype,
             threads=threads,
             autoreset_mode=AutoresetMode.SAME_STEP,
+            render_mode=render_mode,
             max_episode_steps=max_episode_steps,
             **task,
         )
@@ -66,11 +68,12 @@ class PlantVecEnv(OwnsArrays, VecEnv):
 
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
-        """The "parameters" of the episode that each lane plays; empty before the first reset."""
+        """The "parameters" of the episode that each lane plays, its "fidelity" where that is drawn; empty before the
+        first reset."""
         if not self.vector.begun:
             return [{} for _ in range(self.num_envs)]
-        names, lanes = self.vector.scene.varied_plant.varied, np.arange(self.num_envs)
-        return [{"parameters": dict(zip(names, p))} for p in self.vector.parameters_of(lanes).tolist()]
+        lanes = np.arange(self.num_envs)
+        return of_lanes(self.vector.told_of(lanes), lanes)
 
     @reset_infos.setter
     def reset_infos(self, value: list[dict[str, Any]]) -> None:
@@ -94,8 +97,9 @@ class PlantVecEnv(OwnsArrays, VecEnv):
             raise ValueError(f"{owner}: options = {shown(options)} must be a dictionary, or a list of {n} of them")
 
     def _start(self, owner: str, options: Any) -> dict[str, Any]:
-        own = arguments.require_options(owner, options, arguments.OPTIONS)
-        return arguments.require_start(owner, self.vector.scene, own)
+        mixture = self.vector._mixture
+        own = arguments.require_options(owner, options, arguments.known(mixture))
+        return arguments.require_start(owner, self.vector.scene, own, mixture)
 
     def reset(self) -> np.ndarray:
         """New episodes in all lanes, with the seeds and options set since the last reset."""
@@ -131,6 +135,8 @@ class PlantVecEnv(OwnsArrays, VecEnv):
                     "early_end_cost": early,
                     "parameters": dict(zip(names, p)),
                 }
+            for i, label in zip(lanes, () if ended.fidelity is None else ended.fidelity.tolist()):
+                infos[i]["fidelity"] = label
         if "validity" in valid:
             for i in valid["_validity"].nonzero()[0].tolist():
                 infos[i] = {**infos[i], "validity": float(valid["validity"][i])}
@@ -145,9 +151,13 @@ class PlantVecEnv(OwnsArrays, VecEnv):
         self.vector.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:
-        """None for every lane, with a warning: lanes are not drawn."""
-        warnings.warn("PlantVecEnv.get_images: lanes are not drawn; PlantEnv draws one", stacklevel=2)
-        return [None] * self.num_envs
+        """A picture (height, width, 3) uint8 of every lane, as PlantVectorEnv draws them; None for every lane, with a
+        warning, unless the environment was made with render_mode="rgb_array".
+        """
+        if self.render_mode is None:
+            warnings.warn('PlantVecEnv.get_images: make the environment with render_mode="rgb_array"', stacklevel=2)
+            return [None] * self.num_envs
+        return list(self.vector.render() or ())
 
     def _lanes(self, indices: Indices) -> list[int]:
         """The lanes named, negative ones counted from the end; IndexError where there is none."""

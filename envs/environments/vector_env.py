@@ -12,11 +12,11 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
+from pliant.envs.mixtures import MixedStarts, MixedStep, Mixture
 from pliant.envs.rendering import Renderer
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_kernel import ControlStep
-from pliant.envs.simulation.episode_start import first_observations
-from pliant.envs.simulation.episode_supply import EpisodeSupply
+from pliant.envs.simulation.lane_starts import LaneStarts
 from pliant.envs.tasks import Channel, Task, TaskKeywords, infos
 from pliant.envs.tasks.actions import placed
 from pliant.plants.core.argument_gates import require_choice, require_count, require_flag
@@ -54,7 +54,8 @@ class PlantVectorEnv(HeldPeriods):
     render_mode     "rgb_array": `render` gives a picture of every lane
     infos           of episodes that end in this step, each (num_envs,) with a mask "_" + its name: "cost",
                     "early_end_cost", "diverged"; with "SameStep" also in "final_info", as are their "parameters".
-                    "parameters": by name, (num_envs,), where an episode begins or ends. "validity" (num_envs,): where
+                    "parameters": by name, (num_envs,), where an episode begins or ends, as "fidelity", the label of the
+                    model, where that is drawn. "validity" (num_envs,): where
                     a lane lies outside a range of the plant's `validity`, the largest value over its limit, above 1
     """
 
@@ -92,7 +93,13 @@ class PlantVectorEnv(HeldPeriods):
         if threads is None:
             threads = available() if self.num_envs >= FEW else 1
         threads = require_count(owner, "threads", threads, 1, 10_000)
-        self._step = ControlStep(scene, self.num_envs, self._dtype, threads)
+        if made.fidelities is None:
+            self._mixture, self._starts = None, LaneStarts(scene, self.num_envs)
+            self._step = ControlStep(scene, self.num_envs, self._dtype, threads)
+        else:
+            self._mixture = Mixture(scene, made.fidelities, self.num_envs)
+            self._starts = MixedStarts(self._mixture)
+            self._step = MixedStep(self._mixture, self._dtype, threads)
         self.single_action_space = spaces.Box(-1.0, 1.0, (scene.plant.nu,), np.float32)
         self._channel = None if made.plain else Channel(scene, made, self.num_envs)
         width = len(scene.observe) if self._channel is None else self._channel.width
@@ -100,9 +107,7 @@ class PlantVectorEnv(HeldPeriods):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._shape = self.num_envs, scene.plant.nu
-        self._supply = EpisodeSupply(scene, self.num_envs)
-        self._names, self._nominal = scene.varied_plant.varied, scene.varied_plant.nominal_parameters
-        self._first = first_observations(scene, scene.initial[0][None], self._nominal[None])[0]
+        self._names = scene.varied_plant.varied
         self._done = np.zeros(self.num_envs, dtype=np.int64)
         self._over = np.ones(self.num_envs, dtype=bool)
         self.begun = False
@@ -122,19 +127,19 @@ class PlantVectorEnv(HeldPeriods):
                  its own. Lane i then plays the episodes of PlantEnv.reset(seed=its seed), whatever the others do. Lanes
                  that no seed was given draw from one stream. With a mask, only lanes that start are seeded
         options  "state" (nx,) or (num_envs, nx) to start from, and "parameters", a number or (num_envs,) by name,
-                 each instead of what was drawn
+                 each instead of what was drawn; where fidelities are drawn, no "state" but "fidelity", one or a lane's
 
         ValueError names what is not so; nothing has changed then.
         """
         owner, n = "PlantVectorEnv.reset", self.num_envs
         seeds = arguments.require_seeds(owner, seed, n)
-        options = arguments.require_options(owner, options, ("reset_mask", *arguments.OPTIONS))
+        options = arguments.require_options(owner, options, ("reset_mask", *arguments.known(self._mixture)))
         lanes = np.arange(n)
         if "reset_mask" in options:
             lanes = arguments.require_mask(owner, options["reset_mask"], n)
             if len(lanes) < n:
                 self._require_begun("reset")  # of some lanes only
-        given = arguments.require_starts(owner, self.scene, options, n)
+        given = arguments.require_starts(owner, self.scene, options, n, self._mixture)
         if isinstance(seeds, int):
             self._np_random, self._np_random_seed = seeding.np_random(seeds)
             return self.restart(lanes, range(seeds, seeds + n), given)
@@ -162,7 +167,7 @@ class PlantVectorEnv(HeldPeriods):
             else:
                 begun = np.concatenate([begun, ended.lanes])
         if len(begun):
-            found |= infos.of_parameters(n, begun, names, self.parameters_of(begun))
+            found |= self.told_of(begun)
         return obs, reward, terminated, truncated, found
 
     def advance(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any], infos.Ended | None, Array]:
@@ -182,7 +187,8 @@ class PlantVectorEnv(HeldPeriods):
             lanes = over.nonzero()[0]
             charged = np.zeros(len(lanes)) if played.early is None else played.early[lanes]
             cost, diverged = played.cost[lanes], played.diverged[lanes]
-            ended = infos.Ended(lanes, cost, charged, diverged, self._seen[lanes], self.parameters_of(lanes))
+            own = None if self._mixture is None else self.fidelities[lanes]
+            ended = infos.Ended(lanes, cost, charged, diverged, self._seen[lanes], self.parameters_of(lanes), own)
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             waiting = NO_LANES if ended is None else ended.lanes
         else:

@@ -37,11 +37,16 @@ def nominal_input(scene: Scene) -> Input:
     return found
 
 
-def beyond_limits(scene: Scene, inputs: Input) -> str:
-    """Which inputs leave the scene's limits at its control times: by name, value and limit; "" where none does."""
+def sampled(scene: Scene, inputs: Input) -> tuple[Array, Array]:
+    """(times (n,), inputs (n, nu)) at the scene's control times, at most MOST of them."""
     times = scene.times[:: math.ceil(len(scene.times) / MOST)]
     at_once: Callable[[Array], Array] | None = getattr(inputs, "at_times", None)
-    u = at_once(times) if at_once else np.array([inputs(float(t)) for t in times])
+    return times, at_once(times) if at_once else np.array([inputs(float(t)) for t in times])
+
+
+def beyond_limits(scene: Scene, inputs: Input) -> str:
+    """Which inputs leave the scene's limits at its control times: by name, value and limit; "" where none does."""
+    times, u = sampled(scene, inputs)
     if u.shape != (len(times), scene.plant.nu):
         return ""  # a drive that gives something else is refused where it is played
     return largest_beyond(scene, times, u)

@@ -42,7 +42,7 @@ Pairs = tuple[tuple[str, float], ...]
 Drive = Callable[[Plant, float], np.ndarray]
 R = TypeVar("R")
 
-ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector", "sb3", "differentiable": made of a scene by rooms below
+ENVIRONMENTS: dict[str, Callable[..., Any]] = {}  # "vector", "sb3", "puffer", ..: made of a scene by rooms below
 __all__ = ["Scene", "minimum_jerk", "once_per_scene"]
 
 
@@ -245,13 +245,11 @@ class Scene(Manoeuvre, SceneTable):
 
     @cached_property
     def feedback_model(self) -> LinearModel:
-        """`goal_model` in states that can be read by name: those of the plant; of a spacecraft its attitude outputs in
-        place of the quaternion, and none where it spins."""
+        """`goal_model` in states that can be read by name: a spacecraft's attitude outputs, none where it spins."""
         return about_moving_goal(self.plant.feedback_model(*self.target), dict(self.goal_rates))
 
     def quadratic(self) -> QuadraticCost:
-        """Q (n, n), R (nu, nu), N (n, nu): `stage_cost` to second order about the goal, x'Qx + u'Ru + 2 x'Nu, in the
-        states of `feedback_model`."""
+        """Q (n, n), R (nu, nu), N (n, nu): `stage_cost` about the goal, x'Qx + u'Ru + 2 x'Nu, `feedback_model`'s x."""
         return quadratic_cost(self.feedback_model, dict(self.weights), dict(self.effort))
 
     @kept_property
@@ -263,8 +261,7 @@ class Scene(Manoeuvre, SceneTable):
         return nominal_input(self)
 
     def open_loop(self, **options: Any) -> Trajectory:
-        """The plant's motion under `nominal_input`, at the control times; options as in Plant.simulate. Warns
-        (NominalWarning) where it is to arrive at the goal and ends far from it."""
+        """The motion under `nominal_input`; options as in Plant.simulate. NominalWarning where it misses the goal."""
         return told(self, self.plant.simulate(self.initial[0], self.nominal_input, self.times, **options))
 
     def nominal_motion(self, **options: Any) -> Trajectory:
@@ -284,13 +281,17 @@ class Scene(Manoeuvre, SceneTable):
         """`num_envs` lanes of this scene for Stable-Baselines3, a PlantVecEnv. ImportError without it."""
         return ENVIRONMENTS["sb3"](self, num_envs, randomise=randomise, **options)
 
-    def differentiable(self, torch: Any, lanes: int = 1) -> Any:
-        """Rollouts of so many `lanes` with exact gradients, of the module `torch`.
+    def puffer_env(self, num_envs: int, **options: Any) -> Any:
+        """`num_envs` lanes of this scene for PufferLib, a PlantPufferEnv. ImportError without it."""
+        return ENVIRONMENTS["puffer"](self, num_envs, **options)
+
+    def differentiable(self, module: Any, lanes: int = 1) -> Any:
+        """Rollouts of so many `lanes` with exact gradients, of the module torch or jax that is given.
 
         >>> import torch; scene.differentiable(torch, lanes=2).lanes
         2
         """
-        return ENVIRONMENTS["differentiable"](self, torch, lanes)
+        return ENVIRONMENTS["differentiable"](self, module, lanes)
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: sealed(getattr(self, f.name)) for f in dataclasses.fields(self)}

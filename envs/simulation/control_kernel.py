@@ -73,13 +73,22 @@ class ControlStep:
     x, action, ref, w, p are input arrays (n, lanes) to write into; obs (no, lanes), cost (lanes,) and reach (lanes,)
     outputs to read: reach above 1 says that the plant's kinematics do not hold there (`reach_function`).
     The state is advanced in place. With `alike` the arrays are whole vectors whose columns the caller keeps alike.
-    With `plain` observations are the signals themselves, not what they are off the goal.
+    With `plain` observations are the signals themselves, not what they are off the goal; with `goal`, the same scene on
+    another plant, the goal is that scene's.
     """
 
     def __init__(
-        self, scene: Scene, lanes: int, dtype: np.dtype, threads: int, alike: bool = False, plain: bool = False
+        self,
+        scene: Scene,
+        lanes: int,
+        dtype: np.dtype,
+        threads: int,
+        alike: bool = False,
+        plain: bool = False,
+        goal: Scene | None = None,
     ) -> None:
-        self._made = scene, lanes, dtype, threads, alike, plain
+        self._made: tuple[Any, ...] = scene, lanes, dtype, threads, alike, plain, goal
+        self.scene = scene
         self.kernel = control_kernel(scene, dtype)
         self.work = self.kernel.workspace(lanes)
         self.threads = threads
@@ -91,7 +100,7 @@ class ControlStep:
         self._after, seen, (self.cost,), (self._margin,), (self._sound,) = outputs
         self.obs, self.reach = seen[:-1], seen[-1]
         self._padded = [a for a in work.inputs if work.padded > self.lanes]
-        self._ref, self._drift = (f(scene)[:, None].copy() for f in (reference, reference_drift))
+        self._ref, self._drift = goal_path(scene if goal is None else goal)
         if plain:
             self._ref[: len(scene.observe)] = self._drift[: len(scene.observe)] = 0.0
         work.set(REF, self._ref[:, 0])
@@ -123,7 +132,7 @@ class ControlStep:
         """
         if not self._drift.any():
             return
-        n, dt = len(self._made[0].observe), self._made[0].dt
+        n, dt = len(self.scene.observe), self.scene.dt
         self.t[:] = done * dt
         self.ref[:n] = self._ref[:n] + self._drift[:n] * (np.asarray(done) + 1) * dt
         self.ref[n:] = self._ref[n:] + self._drift[n:] * np.asarray(done) * dt
@@ -138,3 +147,8 @@ class ControlStep:
         self.work.run(self._scalars, self._count, self.threads)
         self.x[:] = self._after
         return self._sound == 0, self._margin < 0
+
+
+def goal_path(scene: Scene) -> tuple[Array, Array]:
+    """(ref, d(ref)/dt), (nr, 1) each, of the scene's own goal."""
+    return reference(scene)[:, None].copy(), reference_drift(scene)[:, None].copy()

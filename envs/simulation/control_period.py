@@ -10,6 +10,7 @@ outside of it.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -18,12 +19,14 @@ import casadi as ca
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene, once_per_scene
+from pliant.plants import StabilityLimitError
 from pliant.plants.core.casadi_functions import NumericFunction
 from pliant.plants.integration.batch_stepper import explicit_step
 from pliant.plants.integration.step_maps import check_step, step_map
 from pliant.plants.validity.ranges import reach
 
 Array = np.ndarray
+MOST_SUBSTEPS = 4096
 MOST_CORNERS = 64  # of the ranges of parameters, at which a step is checked
 LARGEST = 1e12  # a state or observation beyond it has diverged: its weighted square still fits a single
 
@@ -72,6 +75,20 @@ def _check_substep(scene: Scene, factors: Iterable[tuple[float, ...]]) -> None:
     for own in factors:
         p = scene.varied_plant.nominal_parameters * np.array(own)
         check_step(scene.varied_plant, x, "rk4", scene.dt / scene.substeps, u=u, p=p)
+
+
+def enough_substeps(scene: Scene) -> Scene:
+    """The scene with as many substeps, doubled again and again, as its own goal and the corners of its parameters take;
+    StabilityLimitError beyond MOST_SUBSTEPS.
+    """
+    while True:
+        try:
+            check_substep(scene, True)
+            return scene
+        except StabilityLimitError:
+            if 2 * scene.substeps > MOST_SUBSTEPS:
+                raise
+            scene = dataclasses.replace(scene, substeps=2 * scene.substeps)
 
 
 def require_time_shown(scene: Scene) -> None:

@@ -28,8 +28,21 @@ def _goal_scene(scene: Scene) -> Scene:
     )
 
 
+def allowed_offsets(scene: Scene, offsets: Array) -> Array:
+    """The offsets (n, ng) of goals that can be: where these are a quaternion's coordinates, off by (n, ng), of the unit
+    one that they point to.
+    """
+    require_goals(scene)
+    own, places = np.array([value for _, value in scene.goal]), scene.positions(name for name, _ in scene.goal)
+    if not set(scene.plant.attitude_states) & {name for name, _ in scene.goal}:
+        return offsets
+    x = np.tile(scene.target[0], (len(offsets), 1))
+    x[:, places] = own + offsets
+    return scene.plant.consistent(x)[:, places] - own
+
+
 def goal_references(scene: Scene, offsets: Array) -> Array:
-    """The references (n, nr), as `control_period.reference`, of goals off the scene's own by offsets (n, ng)."""
+    """The references (n, nr), as `control_period.reference`, of goals off the scene's own by `allowed_offsets`."""
     goals = np.array([value for _, value in scene.goal]) + offsets
     plant = scene.plant
     p = np.tile(scene.varied_plant.nominal_parameters, (len(goals), 1))

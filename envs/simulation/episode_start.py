@@ -31,6 +31,16 @@ def draw(scene: Scene, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np
     return _scaled(scene, [rng.random((n, count)) for count in _counts(scene)])
 
 
+def draw_each(
+    scene: Scene, generators: Sequence[np.random.Generator], counts: Sequence[int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `draw`, so many episodes from each generator: those that `draw(scene, generator, 1)` gives one by one."""
+    sizes = _counts(scene)
+    width = sum(sizes)
+    shares = np.concatenate([rng.random(count * width) for rng, count in zip(generators, counts)]).reshape(-1, width)
+    return _scaled(scene, np.split(shares, np.cumsum(sizes)[:-1], axis=1))
+
+
 def _counts(scene: Scene) -> list[int]:
     """How many numbers an episode draws: for its start, its parameters and its disturbances, in this order."""
     return [len(scene.start), len(scene.varied_plant.varied), scene.plant.nw]
@@ -53,10 +63,7 @@ def begin_each(
     scene: Scene, generators: Sequence[np.random.Generator], counts: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """As `begin`, so many episodes from each generator: those that `draw(scene, generator, 1)` gives one by one."""
-    sizes = _counts(scene)
-    width = sum(sizes)
-    shares = np.concatenate([rng.random(count * width) for rng, count in zip(generators, counts)]).reshape(-1, width)
-    return _begun(scene, *_scaled(scene, np.split(shares, np.cumsum(sizes)[:-1], axis=1)))
+    return _begun(scene, *draw_each(scene, generators, counts))
 
 
 def _begun(
@@ -66,9 +73,11 @@ def _begun(
     return x, first_observations(scene, x, p), w, p
 
 
-def first_observations(scene: Scene, x: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """obs (n, no) at states x (n, nx), before any input or disturbance."""
-    n, ref = len(x), reference(scene)
+def first_observations(scene: Scene, x: np.ndarray, p: np.ndarray, goal: Scene | None = None) -> np.ndarray:
+    """obs (n, no) at states x (n, nx), before any input or disturbance; less the goal's values in the scene `goal`,
+    where that is another one.
+    """
+    n, ref = len(x), reference(scene if goal is None else goal)
     still = np.zeros((n, scene.plant.nu)), np.tile(ref, (n, 1)), np.zeros((n, scene.plant.nw))
     return _observing(scene)(x, *still, p)[0]
 

@@ -11,7 +11,7 @@ from gymnasium.utils import seeding
 from pliant.envs.scenes.scene import Scene
 from pliant.plants.core.signals import OwnsArrays
 
-from .episode_start import begin, begin_each
+from .episode_start import begin, begin_each, draw, draw_each
 
 Array = np.ndarray
 DEPTH = 8  # episodes drawn ahead for a lane with its own stream: lanes end one by one, many are drawn at a time
@@ -20,13 +20,16 @@ DEPTH = 8  # episodes drawn ahead for a lane with its own stream: lanes end one 
 class EpisodeSupply(OwnsArrays):
     """Episodes (x, obs, w, p) for lanes, from one stream of random numbers for all, or from a lane's own.
 
+    Not `settled` they are what is drawn, (start, w, p): the coordinates that the scene's start names are no state yet.
+
     A lane that was given a seed of its own gets the episodes that a single environment of that seed plays, in their
     order, whatever the other lanes do. The others share one stream: its episodes go to whoever asks next.
     """
 
-    def __init__(self, scene: Scene, lanes: int) -> None:
-        self.scene, self.lanes = scene, lanes
-        self.widths = (scene.plant.nx, len(scene.observe), scene.plant.nw, len(scene.varied_plant.varied))
+    def __init__(self, scene: Scene, lanes: int, *, settled: bool = True) -> None:
+        self.scene, self.lanes, self.settled = scene, lanes, settled
+        starts = (scene.plant.nx, len(scene.observe)) if settled else (len(scene.start),)
+        self.widths = (*starts, scene.plant.nw, len(scene.varied_plant.varied))
         self._shared = [np.zeros((0, n)) for n in self.widths]
         self._streams: dict[int, int | np.random.Generator] = {}  # of lanes that have one: its seed until it is used
         self._seeded = np.zeros(lanes, dtype=bool)
@@ -49,7 +52,7 @@ class EpisodeSupply(OwnsArrays):
         return found
 
     def take(self, lanes: Array, shared: Callable[[], np.random.Generator]) -> list[Array]:
-        """The next episodes (x, obs, w, p) of the lanes (k,), each with k rows."""
+        """The next episodes of the lanes (k,), each with k rows."""
         if len(self._streams) == self.lanes:
             return self._next_own(lanes)
         own = self._seeded[lanes]
@@ -63,7 +66,7 @@ class EpisodeSupply(OwnsArrays):
 
     def _next(self, n: int, shared: Callable[[], np.random.Generator]) -> list[Array]:
         if n > len(self._shared[0]):
-            more = begin(self.scene, shared(), self.lanes)
+            more = (begin if self.settled else draw)(self.scene, shared(), self.lanes)
             self._shared = [np.concatenate(pair) for pair in zip(self._shared, more)]
         taken = [a[:n] for a in self._shared]
         self._shared = [a[n:] for a in self._shared]
@@ -83,7 +86,7 @@ class EpisodeSupply(OwnsArrays):
         lanes = np.flatnonzero(self._seeded & (self._left < DEPTH))
         missing = DEPTH - self._left[lanes]
         streams = [cast(np.random.Generator, self.generator(lane)) for lane in lanes.tolist()]
-        drawn = begin_each(self.scene, streams, missing.tolist())
+        drawn = (begin_each if self.settled else draw_each)(self.scene, streams, missing.tolist())
         whose = np.repeat(lanes, missing)
         nth = np.arange(len(whose)) - np.repeat(np.cumsum(missing) - missing, missing)  # of those missing
         rows = (self._next_row[whose] + self._left[whose] + nth) % DEPTH

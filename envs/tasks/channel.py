@@ -13,7 +13,7 @@ import numpy as np
 
 from pliant.envs.scenes.scene import Scene
 from pliant.envs.simulation.control_period import reference
-from pliant.envs.simulation.drawn_goals import goal_references
+from pliant.envs.simulation.drawn_goals import allowed_offsets, goal_references
 from pliant.plants.core.signals import OwnsArrays
 
 from .task import Task
@@ -47,7 +47,7 @@ class Channel(OwnsArrays):
         no, nu = self.deviations.size, self.first.size
         return no + self.task.history * (no + nu) + self._goal.shape[1]
 
-    def seed(self, lanes: Sequence[int], seeds: Sequence[Any]) -> None:
+    def seed(self, lanes: Sequence[int] | Array, seeds: Sequence[Any]) -> None:
         """From now on the lanes draw from streams of these seeds."""
         for lane, seed in zip(lanes, seeds):
             self._streams[lane] = np.random.default_rng([STREAM, int(seed)])
@@ -69,7 +69,7 @@ class Channel(OwnsArrays):
                 late[lanes] = [self._stream(lane).integers(least, most + 1) for lane in lanes]
         if task.goal_spread:
             share = np.array([self._stream(lane).random(self._goal.shape[1]) for lane in lanes])
-            self._goal[lanes] = task.goal_spread * (2.0 * share - 1.0)
+            self._goal[lanes] = allowed_offsets(self.scene, task.goal_spread * (2.0 * share - 1.0))
             references = goal_references(self.scene, self._goal[lanes])
             self._shift[lanes] = (reference(self.scene) - references)[:, : obs.shape[1]]
             obs = obs + self._shift[lanes]

@@ -16,7 +16,8 @@ Array = np.ndarray
 
 class Ended(NamedTuple):
     """The k episodes that end in one step: rows for their lanes (k,), their last observations (k, no) and their
-    randomised parameters (k, np), the last period's cost and of it the charge for the time left.
+    randomised parameters (k, np), the last period's cost and of it the charge for the time left; the labels (k,) of
+    their models where these are drawn.
     """
 
     lanes: Array
@@ -25,6 +26,7 @@ class Ended(NamedTuple):
     diverged: Array
     obs: Array
     parameters: Array
+    fidelity: Array | None = None
 
 
 def masked(n: int, lanes: Array, **values: Array) -> dict[str, Any]:
@@ -40,8 +42,7 @@ def masked(n: int, lanes: Array, **values: Array) -> dict[str, Any]:
 
 def of_end(n: int, ended: Ended) -> dict[str, Any]:
     """Of the lanes whose episodes are over: "cost", "early_end_cost", "diverged"."""
-    _, cost, early, diverged, *_ = ended
-    return masked(n, ended.lanes, cost=cost, early_end_cost=early, diverged=diverged)
+    return masked(n, ended.lanes, cost=ended.cost, early_end_cost=ended.early_end_cost, diverged=ended.diverged)
 
 
 def of_parameters(n: int, lanes: Array, names: Sequence[str], p: Array) -> dict[str, Any]:
@@ -60,6 +61,8 @@ def of_both(n: int, ended: Ended, names: Sequence[str], told: dict[str, Any], ob
     final_obs = obs.copy()
     final_obs[ended.lanes] = ended.obs
     over = final["_cost"]
+    if ended.fidelity is not None:
+        final |= masked(n, ended.lanes, fidelity=ended.fidelity)
     if "validity" in told and (told["_validity"] & over).any():
         final |= {"validity": told["validity"].copy(), "_validity": told["_validity"] & over}
     return {"final_obs": final_obs, "_final_obs": over.copy(), "final_info": final, "_final_info": over.copy()}

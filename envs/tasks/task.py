@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
 import numpy as np
 
 from pliant.envs.scenes.scene import Scene
-from pliant.envs.simulation.control_period import check_substep
-from pliant.plants import NominalWarning, StabilityLimitError
+from pliant.envs.simulation.control_period import enough_substeps
+from pliant.plants import NominalWarning, Plant
 from pliant.plants.core import parameters
 from pliant.plants.core.argument_gates import require_choice, require_count, require_flag, require_number, shown
 from pliant.plants.sensing.sensors import sensors_of
@@ -23,7 +24,7 @@ REWARDS, CONSTRAINTS = ("cost", "normalised"), ("end", "cost")
 DIFFICULTIES = (None, "nominal", "randomised", "hard")
 MOST_DELAY, MOST_HISTORY = 1000, 100  # control periods
 HARD_SPREAD, HARD_NOISE, HARD_DELAY = 0.3, 0.01, (0, 1)  # of what is uncertain; of a signal's range; periods
-MOST_SUBSTEPS, MOST_HOLD = 4096, 1000
+MOST_HOLD, MOST_FIDELITIES = 1000, 16
 Delay = int | tuple[int, int]
 
 
@@ -42,6 +43,7 @@ class TaskKeywords(TypedDict, total=False):
     constraint: str
     actions: str
     hold: int
+    fidelities: Any
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,15 +61,21 @@ class Task:
                   (least, most) is drawn anew for each episode. Before the first action acts what holds the start
     history       so many former readings and actions follow the reading, newest first, readings before actions; at the
                   start of an episode the first reading, and zeros
-    goal_spread   each coordinate of the goal is drawn within so much of the scene's own [its unit]; where it is drawn,
-                  less the scene's own, are the last observations. Pictures show the scene's own
+    goal_spread   each coordinate of the goal is drawn within so much of the scene's own [its unit], a quaternion made
+                  unit; where it is drawn, less the scene's, are the last observations. Pictures show the scene's own
     terms         True: info["reward_terms"] tells what each weighted signal and input adds to minus the stage cost
     constraint    "end": an episode ends where a bounded signal leaves its bound. "cost": it goes on, and
                   info["cost_constraint"] is 1 in a period that ends beyond, 0 in others
     actions       "limits": an action is an input over its limit. "midway": 0 is the input midway between what holds the
-                  start and what holds the goal, 1 adds half of the limit, or what reaches both; see `actions`
+                  start and what holds the goal, 1 adds half of the limit, or what reaches both. "nominal": 1 adds 1.25
+                  times the most that the scene's nominal inputs differ from there; see `actions`
     hold          so many control periods an action is held: rewards and costs of these are summed (a normalised reward
                   is their mean), readings are the last ones. Where an episode ends sooner, so does the step
+    fidelities    models of the machine, of which each episode plays one that is drawn: labels of the plant's `ladder`,
+                  words that these begin with ("rigid", "linear"; of several the one whose number of states is nearest
+                  to the scene's plant's), "own", or plants; with {"rigid": 1.0, "own": 3.0} by these shares. Signals,
+                  goal, cost and limits stay the scene's own; info["fidelity"] is the label, which `reset` takes as an
+                  option
     """
 
     reward: str = "cost"
@@ -82,6 +90,7 @@ class Task:
     constraint: str = "end"
     actions: str = "limits"
     hold: int = 1
+    fidelities: Any = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -100,6 +109,7 @@ class Task:
         put(self, "hold", require_count("Task", "hold", self.hold, 1, MOST_HOLD))
         put(self, "action_delay", _range("action_delay", delay))
         put(self, "observation_delay", _range("observation_delay", self.observation_delay))
+        put(self, "fidelities", _shares(self.fidelities))
 
     def drawn(self, randomise: bool) -> bool:
         """Whether episodes are drawn. ValueError where `randomise` and the difficulty say otherwise."""
@@ -153,6 +163,26 @@ def _range(name: str, value: Any) -> tuple[int, int]:
     return count, count
 
 
+def _shares(value: Any) -> tuple[tuple[str | Plant, float], ...] | None:
+    """Models of a machine, each by a word or itself, with its share of the episodes."""
+    if value is None:
+        return None
+    pairs = list(value.items()) if isinstance(value, Mapping) else value
+    if not isinstance(pairs, (tuple, list)) or not 1 <= len(pairs) <= MOST_FIDELITIES:
+        raise ValueError(
+            f"Task.fidelities = {shown(value)} must be 1 to {MOST_FIDELITIES} labels or plants, or shares of these, or "
+            "None"
+        )
+    found = []
+    for pair in pairs:
+        what, share = pair if isinstance(pair, (tuple, list)) and len(pair) == 2 else (pair, 1.0)
+        if not isinstance(what, (str, Plant)):
+            raise ValueError(f"Task.fidelities: {shown(what)} must be a label of the plant's ladder, or a plant")
+        name = what if isinstance(what, str) else what.label
+        found.append((what, require_number(f"Task.fidelities[{name!r}]", share, "positive")))
+    return tuple(found)
+
+
 def _hard(scene: Scene) -> Scene:
     """The scene with all that its plant calls uncertain drawn too, and as many substeps as that takes."""
     plant = scene.plant
@@ -160,12 +190,4 @@ def _hard(scene: Scene) -> Scene:
     for path in plant.uncertain:
         if parameters.get(plant, path):
             own[path] = (1.0 - HARD_SPREAD, 1.0 + HARD_SPREAD)
-    found = dataclasses.replace(scene, randomise=tuple((path, *pair) for path, pair in own.items()))
-    while True:
-        try:
-            check_substep(found, True)
-            return found
-        except StabilityLimitError:
-            if 2 * found.substeps > MOST_SUBSTEPS:
-                raise
-            found = dataclasses.replace(found, substeps=2 * found.substeps)
+    return enough_substeps(dataclasses.replace(scene, randomise=tuple((path, *pair) for path, pair in own.items())))

@@ -13,6 +13,7 @@ import numpy as np
 
 from pliant.plants.files import sealed_arrays
 from pliant.plants.files.html_tables import TrajectoryTable
+from pliant.plants.splines.cubic_spline import CubicHermite, CubicSpline
 
 from .argument_gates import shown
 from .parameters import require_choice, require_finite
@@ -142,8 +143,6 @@ class Trajectory(OwnsArrays, TrajectoryTable):
         """dx/dt (nt, nx): exact where known, else of a cubic spline through x."""
         if self.dx is not None:
             return self.dx
-        from scipy.interpolate import CubicSpline
-
         return CubicSpline(self.t, self.x)(self.t, 1)
 
     def resample(self, t: Any) -> Trajectory:
@@ -153,15 +152,13 @@ class Trajectory(OwnsArrays, TrajectoryTable):
         spline; u and w as `hold` says. Under "zero-order" the rate jumps at the old times and y with it: x
         is then of third order. ValueError for times beyond them.
         """
-        from scipy.interpolate import CubicHermiteSpline, CubicSpline
-
         new = read_only_times("resample.t", t)
         outside = (new < self.t[0]) | (new > self.t[-1])
         if outside.any():
             worst = new[outside][0]
             raise ValueError(f"resample.t = {worst:.9g} must be within [{self.t[0]:.9g}, {self.t[-1]:.9g}]")
         known = self.dx is not None
-        path = CubicHermiteSpline(self.t, self.x, self.dx) if known else CubicSpline(self.t, self.x)
+        path = CubicHermite(self.t, self.x, self.dx) if known else CubicSpline(self.t, self.x)
         return Trajectory(
             new,
             path(new),

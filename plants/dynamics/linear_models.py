@@ -24,6 +24,7 @@ from pliant.plants.core.signals import names
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.linear.lti import LinearModel
 from pliant.plants.linear.ltv import LTVModel
+from pliant.plants.splines.cubic_spline import CubicSpline
 
 from .arguments import one_state
 
@@ -192,7 +193,6 @@ def _between(t: Array) -> Array:
 
 def _at(nominal: Trajectory, p: Any, times: Array) -> tuple[Trajectory, Any]:
     """The motion at other times and the parameters there."""
-    from scipy.interpolate import CubicSpline
 
     found = nominal.resample(times)
     if found.dx is None:  # of the whole motion, not of a few times of it

@@ -72,6 +72,10 @@ class PhysicsContract(Declaration):
         """
         return {}
 
+    def sparing(self, motion: Trajectory, compared: tuple[str, ...], within: float) -> tuple[Self, ...]:
+        """Rungs with no more shapes than outputs of this plant's motion need to be `within`. Default: none."""
+        return ()
+
     @property
     def left_out(self) -> float:
         """Where `physics` has no more shapes to add: what those do that are not known of, as a share of what the last

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pliant.plants.core.imports import linalg
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.linear.even_units import even_units
 
@@ -63,17 +64,19 @@ def _below(on: Stretches) -> tuple[float, Array]:
     (Phi, Gamma), Q, m, n, nw = on.held, on.costs, len(on.h), on.n, on.nw
     root = np.sqrt(on.h)[:, None]
     Phi_t, Gamma_t = (np.ascontiguousarray(np.swapaxes(M, 1, 2)) for M in (Phi, Gamma))
+    onward, back = list(Phi), list(Phi_t)[::-1]
 
     def there_and_back(v: Array) -> Array:
         w = v.reshape(m, nw) / root
         push, x = np.einsum("kij,kj->ki", Gamma, w), np.zeros((m, n))
-        for k in range(m - 1):
-            x[k + 1] = Phi[k] @ x[k] + push[k]
+        for step, added, now, then in zip(onward, push, x, x[1:]):
+            step.dot(now, out=then)
+            then += added
         felt = np.einsum("kij,kj->ki", Q, np.concatenate([x, w], axis=1))
-        costate, costates = np.zeros(n), np.zeros((m, n))
-        for k in range(m - 1, -1, -1):
-            costates[k] = costate
-            costate = Phi_t[k] @ costate + felt[k, :n]
+        costates = np.zeros((m, n))
+        for step, added, now, then in zip(back, felt[::-1, :n], costates[::-1], costates[-2::-1]):
+            step.dot(now, out=then)
+            then += added
         return np.ravel((felt[:, n:] + np.einsum("kij,kj->ki", Gamma_t, costates)) / root)
 
     size = m * nw
@@ -103,7 +106,8 @@ def bounds(on: Stretches, gain: float) -> bool:
     In even units, in which P is about one, not negative but for the error of the transitions, and large where it has
     come back from the other side of infinity. On its way there the matrix that is solved for has been singular.
     """
-    n, S = on.n, on.hamiltonian(gain)
+    n, S, places = on.n, on.hamiltonian(gain), np.arange(on.n)
+    dgetrf, dgetrs = linalg.lapack.dgetrf, linalg.lapack.dgetrs
     if on.turn(gain) > TURN:
         return False
     reach, sight = (np.square(M).mean(axis=(0, 1)) for M in (np.swapaxes(on.E, -1, -2), on.C))
@@ -112,14 +116,21 @@ def bounds(on: Stretches, gain: float) -> bool:
     S, P = S * both / both[:, None], np.zeros((n, n))
     for k in on.group[::-1]:
         part = S[k]
-        below = part[:n, :n] + part[:n, n:] @ P
-        if not np.linalg.slogdet(below)[0] > 0:
+        factors, swaps, singular = dgetrf((part[:n, :n] + part[:n, n:] @ P).T, overwrite_a=True)
+        turned = np.count_nonzero(swaps != places) + np.count_nonzero(factors.diagonal() < 0)
+        if singular or turned % 2:  # or not positive: the determinant
             return False
-        P = np.linalg.solve(below.T, (part[n:, :n] + part[n:, n:] @ P).T).T
+        P = dgetrs(factors, swaps, (part[n:, :n] + part[n:, n:] @ P).T, overwrite_b=True)[0]
         P = (P + P.T) / 2
-        if not np.isfinite(P).all():
-            return False
-        values = np.linalg.eigvalsh(P)
-        if values[0] < -NEGATIVE * max(values[-1], SMALL):
+        if not np.isfinite(P).all() or not _not_negative(P):
             return False
     return True
+
+
+def _not_negative(P: Array) -> bool:
+    """Whether no eigenvalue of P (n, n), symmetric, is below -NEGATIVE of the largest, or of SMALL."""
+    shifted = P + np.diag(np.full(len(P), NEGATIVE * max(P.diagonal().max(), SMALL)))
+    if not linalg.lapack.dpotrf(shifted, overwrite_a=True)[1]:  # no diagonal entry is above the largest eigenvalue
+        return True
+    values = np.linalg.eigvalsh(P)
+    return bool(values[0] >= -NEGATIVE * max(values[-1], SMALL))

@@ -71,7 +71,15 @@ class FiniteHorizon(OwnsArrays):
         """The largest |z_i| where |w_j| <= limits; where t_tube is not t, of those times and of more about the largest
         of them.
         """
-        return {s.name: self._by_limits(i) for i, s in enumerate(self.outputs)}
+        at, most, beside = self._by_bounds
+        looked, within = [at] * most.shape[1], list(most.T)
+        if len(at) < len(self.t):
+            looked = [_about(at, int(best)) for best in most.argmax(axis=0)]
+            rows = np.repeat(np.arange(len(looked)), [len(near) for near in looked])
+            finer = pushed_outputs.bounded_at(self._on, self._allowed, np.concatenate(looked), rows)
+            within = [finer[rows == i] for i in range(len(looked))]
+        beside = np.maximum(beside, most.max(axis=0))
+        return {s.name: self._by_limits(i, looked[i], within[i], float(beside[i])) for i, s in enumerate(self.outputs)}
 
     @property
     def t_tube(self) -> Array:
@@ -119,18 +127,12 @@ class FiniteHorizon(OwnsArrays):
         unit, w = self._unit[row], self._sizes(self.disturbances)
         return Gain(lower * unit, max(most, lower) * unit, worst * w, float(self.t[at]))
 
-    def _by_limits(self, row: int) -> Gain:
-        at, most, beside = self._by_bounds
-        best = int(most[:, row].argmax())
-        top, furthest = int(at[best]), float(most[best, row])
-        if len(at) < len(self.t):
-            first, last = int(at[max(best - 1, 0)]), int(at[min(best + 1, len(at) - 1)])
-            near = np.unique(np.linspace(first, last, min(last - first, FINER) + 1).round().astype(int))
-            finer = pushed_outputs.by_bounded(self._on, self._allowed, near, row)[0][:, 0]
-            top, furthest = int(near[finer.argmax()]), float(finer.max())
+    def _by_limits(self, row: int, at: Array, most: Array, beside: float) -> Gain:
+        """Of the most at the ends `at`, beside what it is elsewhere."""
+        top, furthest = int(at[most.argmax()]), float(most.max())
         worst, lower = pushed_outputs.worst_bounded(self._on, top, row, self._allowed)
         unit, w = self._unit[row], self._sizes(self.disturbances)
-        furthest = max(furthest, float(beside[row]), lower)
+        furthest = max(furthest, beside, lower)
         return Gain(lower * unit, furthest * unit, worst * w, float(self.t[top]))
 
     def deviation(self, intensity: Mapping[str, float], start: Mapping[str, float] | None = None) -> Array:
@@ -264,6 +266,12 @@ def numbers(of: Asked) -> FiniteHorizon:
     on = Stretches(model, into / e, sees / c, direct * w / z[:, None] / (e * c), driven=e)
     check_growth(on, x)
     return FiniteHorizon(on.t, shown, signals, of.limits, sizes, on, z * e * c)
+
+
+def _about(at: Array, best: int) -> Array:
+    """Ends of stretches, FINER + 1 at most, from the one before at[best] of those looked at to the one behind."""
+    first, last = int(at[max(best - 1, 0)]), int(at[min(best + 1, len(at) - 1)])
+    return np.asarray(np.unique(np.linspace(first, last, min(last - first, FINER) + 1).round().astype(int)))
 
 
 def _known(value: float) -> float | None:

@@ -123,21 +123,17 @@ def looked_at(on: Stretches) -> Array:
     return np.unique(np.linspace(0, m, min(count, m + 1)).round().astype(int))
 
 
-def by_bounded(on: Stretches, limits: Array, at: Array, row: int | None = None) -> tuple[Array, Array]:
+def by_bounded(on: Stretches, limits: Array, at: Array) -> tuple[Array, Array]:
     """At most how far |z_i| can be where |w_j| <= limits (nw,): at the ends `at` (nk,) of stretches (nk, nz), and at
-    most (nz,) at other times, where C or F are larger within a stretch than at its ends. Of one `row`: of
-    that alone, and only at ends.
+    most (nz,) at other times, where C or F are larger within a stretch than at its ends.
 
     By the adjoint: c Phi(t, s) from each t backward. Over a stretch in which c Phi(t, s) E_j(s) keeps its sign the
     integral of its modulus is that of itself. Where it does not, or may not, the straight line between its ends
     serves, with what the second derivative may add.
     """
-    rows = slice(None) if row is None else slice(row, row + 1)
     (_, C, F), more, looked = on.nodes, [], set(at.tolist())
-    found = (pushed_moduli(on, at, C[at, rows]) + np.abs(F[at, rows])) @ limits
+    found = (pushed_moduli(on, at, C[at]) + np.abs(F[at])) @ limits
     beside = np.zeros(found.shape[1])
-    if row is not None:
-        return found, beside
     for k, values in _larger_within(on).items():  # what stands between moves as at the nearer end
         more += [(end, *value) for end in {k, k + 1} & looked for value in values]
     if more:
@@ -145,6 +141,14 @@ def by_bounded(on: Stretches, limits: Array, at: Array, row: int | None = None) 
         pushed = pushed_moduli(on, np.array([m[0] for m in more]), np.array([m[1] for m in more]))
         beside = ((pushed + np.abs(np.array([m[2] for m in more]))) @ limits).max(axis=0)
     return found, beside
+
+
+def bounded_at(on: Stretches, limits: Array, at: Array, row: Array) -> Array:
+    """(nk,) the same of one output each, z_row at the end `at` of a stretch, at (nk,), row (nk,)."""
+    (_, C, F), order, found = on.nodes, np.argsort(at, kind="stable"), np.empty(len(at))
+    at, row = at[order], row[order]
+    found[order] = (pushed_moduli(on, at, C[at, row][:, None])[:, 0] + np.abs(F[at, row])) @ limits
+    return found
 
 
 def _larger_within(on: Stretches) -> dict[int, list[tuple[Array, Array]]]:

@@ -84,7 +84,7 @@ def simulate(
         require_function("simulate.progress", progress)
     if (audit := require_flag("simulate.audit", audit)) and not (hasattr(plant, "net_power") and method == "dop853"):
         raise ValueError(f'audit = True needs a plant with energies and method "dop853", not {method!r}')
-    (_, x, _, w, p), batch = plant._arguments(plant.rest_state if x0 is None else x0, None, w, p)
+    (_, x, _, w, p), batch = plant._arguments(plant.rest_state if x0 is None else x0, np.zeros(plant.nu), w, p)
     if batch is not None:
         raise ValueError(f"simulate takes one state ({plant.nx},), not a batch of {batch}")
     plant.check_state(x)
@@ -96,7 +96,7 @@ def simulate(
     run = ADAPTIVE.get(method, FixedRun)(plant, drive, grid, x, w, p, method, step, rtol, atol, audit, progress)
     states, work, samples = (z[rows] for z in (*run.march(), drive.samples))
     values = t[:, None], states, samples, w, p
-    rates, outputs = observer(plant)(values, len(t))
+    rates, outputs, reached = observer(plant)(values, len(t))
     stats: dict[str, Any] = {
         "method": method,
         "seconds": clock.perf_counter() - began,
@@ -119,4 +119,4 @@ def simulate(
         hold="linear" if drive.smooth else "zero-order",
         stats=stats,
     )
-    return judged(plant, made, p, stacklevel=3)
+    return judged(plant, made, p, reached=reached, stacklevel=3)

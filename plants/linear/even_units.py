@@ -24,6 +24,7 @@ SHARE = 0.15  # of what balances a row and its column; a quarter does where no o
 NEWTON_STEPS = 200  # at most
 TAYLOR = [1.0 / math.factorial(k) for k in range(13)]
 REACH = 0.34  # one-norm up to which the Taylor polynomial is exact to rounding
+TOGETHER = 30_000  # numbers of a stack at once: what a core has at hand
 FEW, MOST_SQUARINGS = 8, 10  # of a stack; each squaring doubles what rounding left
 LONGEST = 1.0  # step of a logarithm
 
@@ -79,6 +80,13 @@ def expm(A: Array) -> Array:
     """
     size = float(np.abs(A).sum(axis=-2).max(initial=0.0))
     squarings = max(0, math.ceil(math.log2(size / REACH))) if size > 0 else 0
+    found, some = np.empty(A.shape, np.result_type(A, 1.0)), max(1, TOGETHER // max(A.shape[-1] ** 2, 1))
+    for begin in range(0, len(A), some):
+        found[begin : begin + some] = _expm(A[begin : begin + some], squarings)
+    return found
+
+
+def _expm(A: Array, squarings: int) -> Array:
     A = A * 0.5**squarings
     A2 = A @ A
     A3 = A2 @ A

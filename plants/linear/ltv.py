@@ -23,6 +23,7 @@ import numpy as np
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_count, require_finite
 from pliant.plants.core.signals import GAUSS, InputLike, Signal, read_only, read_only_times, sample
+from pliant.plants.splines.cubic_spline import CubicSpline
 
 from .even_units import even_expm
 from .lti import LinearModel
@@ -185,7 +186,6 @@ def held_steps(A: np.ndarray, G: np.ndarray, h: np.ndarray) -> tuple[np.ndarray,
 
 def splined(t: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Cubic splines through values (nt, ..) at the times `at` (m,): (m, ..); what does not vary stays as it is."""
-    from scipy.interpolate import CubicSpline
 
     flat = values.reshape(len(t), -1)
     vary = np.ptp(flat, axis=0) > 0

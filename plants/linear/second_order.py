@@ -12,6 +12,7 @@ import numpy as np
 from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import require_finite
 from pliant.plants.core.signals import OwnsArrays, Signal
+from pliant.plants.splines.cubic_spline import CubicSpline
 
 if TYPE_CHECKING:
     from .ltv import LTVModel
@@ -95,8 +96,6 @@ def from_ltv(model: LTVModel, mass: Any = None) -> SecondOrderModel:
     B, C = -model.A[:, n:, n:], -model.A[:, n:, :n]
     early, Q = model.c[:, :n], model.c[:, n:].copy()
     if np.abs(early).max(initial=0.0) > 0:
-        from scipy.interpolate import CubicSpline
-
         Q += CubicSpline(model.t, early)(model.t, 1) + np.einsum("tij,tj->ti", B, early)
     return SecondOrderModel(
         model.t,

@@ -1,5 +1,5 @@
-"""What is seen on a motion: dx/dt, outputs and df/dx at all its rows, in one native call over vectors of lanes where it
-pays.
+"""What is seen on a motion: dx/dt, outputs, how far its ranges are reached, and df/dx, at all its rows, in one native
+call over vectors of lanes where it pays.
 
 After compiled steps this is most of what a motion costs: a row takes the virtual machine as long as four such steps.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
+from itertools import accumulate
 from typing import Any
 
 import casadi as ca
@@ -63,46 +64,58 @@ class Rows:
             found = interpreted()
             self.kernel.spent += min(clock.perf_counter() - began, 2 * expected)  # not what building it took
             return found
-        lanes = -(-batch // LANES) * LANES
-        inputs = [np.zeros((n, lanes)) for n in self._sizes_in]
-        for array, value in zip(inputs, values):
-            array[:, :batch] = np.atleast_2d(value).T
-            array[:, batch:] = array[:, :1]
-        outputs = [np.zeros((n, lanes)) for n in sizes]
-        native(inputs, outputs)
-        return [np.ascontiguousarray(a[:, :batch].T) for a in outputs]
+        starts = [*accumulate((*self._sizes_in, *sizes), initial=0)]
+        arrays = np.empty((starts.pop(), -(-batch // LANES) * LANES))  # in which all have their places
+        for start, size, value in zip(starts, self._sizes_in, values):
+            arrays[start : start + size, :batch] = np.atleast_2d(value).T
+        arrays[:, batch:] = arrays[:, :1]
+        native.on_rows(arrays, starts, len(self._sizes_in))
+        found = arrays[starts[len(self._sizes_in)] :, :batch]
+        return [np.ascontiguousarray(found[end - size : end].T) for size, end in zip(sizes, accumulate(sizes))]
 
 
 class Observer:
-    """All that `_dynamics` and `_output` of a plant give, at rows (t, x, u, w, p)."""
+    """All that `_dynamics`, `_output` and `_reached` of a plant give, at rows (t, x, u, w, p)."""
 
     def __init__(self, plant: PlantLike) -> None:
         self.plant, self._parts = plant, (plant._dynamics._function, plant._output._function)
-        self._sizes = [f.size1_out(k) for f in self._parts for k in range(f.n_out())]
-        count = sum(f.n_instructions() for f in self._parts)
-        self._rows = Rows(plant, "rates and outputs", self._joined, self._told_apart, lambda: count)
+        self._ranges = len(plant.validity)
+        sizes = [f.size1_out(k) for f in self._parts for k in range(f.n_out())]
+        self._sizes = [*sizes, self._ranges] if self._ranges else sizes
+        count = sum(f.n_instructions() for f in (*self._parts, *self._of_ranges()))
+        self._rows = Rows(plant, "rates, outputs and ranges", self._joined, self._told_apart, lambda: count)
         self.kernel = self._rows.kernel
+        self._rates, self._seen = self._parts[0].n_out(), len(sizes)
+
+    def _of_ranges(self) -> list[ca.Function]:
+        return [self.plant._reached._function] if self._ranges else []
+
+    def _results(self) -> list[ca.SX]:
+        symbols = list(self.plant.symbols)
+        rates, outputs = (f.call(symbols) for f in self._parts)
+        return [*rates, *outputs, *(e for f in self._of_ranges() for e in f.call([*symbols, outputs[0]]))]
 
     def _told_apart(self) -> ca.Function:
-        """What says which equations these are, without looking for what both parts have in common."""
-        symbols = list(self.plant.symbols)
-        return ca.Function("observed", symbols, [e for f in self._parts for e in f.call(symbols)])
+        """What says which equations these are, without looking for what the parts have in common."""
+        return ca.Function("observed", list(self.plant.symbols), self._results())
 
     def _joined(self) -> ca.Function:
-        """Both parts as one function, what they have in common computed once."""
-        symbols = list(self.plant.symbols)
-        both = [e for f in self._parts for e in f.call(symbols)]
-        return ca.Function("observed", symbols, [ca.densify(e) for e in ca.cse(both)])
+        """All parts as one function, what they have in common computed once."""
+        both = ca.cse(self._results())
+        return ca.Function("observed", list(self.plant.symbols), [ca.densify(e) for e in both])
 
-    def __call__(self, values: Sequence[Any], batch: int) -> tuple[list[Array], list[Array]]:
-        """What `_dynamics` and what `_output` gives, for a batch of rows."""
-        plant, first = self.plant, self._parts[0].n_out()
+    def __call__(self, values: Sequence[Any], batch: int) -> tuple[list[Array], list[Array], Array]:
+        """What `_dynamics` and what `_output` gives, and values (batch, ranges) of `validity`, for a batch of rows."""
+        plant = self.plant
 
         def interpreted() -> list[Array]:
-            return [*plant._dynamics(*values, batch=batch), *plant._output(*values, batch=batch)]
+            outputs = plant._output(*values, batch=batch)
+            reached = plant._reached(*values, outputs[0], batch=batch) if self._ranges else []
+            return [*plant._dynamics(*values, batch=batch), *outputs, *reached]
 
         found = self._rows(values, batch, self._sizes, interpreted)
-        return found[:first], found[first:]
+        reached = found[-1] if self._ranges else np.zeros((batch, 0))
+        return found[: self._rates], found[self._rates : self._seen], reached
 
 
 class Slopes:

@@ -21,6 +21,7 @@ from pliant.plants.validity.rotating_sections import AXIAL, TURN, largest_reache
 
 from .declaration import TreeDeclaration
 from .measurements import sensed
+from .sparing import needed
 
 Array = np.ndarray
 PHYSICS = 4  # shapes of a family that physics has by itself
@@ -153,6 +154,15 @@ class TreeFidelity(TreeDeclaration):
             if body.beam is not None and planes and not body.modes[3]:
                 bodies[k], changed = dataclasses.replace(body, beam=longer(body.beam, strain, turn)), True
         return {STRETCH: (dataclasses.replace(self, bodies=tuple(bodies)),)} if changed else {}
+
+    def sparing(self, motion: Trajectory, compared: tuple[str, ...], within: float) -> tuple[Self, ...]:
+        """With the shapes of each plane, of torsion and of stretch that the motion needs, linear to exact rotations."""
+        if not any(b.beam is not None for b in self.flexible):
+            return ()
+        found: Any = needed(self, motion, compared, within)
+        if not found.flexible:
+            return ()
+        return tuple(dataclasses.replace(found, kinematics=name) for name in ("linear", "stiffened", "strain"))
 
     @property
     def effects(self) -> dict[str, bool]:

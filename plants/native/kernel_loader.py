@@ -85,6 +85,15 @@ class Kernel:
     ) -> None:
         self.bind(inputs, outputs)(scalars, count)
 
+    def on_rows(self, arrays: Array, starts: Sequence[int], inputs: int) -> None:
+        """Once, on the parts of one C-ordered array (n, ld) of the kernel's numbers: `inputs` of those that begin at
+        the rows `starts` are read, the others written.
+        """
+        lanes, size = arrays.shape[1], ctypes.sizeof(ctypes.c_void_p)
+        first, row = arrays.ctypes.data, arrays.strides[0]
+        places = (ctypes.c_void_p * len(starts))(*[first + row * k for k in starts])
+        self._run(0, lanes, lanes, ctypes.addressof(places), ctypes.addressof(places) + size * inputs, None, 1)
+
 
 class Bound:
     """A kernel with its arrays, each (n, ld) with the lanes side by side; ld a multiple of the kernel's lanes."""
@@ -127,6 +136,12 @@ class Bound:
         run(0, share, self.ld, *self._fixed, count)
         for task in waiting:
             task.result()
+
+    def part(self, first: int, last: int, scalars: Sequence[float] = (), count: int = 1) -> None:
+        """The lanes from `first` to before `last` alone, multiples of the kernel's lanes, on this thread."""
+        for i, value in enumerate(scalars):
+            self._scalars[i] = value
+        self.kernel._run(first, last, self.ld, *self._fixed, count)
 
 
 _loaded: dict[str, Kernel] = {}

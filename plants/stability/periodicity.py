@@ -10,6 +10,7 @@ import numpy as np
 from pliant.plants.core.argument_gates import LEAST, require_seconds
 from pliant.plants.linear.ltv import LTVModel
 from pliant.plants.linear.piecewise_ltv import PiecewiseLTV
+from pliant.plants.splines.cubic_spline import CubicSpline
 from pliant.plants.transitions.state_matrix_path import CLOSES, Path, scaling
 
 ONE_SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # first derivative at the first of five nodes
@@ -157,12 +158,6 @@ def find(model: LTVModel) -> tuple[float | None, str, Path | None]:
     return span, f"the nominal closes after {span:.6g} s and is taken as one period", path
 
 
-def _spline(t: np.ndarray, values: np.ndarray) -> Any:
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(t, values)
-
-
 def _uniform(t: np.ndarray) -> bool:
     h = np.diff(t)
     return bool(h.max() - h.min() <= 1e-7 * h[0])
@@ -173,7 +168,7 @@ def _why_not_smooth(model: LTVModel, flat: np.ndarray) -> str:
     if len(t) >= 5 and _uniform(t):
         begin, end = ONE_SIDED @ flat[:5] / (t[1] - t[0]), -ONE_SIDED @ flat[:-6:-1] / (t[1] - t[0])
     else:
-        begin, end = _spline(t[:few], flat[:few])(t[0], 1), _spline(t[-few:], flat[-few:])(t[-1], 1)
+        begin, end = CubicSpline(t[:few], flat[:few])(t[0], 1), CubicSpline(t[-few:], flat[-few:])(t[-1], 1)
     largest = np.abs(np.diff(flat, axis=0) / np.diff(t)[:, None]).max()
     miss = float(np.abs(end - begin).max() / largest)
     return f"dA/dt at the end differs from that at the start by {miss:.2g} of its largest" if miss > TURNS else ""
@@ -199,7 +194,7 @@ def _repeats(model: LTVModel, flat: np.ndarray) -> tuple[float | None, Path | No
     rng = np.random.default_rng(0)
     centred = (flat - flat.mean(axis=0)) / np.ptp(flat, axis=0)
     few = centred @ rng.uniform(0.5, 1.0, (flat.shape[1], 2)) / flat.shape[1]
-    uniform = few if _uniform(t) else _spline(t, few)(np.linspace(t[0], t[-1], n))
+    uniform = few if _uniform(t) else CubicSpline(t, few)(np.linspace(t[0], t[-1], n))
     half = n // 2 + 2  # the neighbours of every shift up to half the span
     square = np.vstack([np.zeros(1), np.cumsum((uniform**2).sum(axis=1))[:, None]])[:, 0]
     pad = np.fft.rfft(uniform, 2 * n, axis=0)
@@ -210,7 +205,7 @@ def _repeats(model: LTVModel, flat: np.ndarray) -> tuple[float | None, Path | No
     level = 2 * square[n] / n
     step = (t[-1] - t[0]) / (n - 1)
     near = np.flatnonzero(low & (distance[1:-1] < 0.1 * level))[:8] + 1
-    path = _spline(t, few) if len(near) else None
+    path = CubicSpline(t, few) if len(near) else None
     for k in near:
         found = _refined(path, t, float(k * step), step)
         if found <= (t[-1] - t[0]) / 2 * (1 + 1e-9):

@@ -95,7 +95,10 @@ def _at(plant: PlantLike, t: Array, x: Array, u: Array, w: Array | None, y: Arra
     w = np.zeros(plant.nw) if w is None or not w.size else w
     p = plant.nominal_parameters if p is None else p
     with np.errstate(all="ignore"):
-        found = plant._reached(t[:, None], x, u, w, p, y, batch=len(t))[0]
+        return _or_nan(plant._reached(t[:, None], x, u, w, p, y, batch=len(t))[0])
+
+
+def _or_nan(found: Array) -> Array:
     return np.where(np.isfinite(found), found, np.nan)
 
 
@@ -146,9 +149,11 @@ def tell(plant: PlantLike, found: Sequence[Left], stacklevel: int, what: str = "
         )
 
 
-def judged(plant: PlantLike, motion: Trajectory, p: Any = None, *, stacklevel: int = 2) -> Trajectory:
-    """The motion, with what it leaves told and in its stats."""
-    found = left(plant, motion, p)
+def judged(
+    plant: PlantLike, motion: Trajectory, p: Any = None, *, reached: Array | None = None, stacklevel: int = 2
+) -> Trajectory:
+    """The motion, with what it leaves told and in its stats; `reached` (nt, n) where the values are known."""
+    found = left(plant, motion, p) if reached is None else _left(plant, motion.t, _or_nan(reached))
     tell(plant, found, stacklevel + 1)
     return replace(motion, stats={**motion.stats, "validity": [a.to_json() for a in found]}) if found else motion
 

@@ -22,7 +22,7 @@ from pliant.plants.linear import modal_analysis
 from pliant.plants.motions.tabulated_inputs import tabulated
 from pliant.studies.common import operating_point
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.physics.physics_motion import compared
+from pliant.studies.physics.fine_model import compared
 
 Array = np.ndarray
 RTOL = 1e-8  # of the nominal

@@ -14,7 +14,8 @@ import numpy as np
 from pliant.plants import Plant, PliantError
 from pliant.studies.common.reference_motions import Motions, Progress
 from pliant.studies.physics.effects import Effect
-from pliant.studies.physics.physics_motion import PhysicsMotion, physics_motion
+from pliant.studies.physics.known_physics import PhysicsMotion
+from pliant.studies.physics.physics_motion import physics_motion
 
 CLIMB = 1e-6  # rtol of a rung's motion
 NEAR = 2.0  # times the tolerance: where the integration may decide, it is done again ..
@@ -54,7 +55,7 @@ class Climb:
         else:
             self.uncertainty, self.told = worst.uncertainty, worst.how
         richest = max((p.physics for p in known), key=lambda p: p.nx, default=None)
-        self.ladder = _rungs(played[0].scene.plant, richest)
+        self.ladder = _rungs(played[0].scene.plant, richest, self._spared())
         self.unplayed = ""  # physics, where it cannot be played: a row with its reason, never the one returned
         if self.failed and richest is None:
             physics = played[0].scene.plant.physics()
@@ -62,6 +63,15 @@ class Climb:
                 self.ladder, self.unplayed = (*self.ladder, physics), physics.label
         self.outside = "; ".join(p.outside for p in known if p.outside)
         self.beyond = tuple(dict.fromkeys(words for p in known for words in p.beyond))
+
+    def _spared(self) -> list[Plant]:
+        """Rungs with as many shapes of each kind as physics' motions need."""
+        found: list[Plant] = []
+        for motions, known in zip(self.played, self.physics):
+            if known is not None and known.motion is not None:
+                within = self.tolerance
+                found += known.physics.sparing(known.motion.trajectory(), motions.scene.compare, within)
+        return found
 
     def rungs(self, progress: Progress) -> tuple[tuple[Rung, ...], int]:
         """The rungs, and which is returned: the first whose bound is within the tolerance, else the one nearest to it,
@@ -141,13 +151,15 @@ def _apart(motions: Motions, plant: Plant, rtol: float, physics: PhysicsMotion |
     return found if np.isfinite(found) else float("inf")
 
 
-def _rungs(plant: Plant, physics: Plant | None) -> tuple[Plant, ...]:
-    """The ladder, the plant itself where it is on no rung, behind those of fewer states, and physics."""
+def _rungs(plant: Plant, physics: Plant | None, spared: Sequence[Plant] = ()) -> tuple[Plant, ...]:
+    """The ladder, the plant itself and those with the shapes that a motion needs where they are on no rung of it, each
+    behind those of fewer states, and physics.
+    """
     ladder: list[Plant] = list(plant.ladder())
-    labels = {p.label for p in ladder}
-    if plant.label not in labels:
-        at = next((i for i, p in enumerate(ladder) if p.nx > plant.nx), len(ladder))
-        ladder.insert(at, plant)
+    for further in (plant, *spared):
+        if further.label not in {p.label for p in ladder}:
+            at = next((i for i, p in enumerate(ladder) if p.nx > further.nx), len(ladder))
+            ladder.insert(at, further)
     if physics is not None and physics.label not in {p.label for p in ladder}:
         ladder.append(physics)
     return tuple(ladder)

@@ -21,8 +21,8 @@ from pliant.envs.scenes.scene import Scene
 from pliant.plants import Plant, PliantError
 from pliant.plants.core.argument_gates import require_instance, require_number
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.physics.fine_model import outputs
-from pliant.studies.physics.physics_motion import compared, physics_motion
+from pliant.studies.physics.fine_model import compared, outputs
+from pliant.studies.physics.physics_motion import physics_motion
 from pliant.studies.physics.quasi_linear import CorrectedMotion
 
 Array = np.ndarray

@@ -20,7 +20,7 @@ from pliant.plants.integration.step_maps import METHODS
 from pliant.plants.motions.compile_rule import STEPPING
 from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, in_time
-from pliant.studies.physics.physics_motion import PhysicsMotion
+from pliant.studies.physics.known_physics import PhysicsMotion
 
 from .speed_accuracy import SUBSTEPS, TOLERANCES, Row, comparable_seconds
 from .stepper_runs import motion, outputs_of, seconds_a_period, stepper

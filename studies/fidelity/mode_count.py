@@ -12,6 +12,7 @@ import numpy as np
 from pliant.plants import LinearModel, LTVModel, Plant, Trajectory
 from pliant.plants.core.argument_gates import require_count, require_function, require_instance, require_number, shown
 from pliant.plants.linear.rest_spaces import conserved_by
+from pliant.plants.splines.cubic_spline import CubicSpline
 from pliant.plants.stability import assess, growth
 
 FACTOR = 2.0  # by which the margins of settled answers differ at most
@@ -166,11 +167,10 @@ def _nominal_of(plant: Plant, nominal: Any) -> Trajectory:
 
 def _growths(plant: Plant, motion: Trajectory, size: float) -> tuple[float, float]:
     """Growth of the worst deviation over the nominal: by the linear model, and by two simulations."""
-    from scipy.interpolate import CubicSpline
 
     model = plant.linearize_along(motion)
     linear = growth(model)
-    u = CubicSpline(motion.t, motion.u) if motion.u.shape[1] else None
+    u: Any = CubicSpline(motion.t, motion.u) if motion.u.shape[1] else None
     if motion.hold == "zero-order":
         u = motion.u
     into, _ = _maps(plant, motion.x[0], len(linear.direction))

@@ -14,7 +14,7 @@ from pliant.plants.integration.batch_stepper import Stepper
 from pliant.plants.motions.time_limit import check_time
 from pliant.plants.native.kernel_loader import NativeWarning
 from pliant.studies.common.reference_motions import Motions
-from pliant.studies.physics.physics_motion import compared
+from pliant.studies.physics.fine_model import compared
 
 DTYPES = {"double": np.float64, "single": np.float32}
 RUNS, MOST_RUNS = 3, 9

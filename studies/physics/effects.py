@@ -17,7 +17,8 @@ from pliant.plants import Plant, PliantError
 from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, in_time
 
-from .physics_motion import PhysicsMotion, outputs_of
+from .known_physics import PhysicsMotion
+from .physics_motion import outputs_of
 from .quasi_linear import NotSettled
 
 ROUGHLY = 1e-5  # rtol of a motion without an effect, where it is simulated

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants import Plant, Trajectory
+from pliant.plants.core.signals import index
 from pliant.studies.common.reference_motions import Motions
 
 from .motion_nodes import MotionNodes
@@ -27,6 +28,11 @@ def start_of(motions: Motions, fine: Plant) -> Array:
     """Where a fine model starts (nx,): a rest is found by the balance of forces, which passes are going to need."""
     _ = fine.force_balance
     return motions.start(fine)
+
+
+def compared(motions: Motions, plant: Plant) -> list[int]:
+    """Where the compared outputs stand in [y; x]."""
+    return [index((*plant.outputs, *plant.states), name, "output or state") for name in motions.scene.compare]
 
 
 def lacking(fine: Plant, t: Array, x: Array, u: Array, rate: Array, inverse: Array | None) -> Array:

@@ -50,7 +50,8 @@ class CorrectedMotion:
     begin (nx,), rate (2 m, nx): where the motion begins and its derivative at the Gauss points of the nodes, which make
     x (2 m, nx) at these points and at_ends (m + 1, nx) by the method's own quadrature. x0 (nx,): where the fine model
     starts. columns: which of [y; x] are compared; outputs (nt, n) are those at the control times, after passes made.
-    model: the linear model that passes begin with; None: its own. goes_on: from a motion that had settled.
+    model: the linear model that passes begin with; None: its own. goes_on: from one that had settled. blocks: of the
+    motion, over each of which one A is held at first; None: BLOCKS.
     """
 
     def __init__(
@@ -63,6 +64,7 @@ class CorrectedMotion:
         columns: list[int],
         model: HeldModel | None = None,
         goes_on: bool = False,
+        blocks: int | None = None,
     ) -> None:
         self.fine, self.nodes, self.columns = fine, nodes, columns
         self.u, self.t = nodes.inputs[nodes.gauss], nodes.all[nodes.gauss]
@@ -73,7 +75,7 @@ class CorrectedMotion:
         self.x = (self.at_ends[:-1, None] + inner).reshape(rate.shape)
         self._start = x0 - begin
         self.passes, self.changes = 0, list[float]()
-        self._blocks = min(BLOCKS, len(nodes.h))
+        self._first, self._blocks = blocks, min(blocks or BLOCKS, len(nodes.h))
         self._goes_on = goes_on
         self._own = False  # whether its linear model is about the motion as it is
         self._model, self._steps = model, cast(BlockCollocation | None, None)
@@ -101,7 +103,7 @@ class CorrectedMotion:
             share = ((at - begins[part]) / self.nodes.h[part])[:, None]
             slopes = self.rate.reshape(-1, 2, n)[part]
             rate = slopes[:, 0] + (slopes[:, 1] - slopes[:, 0]) * (share - GAUSS[0]) / (GAUSS[1] - GAUSS[0])
-        return CorrectedMotion(fine, nodes, self.at_ends[0] @ E.T, rate @ E.T, x0, columns, model, True)
+        return CorrectedMotion(fine, nodes, self.at_ends[0] @ E.T, rate @ E.T, x0, columns, model, True, self._first)
 
     def settle(self, within: float) -> float:
         """Pass after pass until one changes the outputs by at most `within`; what they may still err by.

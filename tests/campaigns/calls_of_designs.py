@@ -8,7 +8,21 @@ from further_kinds import Blocks, ByName, Pair
 from kinds_of_numbers import POSITIVE, Array, Count, Number
 from laws_at_hand import ARM, DT, GAIN, LIMITS, LTV, MODEL, SAMPLED, SENSOR, STATES, Q, R, fresh, law
 
-from pliant.controllers import LQG, LQR, MPC, TVLQR, Feedback, Kalman, Predictive, Sensor, delayed, riccati, sensors
+from pliant.controllers import (
+    LQG,
+    LQR,
+    MPC,
+    TVLQR,
+    DisturbanceSet,
+    Feedback,
+    Kalman,
+    Predictive,
+    Sensor,
+    TubeMPC,
+    delayed,
+    riccati,
+    sensors,
+)
 from pliant.controllers.linear_quadratic.delay import delay_margin, predictive_gain, radius
 from pliant.controllers.riccati.periodic_drawn import drawn_periodic, multipliers_of
 from pliant.plants import Beam, Material
@@ -210,6 +224,7 @@ def predictive_calls() -> list[Call]:
         Call("MPC.design, noise", MPC.design, noise, given | seen),
         Call("MPC.design, noise by name", MPC.design, named, given | seen),
         Call("MPC.along", MPC.along, {"ltv": Object(LTV)} | along),
+        *tube_calls(),
         Call("MPC.aim", fresh(law("mpc"), "aim"), {"values": ByName({"place": 0.5})}),
         Call("MPC.act", fresh(law("mpc"), "act"), {"y": STATES}, {"t": 0.0}),
         Call("MPC.act, along", fresh(law("mpc, along"), "act"), {"t": Number(0.25), "y": STATES}),
@@ -233,3 +248,25 @@ class _Bounds(ByName):
         """Lists and arrays."""
         for what, value in Pair((-1.0, 1.0)).good():
             yield what, dict.fromkeys(self.value, value)
+
+
+def tube_calls() -> list[Call]:
+    """Of MPC with tubes and of their sets."""
+    points, noise = Array(np.array([[[0.125, 0.0], [0.0, -0.125]]]), wrong=False), Array(np.array([0.0, 0.125]))
+    wind = DisturbanceSet.box([0.0, 0.0625])
+    counts = {"horizon": Count(4), "terminal": Count(1, low=0), "penalty": Number(8.0, none=True, **POSITIVE)}
+    whole = {"Q": Array(Q), "R": Array(R), "disturbances": Object(wind), "bounds": _bounds(), "limits": LIMITS} | counts
+    tube = TubeMPC.design(SAMPLED, Q, R, wind, horizon=4, limits=(-2.0, 2.0))
+    return [
+        Call("DisturbanceSet", DisturbanceSet, {"points": points, "noise": noise}),
+        Call(
+            "DisturbanceSet.box",
+            DisturbanceSet.box,
+            {"size": Array(np.array([0.25, 0.5]), wrong=False), "noise": Array(np.array([0.0, 0.125]), none=True)},
+        ),
+        Call("DisturbanceSet.support", wind.support, {"k": Number(0.0), "directions": Array(np.eye(2), wrong=False)}),
+        Call("DisturbanceSet.scaled", wind.scaled, {"share": Number(0.5, low=0.0)}),
+        Call("TubeMPC.design", TubeMPC.design, {"model": Object(SAMPLED)} | whole),
+        Call("TubeMPC.along", TubeMPC.along, {"ltv": Object(LTV)} | whole),
+        Call("TubeMPC.act", fresh(tube, "act"), {"t": Number(0.25), "y": STATES}),
+    ]

@@ -28,6 +28,7 @@ from pliant.controllers import (
     PeriodicMPC,
     PeriodicTVLQR,
     Predictive,
+    TubeMPC,
     loop,
     margins,
     periodic_nmpc,
@@ -125,6 +126,15 @@ def for_scene_calls() -> list[Call]:
         Call("TVLQR.for_scene", TVLQR.for_scene, SCENES | {"effort": effort["effort"]} | follow),
         Call("Predictive.for_scene", Predictive.for_scene, SCENES | {"delay": Count(1), "law": Object(own, none=True)}),
         Call("MPC.for_scene", MPC.for_scene, SCENES | {"horizon": Count(3), "nominal": Object(_motion(), none=True)}),
+        Call(
+            "TubeMPC.for_scene",
+            TubeMPC.for_scene,
+            SCENES
+            | {"horizon": Count(3), "terminal": Count(1, low=0), "rounds": Count(1)}
+            | {"nominal": Object(_motion(), none=True), "noise": ByName({"hub_angle": 0.5}, none=True, low=0.0)},
+            {"ranges": {}},
+            compare=False,
+        ),
         Call("NMPC.for_scene", NMPC.for_scene, SCENES | {"horizon": Count(3)}),
         Call("PD.for_scene", PD.for_scene, SCENES | {"shape": Choice("zv", none=True)}),
         Call("ComputedTorque.for_scene", ComputedTorque.for_scene, SCENES | {"damping": RATE["damping"]}),

@@ -8,7 +8,6 @@ Written anew after what those tests ask; each test here names what it stands for
   `observation_mode`, custom spaces: one kernel steps all lanes, there is no process nor a list of environments;
 - `AsyncVectorEnv.close(timeout=, terminate=)`: nothing runs that could be waited for;
 - lanes of different sizes, and infos merged from different keys: all lanes are of one scene;
-- rendering of vector environments: lanes are not drawn, which `render` says;
 - final_obs as an array of objects, None where no episode ended: here it is one array, whose rows without an end are the
   observations themselves, as `_final_obs` tells; with "SameStep" the costs of an end also stand beside final_info.
 """

@@ -5,7 +5,6 @@ Written anew after what those tests ask; each test here names what it stands for
 - start methods and pipes of SubprocVecEnv, and the refusal of one environment given twice: there are no processes and
   no list of environments;
 - dictionary, tuple, discrete and image spaces, and their stacking: our observations and actions are vectors;
-- video and tiled images: lanes are not drawn, which `get_images` says;
 - the running mean, goals (HER) and combined statistics of VecNormalize alone: they ask nothing of an environment;
 - "TimeLimit.truncated" in every info: ours are empty but where an episode ends, which its algorithms ask with `get`.
 """
@@ -205,7 +204,7 @@ def test_wrappers_find_what_is_behind_them() -> None:
     assert infos[0]["episode"]["diverged"] is False and infos[1]["episode"]["cost"] > 0
     with pytest.warns(UserWarning, match="no `render_mode`"):
         assert venv.render() is None
-    with pytest.warns(UserWarning, match="lanes are not drawn"):
+    with pytest.warns(UserWarning, match="render_mode"):
         assert venv.get_images() == [None, None]
 
 
@@ -226,3 +225,15 @@ def test_policies_learn_and_are_evaluated(algorithm) -> None:
             venv.seed(3)
             results.append(evaluate_policy(model, venv, n_eval_episodes=6, return_episode_rewards=True))
     assert results[0] == results[1] and len(results[0][0]) == 6
+
+
+def test_pictures_of_all_lanes() -> None:
+    """test_video_recorder, test_render: with render_mode="rgb_array" lanes are drawn, as a single environment is."""
+    venv, alone = PlantVecEnv(SHORT, 3, render_mode="rgb_array"), PlantEnv(SHORT, render_mode="rgb_array")
+    venv.reset()
+    alone.reset()
+    venv.step(np.zeros((3, 1), np.float32))
+    alone.step(np.zeros(1, np.float32))
+    images = venv.get_images()
+    assert len(images) == 3 and all(np.array_equal(image, alone.render()) for image in images)
+    assert venv.render().shape == (2 * images[0].shape[0], 2 * images[0].shape[1], 3)  # tiled, two by two

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("stable_baselines3")
 
 PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
-FIRST, LAW, LOOP, TASKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+FIRST, LAW, LOOP, _, TASKS, MIXED = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 NOTHING = 30.0  # the cost of doing nothing on single-link-slew: ten per second for three seconds
 
 
@@ -29,6 +29,7 @@ def test_the_other_blocks_run(tmp_path, monkeypatch) -> None:
     asked = 0.5 * found["plain"].predict(seen.astype("float32"), deterministic=True)[0] * scene.limits  # nothing pulls
     y = dict(zip((s.name for s in scene.signals), [*x, *scene.plant.measure(x)]))
     assert found["policy"].act(0.0, [y[name] for name in found["policy"].reads]) == pytest.approx(asked, rel=1e-4)
-    exec(LOOP + TASKS, found)
+    exec(LOOP + TASKS + MIXED, found)
     assert found["gains"].grad.abs().min() > 0
+    assert set(found["info"]["fidelity"]) == {"rigid", "linear, clamped-free 2+2", "stiffened, payload 2+2"}
     assert found["hard"].observation_space.shape == (8 + 3 * (8 + 2),)

@@ -46,7 +46,7 @@ def test_numpy_acts_as_torch_does(stable_baselines, tmp_path, algorithm):
     assert len({float(u[0]) for *_, u in points}) > 20
 
 
-@pytest.mark.parametrize("task", [{"hold": 3}, {"actions": "midway"}, {"actions": "midway", "hold": 4}])
+@pytest.mark.parametrize("task", [{"hold": 3}, {"actions": "midway"}, {"actions": "nominal", "hold": 4}])
 def test_a_law_plays_as_the_environment_that_it_was_trained_in(stable_baselines, tmp_path, task):
     """What is read after 24 control periods; and of the law once more from its file."""
     from stable_baselines3 import PPO

@@ -12,9 +12,10 @@ from pliant.controllers.base.goal_model import goal_model
 from pliant.controllers.estimation.kalman import Kalman
 from pliant.controllers.estimation.process_noise import process_noise
 from pliant.controllers.estimation.sensors import Sensor, read, sensors_of
+from pliant.controllers.linear_quadratic import lqg as lqg_module
 from pliant.controllers.linear_quadratic.lqg import LQG
 from pliant.envs import scenes
-from pliant.plants import PliantError
+from pliant.plants import PliantError, UncontrollableError
 
 SCENE = scenes.get("single-link-slew")
 PLANT = SCENE.plant
@@ -212,3 +213,28 @@ def test_a_scenes_filter_knows_that_parameters_may_be_off():
 def test_what_cannot_be_uncertain_is_refused(name, uncertain):
     with pytest.raises(ValueError, match=rf"LQG\.uncertain = {uncertain} must be"):
         LQG.for_scene(scenes.get(name), uncertain=uncertain)
+
+
+def test_a_filter_that_cannot_be_told_of_parameters_says_so_and_why(monkeypatch):
+    """On spin-up the law leaves the hub's angle out; a filter that is not found tells the modes that it is not for."""
+    with pytest.warns(
+        lqg_module.PlainFilterWarning, match=r"'spin-up' is told nothing .*: the law leaves states out\. un"
+    ):
+        law = LQG.for_scene(scenes.get("spin-up"))
+    assert law.plain == "the law leaves states out" and "plain='the law leaves" in repr(law)
+
+    def refuses(*given):
+        raise UncontrollableError("mode 0.41 Hz (link2) is not driven by the noise W\nremedy", ("link2",))
+
+    monkeypatch.setattr(lqg_module, "told_parameters", refuses)
+    with pytest.warns(lqg_module.PlainFilterWarning, match=r"mode 0\.41 Hz \(link2\) is not driven"):
+        law = LQG.for_scene(SCENE)
+    np.testing.assert_array_equal(law.filter.gains[-1].L, LQG.for_scene(SCENE, uncertain=0.0).filter.gains[-1].L)
+    with pytest.raises(UncontrollableError):
+        LQG.for_scene(SCENE, uncertain=0.1)
+
+
+def test_a_filter_that_is_not_asked_to_know_parameters_says_nothing(recwarn):
+    for law in (LQG.for_scene(scenes.get("spin-up"), uncertain=0.0), LQG.for_scene(SCENE), LQG.for_scene(SCENE, W=W)):
+        assert law.plain == ""
+    assert not [one for one in recwarn if one.category is lqg_module.PlainFilterWarning]

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import linear_sum_assignment
 
-from pliant.controllers.robust_analysis.modal_norms import lyapunov_norms, modal_norms
+from pliant.controllers.robust_analysis.modal_norms import _matched, lyapunov_norms, modal_norms
 
 
 def turned(angle, radius=0.95):
@@ -42,3 +43,11 @@ def test_modes_that_are_nearly_one_share_a_norm():
     assert np.linalg.norm(found.T @ A[2] @ found.inverse, 2) < 0.9
     alone = modal_norms(A[::2], 1.5)
     assert np.linalg.norm(alone.own[0] - np.eye(2), 2) > 0.3  # they turn by much where matrices change by 1e-12
+
+
+def test_rows_are_matched_as_scipy_does():
+    rng = np.random.default_rng(5)
+    for k in range(40):
+        alike = rng.uniform(size=(4, 4)) + (k % 2) * 3.0 * np.eye(4)[rng.permutation(4)]
+        np.testing.assert_array_equal(_matched(alike), linear_sum_assignment(-alike)[1])
+    np.testing.assert_array_equal(_matched(np.ones((3, 3))), linear_sum_assignment(-np.ones((3, 3)))[1])

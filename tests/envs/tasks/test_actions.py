@@ -26,6 +26,32 @@ def test_where_nothing_pulls_half_of_the_limits_is_asked_for():
     np.testing.assert_allclose(shares(scene, "midway", np.array([[-7.0], [0.0], [1.0]])), [[-0.5], [0.0], [0.5]])
 
 
+def test_nominal_actions_reach_what_the_motion_takes():
+    """spin-up turns with at most 2 * 6 / 15 = 0.8 rad/s^2 of 2; six-axis-pick by what its nominal inputs are."""
+    m, r = actions.placed(scenes.get("spin-up"), "nominal")
+    np.testing.assert_allclose([m, r], [[0.0], [1.25 * 0.8 / 2.0]], rtol=1e-3)  # at control times
+    scene = scenes.get("six-axis-pick")
+    limits, (m, r) = np.array(scene.limits), actions.placed(scene, "nominal")
+    np.testing.assert_allclose(m, (scene.initial[1] + scene.target[1]) / limits / 2, rtol=0, atol=1e-12)
+    asked = np.array([scene.nominal_input(t) for t in scene.times]) / limits - m
+    held = np.abs(scene.initial[1] / limits - m)  # as much again is left for
+    np.testing.assert_allclose(r, np.maximum(1.25 * np.abs(asked).max(axis=0), 1.5 * held), rtol=1e-9)
+    assert np.isclose(r, 1.5 * held).tolist() == [False, True, True, False, False, False]
+    np.testing.assert_allclose(shares(scene, "nominal", np.array([[-7.0] * 6, [0.5] * 6])), [m - r, m + r / 2])
+
+
+def test_what_is_let_go_or_nowhere_driven_is_reached_as_midway():
+    for name in ("crane-swing", "cantilever-drop"):
+        scene = scenes.get(name)
+        (_, half), (_, r) = actions.midway(scene), actions.placed(scene, "nominal")
+        asked = (
+            np.array([scene.nominal_input(t) for t in scene.times]) / np.array(scene.limits) - actions.midway(scene)[0]
+        )
+        still = np.abs(asked).max(axis=0) < 1e-9
+        assert still.any() == (name == "cantilever-drop")
+        np.testing.assert_array_equal(r[still], half[still])
+
+
 def test_as_shares_of_the_limits_they_pass():
     given = np.array([[3.0, -0.2]])
     assert shares(scenes.get("two-link-reach"), "limits", given) is given

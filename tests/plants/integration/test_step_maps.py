@@ -8,6 +8,7 @@ from convergence import slope
 from oscillators import Oscillator, Scalar
 
 from pliant.plants import IntegrationError, TwoLinkArm
+from pliant.plants.integration.step_maps import at_most
 
 ARM = dataclasses.replace(TwoLinkArm.textbook(), hub_inertia=(0.1, 0.02), modes=(1, 1))
 METHODS = {"rk4": 4, "rk8": 8, "midpoint": 2, "rosenbrock": 3}
@@ -76,3 +77,20 @@ def test_adaptive_methods_agree():
         motion = ARM.simulate(x0, u, times, method=method, **options)
         assert np.abs(motion.x - exact.x).max() < close, method
         assert motion.hold == "zero-order" and motion.stats["method"] == method
+
+
+@pytest.mark.parametrize("m", [1, 2, 3, 8, 15])
+def test_no_spectral_radius_is_above_its_bound(m):
+    rng = np.random.default_rng(m)
+    rows, columns = 10.0 ** rng.uniform(-3, 3, (2, 200, m))
+    A = rng.normal(size=(200, m, m)) * rows[:, :, None] * columns[:, None, :]
+    A[100:, : m // 2, m // 2 :] = 0.0
+    radii = np.abs(np.linalg.eigvals(A)).max(axis=1)
+    assert (at_most(A) >= radii * (1 - 1e-12)).all()
+
+
+def test_the_bound_of_vibrations_is_near_the_fastest_ones_frequency():
+    omega, zeta = np.array([3.0, 70.0, 900.0]), np.array([0.0, 0.01, 0.1])
+    A = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.diag(omega**2), -np.diag(2 * zeta * omega)]])
+    assert 900 <= at_most(A[None])[0] < 1.1 * 900
+    assert not at_most(1e200 * A[None])[0] < np.inf  # what numbers do not hold is not bounded

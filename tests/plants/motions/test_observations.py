@@ -23,7 +23,7 @@ def at_once(monkeypatch):
 def test_rows_are_the_virtual_machines(at_once, rows):
     plant, rng = Oscillator(), np.random.default_rng(rows)
     x, u, w, t = rng.normal(size=(rows, 2)), rng.normal(size=(rows, 1)), np.array([0.3]), rng.normal(size=(rows, 1))
-    (rate,), (y,) = Observer(plant)((t, x, u, w, np.zeros(0)), rows)
+    (rate,), (y,), _ = Observer(plant)((t, x, u, w, np.zeros(0)), rows)
     np.testing.assert_allclose(rate, np.column_stack([x[:, 1], u[:, 0] + 0.3 - 100 * x[:, 0]]), rtol=1e-14)
     np.testing.assert_allclose(y, x[:, :1] + u, rtol=1e-14)
     assert rate.flags.c_contiguous
@@ -32,7 +32,7 @@ def test_rows_are_the_virtual_machines(at_once, rows):
 def test_rows_without_a_number_are_told_of(at_once):
     plant = Scalar(ends=True)
     values, rows = plant._arguments(np.array([[0.0], [2.0]]), t=np.zeros(2))
-    results, _ = Observer(plant)(values, rows)
+    results, *_ = Observer(plant)(values, rows)
     with pytest.warns(NotFiniteWarning, match=r"1 of 2 entries are not finite, first \[1, 0\]"):
         plant._told_rates(values, results)
 

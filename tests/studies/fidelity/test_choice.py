@@ -13,7 +13,7 @@ from pliant.studies import choose
 from pliant.studies.common.atomic_files import dumps
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity.speed_accuracy import Chart, Reference, Row
-from pliant.studies.physics.physics_motion import PhysicsMotion
+from pliant.studies.physics.known_physics import PhysicsMotion
 
 SHORT = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
 

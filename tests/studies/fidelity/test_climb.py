@@ -11,7 +11,7 @@ from pliant.studies import choose
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.fidelity import climb as module
 from pliant.studies.fidelity.climb import Climb
-from pliant.studies.physics.physics_motion import PhysicsMotion
+from pliant.studies.physics.known_physics import PhysicsMotion
 
 SHORT = scenes.get("single-link-slew", duration=0.5)
 
@@ -83,3 +83,15 @@ def test_every_motion_counts():
     far.truth[1e-3] = PhysicsMotion(exact + 5e-3, rigid, 0.0, 0.0, 0.0, "as given")
     assert Climb([near], 1e-3).rungs(told)[0][0].bound <= 1e-3
     assert Climb([near, far], 1e-3).rungs(told)[0][0].bound == pytest.approx(5e-3)
+
+
+def test_rungs_with_the_shapes_that_a_motion_needs_stand_behind_those_of_fewer_states():
+    plant = SHORT.plant
+    physics = dataclasses.replace(plant, kinematics="strain", basis="polynomial", modes=6)
+    spared = dataclasses.replace(plant, kinematics="stiffened", basis="polynomial", modes=5)
+    rungs = module._rungs(plant, physics, [spared, plant.ladder()[1]])
+    labels = [p.label for p in rungs]
+    assert labels.count(spared.label) == 1 and len(set(labels)) == len(labels) and rungs[-1] == physics
+    at = labels.index(spared.label)
+    assert all(p.nx <= spared.nx for p in rungs[:at])
+    assert labels[:at] + labels[at + 1 :] == [p.label for p in module._rungs(plant, physics)]

@@ -8,8 +8,8 @@ import pytest
 from pliant.envs import scenes
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.physics import quasi_linear
+from pliant.studies.physics.fine_model import compared
 from pliant.studies.physics.motion_nodes import MotionNodes
-from pliant.studies.physics.physics_motion import compared
 from pliant.studies.physics.quasi_linear import CorrectedMotion, NotSettled
 
 SLEW = scenes.get("single-link-slew", duration=0.3, move_time=0.2)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pliant.envs import scenes
-from pliant.envs.simulation.parameter_inputs import ParameterInputs
+from pliant.envs.gradients.parameter_inputs import ParameterInputs
 from pliant.plants.core.casadi_functions import function
 
 

@@ -66,7 +66,7 @@ def test_gradcheck_of_one_step_and_what_is_refused() -> None:
     x, p = rollouts.starts(1)
     u = torch.tensor([[3.0]], dtype=torch.float64)
     assert torch.autograd.gradcheck(rollouts.step, [a.requires_grad_() for a in (x, u, p)], eps=1e-6, atol=1e-6)
-    with pytest.raises(ValueError, match="must be the module torch"):
+    with pytest.raises(ValueError, match="must be the module torch or jax"):
         scene.differentiable(np)
     with pytest.raises(ValueError, match="lanes"):
         scene.differentiable(torch, lanes=0)

@@ -1,0 +1,1 @@
+"""What stands between the nodes of a motion or of a linear model along it."""
