@@ -53,17 +53,20 @@ NUMBERS = (
     48,
 )  # of points of the whole box along a parameter, at which A is taken
 MOST_POINTS, TRIES = 4000, 3  # in all; numbers of points that are tried
+DEARER = 10  # a look without that
 PAST = 1e-9  # of a rate or a size: growth that is no rounding
 SMALLEST = 1e-4  # of the box: width of a part that is not halved again
 
 
 def free_of_zeros(state_matrix: Callable[[Array], Array], count: int, dt: float | None, most: int) -> Parts:
-    """Of the box |delta_i| <= 1 of `count` parameters, by at most so many looks at a part."""
+    """Of the box |delta_i| <= 1 of `count` parameters, by at most so many looks at a part; a tenth of them where A is
+    not interpolated, and each look takes as many of the loop's own matrices as it has points."""
     if count not in POINTS:
         return Parts(0.0, 0, 0.0, None, True)
     x, to_series, to_bernstein = _tables(POINTS[count])
     between = _between(count)
     matrices = _interpolated(state_matrix, count)
+    most = most if matrices.series is not None else -(-most // DEARER)
     waiting: list[tuple[float, int, Array, Array]] = [(0.0, 0, np.zeros(count), np.ones(count))]
     parts, left, stood, unstable = 0, 0.0, 1.0, None
     for looked in range(most + 1):
