@@ -18,8 +18,8 @@ MOMENT = 0.12  # of the episode, at which it is drawn
 TOP = """# Environments
 
 `gymnasium.make("pliant/TwoLinkReach-v0")`, or a batch: `scenes.get("two-link-reach").vector_env(1024)`. Each page says
-what is observed, moved, priced, bounded and drawn, and what simple laws return; `pliant scenes NAME` prints the same
-of any scene, your own included. Made by `python docs/environments/make.py`.
+what is observed, moved, priced, bounded and drawn, and what simple laws return; `pliant scenes NAME` prints all but the
+returns of any scene, your own included. Made by `python docs/environments/make.py`.
 
 Every environment takes the keywords of `pliant.envs.Task`, by `gymnasium.make(id, ...)`, `vector_env` and `sb3_env`:
 

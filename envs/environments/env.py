@@ -155,7 +155,7 @@ class PlantEnv(Specified, OwnsArrays, gymnasium.Env[np.ndarray, np.ndarray]):
         info: dict[str, Any] = {"cost": cost, "early_end_cost": early, "diverged": diverged}
         info |= {"cost_constraint": 0.0, "parameters": self._drawn.copy()}
         if self._mixture is not None:
-            info["fidelity"] = self._step.scene.plant.label
+            info["fidelity"] = str(self._mixture.labels[self._mixture.rung[0]])
         if reach[0] > 1.0 and not diverged:
             info["validity"] = _left(self._step, self.time, self._u)
         return info

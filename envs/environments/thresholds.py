@@ -1,7 +1,8 @@
 """Returns at which a scene counts as solved: of the reward "cost", from the scene's own start, nothing drawn.
 
-What LQR returns in the scoreboard's exact case (docs/scoreboard), MPC where LQR leaves the bounds, less one percent. No
-threshold where neither is played. The normalised reward has another scale: its return is at most the number of periods.
+What LQR returns in the scoreboard's exact case (docs/scoreboard), MPC where LQR leaves the bounds, less one percent.
+None for slider-crank-run, where doing nothing returns that already. The normalised reward has another scale: its return
+is at most the number of periods.
 """
 
 THRESHOLDS = {
@@ -13,6 +14,9 @@ THRESHOLDS = {
     "spin-up": -106.4,
     "flexible-joint-slew": -2.732,
     "crane-swing": -12.55,
+    "six-axis-pick": -10.64,
+    "three-link-flexible": -4.138,
+    "satellite-arm": -40.79,
     "spacecraft-slew": -22.50,
     "spacecraft-wheels": -9.689,
     "spacecraft-spin": -1.830,

@@ -40,10 +40,10 @@ class Mixture(OwnsArrays):
         self.words = tuple(what if isinstance(what, str) else what.label for what, _ in fidelities)
         plants = [plant_of(scene, what) if isinstance(what, str) else what for what, _ in fidelities]
         for k, plant in enumerate(plants):
-            if plant.label in [other.label for other in plants[:k]]:
+            if plant in plants[:k]:
                 raise ValueError(f"Task.fidelities: {self.words[k]!r} is {plant.label!r} again, must be another model")
         self.scenes = tuple(scene_on(scene, plant) for plant in plants)
-        self.labels = np.array([plant.label for plant in plants])
+        self.labels = np.array(_distinct([plant.label for plant in plants]))
         self.widths = np.array([plant.nx for plant in plants])
         total = sum(share for _, share in fidelities)
         self.shares = np.array([share / total for _, share in fidelities])
@@ -78,3 +78,11 @@ class Mixture(OwnsArrays):
         """(model, the places in `lanes` (k,) that play it) for each model that is played there."""
         rung = self.rung[lanes]
         return [(g, np.flatnonzero(rung == g)) for g in range(len(self.scenes)) if (rung == g).any()]
+
+
+def _distinct(labels: list[str]) -> list[str]:
+    """Labels, those of plants that differ in numbers alone with their count: "rigid", "rigid (2)"."""
+    return [
+        label if label not in labels[:k] else f"{label} ({labels[: k + 1].count(label)})"
+        for k, label in enumerate(labels)
+    ]

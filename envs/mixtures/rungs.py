@@ -41,7 +41,7 @@ def plant_of(scene: Scene, word: str) -> Plant:
 
 def scene_on(scene: Scene, plant: Plant) -> Scene:
     """The scene on another model, with as many substeps as that takes. ValueError where it is not of the same inputs,
-    disturbances and named signals.
+    disturbances and named signals, or has other values of the parameters that the scene draws.
     """
     kept = _scenes_on(scene)
     if plant not in kept:
@@ -62,4 +62,12 @@ def _made(scene: Scene, plant: Plant) -> Scene:
                 f"Task.fidelities: {plant.label!r} has the {kind} {have}, must have those of scene {scene.name!r}: "
                 f"{want}"
             )
-    return enough_substeps(dataclasses.replace(scene, plant=plant))
+    found = dataclasses.replace(scene, plant=plant)
+    drawn = zip(scene.varied_plant.varied, scene.varied_plant.nominal_parameters, found.varied_plant.nominal_parameters)
+    for name, want, have in drawn:  # lanes of all models get the same values, drawn about the scene's own
+        if want != have:
+            raise ValueError(
+                f"Task.fidelities: {plant.label!r} has {name} = {have:g}, which scene {scene.name!r} draws about its "
+                f"own {want:g}; must have that"
+            )
+    return enough_substeps(found)

@@ -43,6 +43,13 @@ def cantilever_drop() -> Scene:
     |--------------------------|-------|-------|
     | tip_u_rate               | m/s   | 60    |
     | tip_v_rate               | m/s   | 60    |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -10.51 |
+    | LQR                      | -10.62 |
+    | zero actions             | -31.89 |
+    | random actions           | -40.22 |
     """
     return Scene(
         name="cantilever-drop",
@@ -91,6 +98,13 @@ def spin_up(speed: float = 6.0, time: float = 15.0) -> Scene:
     | ends beyond              | unit  | bound |
     |--------------------------|-------|-------|
     | tip_deflection           | m     | 3     |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -103.2 |
+    | LQR                      | -105.4 |
+    | zero actions             | -720   |
+    | random actions           | -1412  |
     """
     beam = Beam(length=10.0, area=4e-4, I_y=2e-7, I_z=2e-7, J=4e-7, density=3000.0, E=7e10, G=2.8e10, damping=0.0)
     return Scene(

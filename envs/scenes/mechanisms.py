@@ -37,6 +37,13 @@ def slider_crank_run(rpm: float = 144.0) -> Scene:
     | ends beyond                | unit  | bound |
     |----------------------------|-------|-------|
     | mid_deflection             | m     | 0.01  |
+
+    | policy                   | return    |
+    |--------------------------|-----------|
+    | bound: no law is better  | -0.0099   |
+    | LQR                      | -0.0099   |
+    | zero actions             | -0.009901 |
+    | random actions           | -2.428    |
     """
     speed = rpm * np.pi / 30.0
     return Scene(
@@ -87,6 +94,13 @@ def flexible_joint_slew() -> Scene:
     | ends beyond | unit  | bound |
     |-------------|-------|-------|
     | joint_rate  | rad/s | 12    |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -2.705 |
+    | LQR                      | -2.705 |
+    | zero actions             | -20    |
+    | random actions           | -43.71 |
     """
     return Scene(
         name="flexible-joint-slew",
@@ -138,6 +152,13 @@ def crane_swing() -> Scene:
     |------------------|------|-------|
     | swing            | rad  | 0.6   |
     | rod_deflection_z | m    | 0.4   |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -12.42 |
+    | LQR                      | -12.43 |
+    | zero actions             | -90    |
+    | random actions           | -188.2 |
     """
     return Scene(
         name="crane-swing",

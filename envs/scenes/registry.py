@@ -1,4 +1,5 @@
-"""The named scenes. Each docstring tables what the scene's environment shows, takes and charges.
+"""The named scenes. Each docstring tables what the scene's environment shows, takes and charges, and what a
+few policies return from the scene's own start.
 
 An observation is a signal less its value at the goal ("sag": what gravity bends there; "hanging": where the beam
 hangs at rest; "speed": the goal's own), which moves in time where the docstring says so; the reward is minus the sum,

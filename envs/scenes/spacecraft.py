@@ -73,6 +73,13 @@ def spacecraft_slew() -> Scene:
     | body_rate_z              | rad/s | 0.1   |
     | tip1_z                   | m     | 0.2   |
     | tip2_z                   | m     | 0.2   |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -22.16 |
+    | LQR                      | -22.28 |
+    | zero actions             | -120   |
+    | random actions           | -194.8 |
     """
     own = FlexibleSpacecraft.textbook()
     craft = dataclasses.replace(own, appendages=panels(UPRIGHT), kinematics="linear", translation=False)
@@ -155,6 +162,13 @@ def spacecraft_wheels() -> Scene:
     | wheel2_momentum          | N m s | 6     |
     | wheel3_momentum          | N m s | 6     |
     | wheel4_momentum          | N m s | 6     |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -9.593 |
+    | LQR                      | -9.594 |
+    | zero actions             | -48.23 |
+    | random actions           | -66.87 |
     """
     slew = spacecraft_slew()
     own = FlexibleSpacecraft.textbook()
@@ -227,6 +241,13 @@ def spacecraft_spin(axis: str = "z") -> Scene:
     | body_rate_z              | rad/s | 0.3   |
     | tip1_z                   | m     | 0.3   |
     | tip2_z                   | m     | 0.3   |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -1.812 |
+    | LQR                      | -1.812 |
+    | zero actions             | -37.33 |
+    | random actions           | -1544  |
     """
     require_choice("spacecraft-spin", "axis", axis, tuple(AXES))
     hinge = Hinge(axes=((1.0, 0.0, 0.0),), drive="motion")

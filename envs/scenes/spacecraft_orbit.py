@@ -74,6 +74,12 @@ def spacecraft_orbit() -> Scene:
     | wheel1_momentum          | N m s | 4     |
     | wheel2_momentum          | N m s | 4     |
     | wheel3_momentum          | N m s | 4     |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | LQR                      | -4.876 |
+    | zero actions             | -164.2 |
+    | random actions           | -46330 |
     """
     rate = 1.1e-3
     plate = Surface(area=12.0, normal=(0.0, 0.0, 1.0), specular=0.1, diffuse=0.1, both=True)

@@ -74,6 +74,13 @@ def six_axis_pick() -> Scene:
     | roll_1_rate          | rad/s | 12    |
     | roll_2_rate          | rad/s | 12    |
     | roll_3_rate          | rad/s | 12    |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -10.18 |
+    | LQR                      | -10.54 |
+    | zero actions             | -116.4 |
+    | random actions           | -225.2 |
     """
     large, small = ("pan", "lift", "elbow"), ("roll_1", "roll_2", "roll_3")
     joints = (*large, *small)
@@ -150,6 +157,13 @@ def three_link_flexible() -> Scene:
     | joint1_rate        | rad/s | 20    |
     | joint2_rate        | rad/s | 60    |
     | joint3_rate        | rad/s | 60    |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | bound: no law is better  | -3.31  |
+    | LQR                      | -4.097 |
+    | zero actions             | -46.71 |
+    | random actions           | -310.1 |
     """
     joints = ("joint1", "joint2", "joint3")
     bends = ("link2_deflection_y", "link3_deflection_y")
@@ -234,6 +248,12 @@ def satellite_arm() -> Scene:
     | lower_deflection_y | m     | 0.3   |
     | shoulder_rate      | rad/s | 6     |
     | elbow_rate         | rad/s | 6     |
+
+    | policy                   | return |
+    |--------------------------|--------|
+    | LQR                      | -40.39 |
+    | zero actions             | -226   |
+    | random actions           | -1627  |
     """
     attitude, turning = (tuple(f"base_{what}_{axis}" for axis in "xyz") for what in ("attitude", "rate"))
     bends, wheels = ("upper_deflection_y", "lower_deflection_y"), tuple(f"wheel_{axis}_torque" for axis in "xyz")

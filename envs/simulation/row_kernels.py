@@ -20,12 +20,12 @@ Array = np.ndarray
 class Rows:
     """An SX function of rows: arrays (n, columns) in and out; a row's result depends on no other row."""
 
-    CHUNK = 64  # rows of a call where there are few; many are one call on all processors
+    LEAST, CHUNK = 8, 64  # rows of a call where there are very few, or few; many are one call on all processors
 
     def __init__(self, function: ca.Function, points: Draw | Sequence[Array]) -> None:
         self._from = function, points
         self._made = self._kernel(function, points)
-        self._few = self._made.workspace(self.CHUNK)
+        self._fewest, self._few = (self._made.workspace(rows) for rows in (self.LEAST, self.CHUNK))
         self._many: Workspace | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -37,7 +37,9 @@ class Rows:
     def __call__(self, *arrays: Array, count: int = 1) -> list[Array]:
         """Outputs (n, columns); `count` is the number of steps of an iteration."""
         n, work, chunk, threads = len(arrays[0]), self._few, self.CHUNK, 1
-        if n >= FEW:
+        if n <= self.LEAST:
+            work, chunk = self._fewest, self.LEAST
+        elif n >= FEW:
             if self._many is None or self._many.batch != n:
                 self._many = self._made.workspace(n)
             work, chunk, threads = self._many, n, available()

@@ -180,9 +180,9 @@ def find(
     worst = float(np.max(np.abs(residual) / scale))
     rate = rest.rate(z[:nx], z[nx:])
     if not (worst < TOLERANCE and step < STEP):
-        k, held = int(np.argmax(np.abs(rate))), {name: float(value) for name, value in dict(fixed).items()}
+        k, told = int(np.argmax(np.abs(rate))), {name: float(value) for name, value in dict(fixed).items()}
         raise EquilibriumError(
-            f"no equilibrium of {plant.label} with {held} held: d({names[k]})/dt = {rate[k]:.3g} remains; "
+            f"no equilibrium of {plant.label} with {told} held: d({names[k]})/dt = {rate[k]:.3g} remains; "
             "hold as many coordinates as there are inputs, or give a closer guess",
             float(np.max(np.abs(rate))),
         )

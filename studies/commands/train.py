@@ -19,6 +19,7 @@ from pliant.studies.closed_loop.closed_loop import regulator
 from pliant.studies.closed_loop.evaluation_scene import harsher
 from pliant.studies.figures import style
 from pliant.studies.figures.controllers import learning_curve
+from pliant.studies.scene_pages.returns import charged
 
 from .console import bar, complain, print_json, say, writable_folder
 from .options import AsJson, SceneName, Settings
@@ -33,13 +34,15 @@ def draw(scene: Scene, algorithm: str, found: Training, folder: Path) -> None:
 
 
 def lqr_cost(scene: Scene) -> float | None:
-    """The cost of the scene's LQR, torques cut off at the limits; None where there is no such regulator."""
+    """The cost of the scene's LQR, torques cut off at the limits, charged for the time left where it leaves the bounds;
+    None where there is no such regulator.
+    """
     try:
         law = regulator(scene)
         motion = scene.plant.simulate(scene.initial[0], law, scene.times, rtol=1e-8, atol=1e-10)
     except PliantError:
         return None
-    return scene.cost(motion)
+    return charged(scene, motion)
 
 
 def table(found: Training, lqr: float | None) -> dict[str, Any]:

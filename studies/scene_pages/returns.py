@@ -9,6 +9,7 @@ import numpy as np
 
 from pliant.controllers import LQR
 from pliant.envs.scenes.scene import Scene
+from pliant.envs.simulation.episode_start import early_end_cost
 from pliant.plants import EquilibriumError, Trajectory
 from pliant.plants.core.argument_gates import require_instance
 
@@ -23,7 +24,8 @@ def returns(scene: Scene, scoreboard: dict[str, Any] | None = None) -> Table:
 
     Zero and random actions are played here: the latter uniform, the mean of EPISODES episodes. Laws, the shipped policy
     and the lower bound of any law's cost are those of a `scoreboard` json: played on the scene's own plant without
-    noise or delay. Where it does not have the scene, and the goal is an equilibrium, LQR is played here too.
+    noise or delay. Where it does not have LQR on the scene, or only as one that failed, and the goal is an equilibrium,
+    LQR is played here too, and charged for an episode that ends where it leaves the bounds.
 
     Example
     -------
@@ -44,7 +46,7 @@ def returns(scene: Scene, scoreboard: dict[str, Any] | None = None) -> Table:
     )
     regulated = None if "LQR" in costs else under_lqr(scene)
     if regulated is not None:
-        costs["LQR"] = scene.cost(regulated)
+        costs["LQR"] = charged(scene, regulated)
     rng = np.random.default_rng(SEED)
     shape = scene.plant.nu
     costs["zero actions"] = _cost(scene, 1, lambda lanes: np.zeros((lanes, shape)))
@@ -70,6 +72,28 @@ def under_lqr(scene: Scene) -> Trajectory | None:
     except EquilibriumError:
         return None
     return scene.plant.simulate(scene.initial[0], law, scene.times)
+
+
+def charged(scene: Scene, motion: Trajectory) -> float:
+    """What an environment charges for the scene's motion, at the control times: its cost, or where a bound is left the
+    cost until then and what is charged for the time left. ValueError for a motion at other times.
+
+    Example
+    -------
+    >>> from pliant.envs import scenes
+    >>> gentle = scenes.get("single-link-slew-gentle")  # the tip may bend by 10 mm, LQR bends it by 16
+    >>> charged(gentle, under_lqr(gentle)) > 10 * gentle.cost(under_lqr(gentle))
+    True
+    """
+    whole, beyond = scene.cost(motion), np.zeros(len(motion.t), dtype=bool)
+    for name, bound in scene.bounds:
+        beyond |= np.abs(motion[name]) > bound
+    ends = np.flatnonzero(beyond[1:])
+    if not len(ends):
+        return whole
+    done = int(ends[0]) + 1
+    cost = scene.dt * scene.stage_cost(motion.x, motion.u, motion.y, motion.t - motion.t[0])[:done]
+    return float(cost.sum() + early_end_cost(scene, done, cost[-1]))
 
 
 def _cost(scene: Scene, lanes: int, action: Callable[[int], np.ndarray]) -> float:

@@ -211,6 +211,7 @@ REASONS = {  # patterns of module and name
     "studies.monte_carlo.trial*": INNER,
     "studies.scene_pages.markdown*": DRAWN,
     "studies.scene_pages.returns.under_lqr": INNER,
+    "studies.scene_pages.returns.charged": INNER,
     "studies.scene_pages.tables.Table": RESULT,
     "studies.slews.comparison.Slew": RESULT,
     "studies.slews.picture*": DRAWN,

@@ -74,7 +74,12 @@ def test_the_reward_is_the_scenes_own_cost_whatever_is_played() -> None:
     assert env.get_attr("fidelity")[0] == "rigid" and env.call("fidelity")[2] == env.scene.plant.label
     action = np.full((3, 2), 0.25)
     states = env.get_attr("state")
-    reward = env.step(action)[1]
+    seen, reward, *_ = env.step(action)
+    single = PlantEnv("two-link-reach", fidelities=WORDS)  # measured from the same goal
+    for lane, word in enumerate(WORDS):
+        single.reset(options={"fidelity": word})
+        alone, paid, *_ = single.step(action[lane])
+        assert np.array_equal(alone, seen[lane]) and paid == reward[lane]
     scene, u = env.scene, 0.25 * np.array(env.scene.limits)
     for lane, x in enumerate(states):
         plant = env._mixture.scenes[lane].plant

@@ -1,5 +1,7 @@
 """Which model each lane plays: shares, streams of the lanes' own, words."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,13 @@ def test_words_and_labels_find_their_model() -> None:
     assert [mixture.index("", word) for word in ("rigid", "linear", "linear, payload 2", "own")] == [0, 1, 1, 2]
     with pytest.raises(ValueError, match="fidelity = 'strain' must be one of 'rigid', 'linear, payload 2'"):
         mixture.index("fidelity", "strain")
+
+
+def test_plants_of_ones_own_that_differ_in_numbers_alone_are_told_apart() -> None:
+    loose = dataclasses.replace(SLEW.plant, hub_friction=0.5)
+    mixture = Mixture(SLEW, (("own", 1.0), (loose, 1.0)), 2)
+    assert mixture.labels.tolist() == ["stiffened, payload 2", "stiffened, payload 2 (2)"]
+    assert mixture.index("", "stiffened, payload 2 (2)") == 1 and mixture.scenes[1].plant is loose
 
 
 def test_a_model_twice_is_refused() -> None:

@@ -44,3 +44,10 @@ def test_a_stiffer_model_has_as_many_substeps_as_its_step_takes() -> None:
 def test_a_plant_of_other_inputs_is_refused() -> None:
     with pytest.raises(ValueError, match=r"has the inputs .*must have those of scene 'single-link-slew'"):
         scene_on(SLEW, REACH.plant)
+
+
+def test_a_plant_with_other_values_of_what_is_drawn_is_refused() -> None:
+    """Lanes of all models get the scene's values: they would be played in place of the plant's own."""
+    heavy = dataclasses.replace(SLEW.plant, payload=dataclasses.replace(SLEW.plant.payload, mass=2.0))
+    with pytest.raises(ValueError, match=r"payload.mass = 2, which scene 'single-link-slew' draws about its own 1"):
+        scene_on(SLEW, heavy)

@@ -12,7 +12,7 @@ POINTS = [RNG.uniform(1.0, 2.0, (2, 40)), RNG.uniform(1.0, 2.0, (1, 40))]
 
 def test_rows_are_computed_each_on_its_own() -> None:
     rows = Rows(ca.Function("f", [A, B], [A * B, ca.sin(B)]), POINTS)
-    for n in (1, 63, 65, 2000):
+    for n in (1, 8, 9, 63, 65, 2000):
         a, b = RNG.normal(size=(n, 2)), RNG.normal(size=(n, 1))
         product, sine = rows(a, b)
         np.testing.assert_allclose(product, a * b, rtol=1e-15)

@@ -1,12 +1,15 @@
 """Returns of simple policies."""
 
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pliant.envs import PlantEnv, scenes
-from pliant.studies.scene_pages.returns import returns, under_lqr
+from pliant.envs.scenes.registry import SCENES, VARIANTS
+from pliant.studies.scene_pages.returns import charged, returns, under_lqr
 
 SCENE = scenes.get("single-link-slew")
 
@@ -39,3 +42,34 @@ def test_a_goal_that_is_no_equilibrium_has_no_lqr() -> None:
     assert under_lqr(scenes.get("slider-crank-run")) is None
     motion = under_lqr(SCENE)
     assert motion is not None and SCENE.cost(motion) == pytest.approx(3.511, rel=1e-3)  # docs/scoreboard
+
+
+def test_a_motion_that_leaves_its_bounds_is_charged_as_the_environment_does() -> None:
+    gentle = scenes.get("single-link-slew-gentle")
+    motion, env = under_lqr(gentle), PlantEnv(gentle)
+    assert motion is not None and charged(SCENE, motion) == SCENE.cost(motion)  # where the tip may bend by 300 mm
+    env.reset(seed=0)
+    paid = 0.0
+    for u in motion.u:
+        _, reward, ended, _, _ = env.step(u / gentle.limits)
+        paid -= reward
+        if ended:
+            break
+    assert ended and charged(gentle, motion) == pytest.approx(paid, rel=1e-6)
+    found = {name: value for name, value, *_ in returns(gentle).rows}
+    assert found["LQR"] == -charged(gentle, motion) < found["zero actions"]
+
+
+@pytest.mark.parametrize("name", [*SCENES, *VARIANTS])
+def test_docstrings_tell_the_pages_returns(name: str) -> None:
+    """To four digits; what stands on the page of a scene is made by `returns` from the scoreboards."""
+    page = Path(__file__).parents[3] / "docs" / "environments" / f"{name}.md"
+    told = dict(
+        re.findall(r"^\| ([^|]+?) \| (-[\d.]+) ", page.read_text("utf-8").partition("## Returns")[2], re.MULTILINE)
+    )
+    maker = {**SCENES, **VARIANTS}[name]
+    rows = re.findall(r"\| ([^|]+?) +\| (-[\d.]+) +\|\n", (maker.__doc__ or "").partition("| policy")[2])
+    assert {"LQR", "zero actions", "random actions"} <= {policy for policy, _ in rows}
+    assert ("bound: no law is better" in dict(rows)) == ("bound: no law is better" in told)
+    for policy, value in rows:
+        assert float(value) == pytest.approx(float(told[policy]), rel=5.1e-4), policy
