@@ -30,7 +30,7 @@ from .error_bounds import Course
 Array = np.ndarray
 LANES = 144  # most corners of all that is not known; where it has more, so many of them, drawn
 GROWN = 1.1
-LARGEST = 1e3  # times the size at the start: past it a lane has run away
+LARGEST = 1e6  # times the size at the start: past it a lane has run away
 
 
 @dataclass(frozen=True, eq=False)

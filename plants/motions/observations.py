@@ -70,8 +70,8 @@ class Rows:
             arrays[start : start + size, :batch] = np.atleast_2d(value).T
         arrays[:, batch:] = arrays[:, :1]
         native.on_rows(arrays, starts, len(self._sizes_in))
-        found = arrays[starts[len(self._sizes_in)] :, :batch]
-        return [np.ascontiguousarray(found[end - size : end].T) for size, end in zip(sizes, accumulate(sizes))]
+        results = arrays[starts[len(self._sizes_in)] :, :batch]
+        return [np.ascontiguousarray(results[end - size : end].T) for size, end in zip(sizes, accumulate(sizes))]
 
 
 class Observer:

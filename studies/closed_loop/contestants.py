@@ -199,6 +199,7 @@ CONTESTANTS: Mapping[str, Maker] = {
     "TVLQR": Designed("TVLQR"),
     "MPC": Designed("MPC"),
     "MPC, delay 0 to 1": Designed("MPC", (("delay", (0, 1)),)),
+    "tube MPC": Designed("TubeMPC"),
     "NMPC": Designed("NMPC"),
     "LQG": Designed("LQG"),
     "robust LQG": robust_lqg,

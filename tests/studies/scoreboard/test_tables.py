@@ -79,6 +79,7 @@ def test_next_to_no_run_is_better_than_its_bound():
 
 
 SINCE = {  # of the second suite
+    "tube MPC",
     "multi-model LQR",
     "multi-model, sensors",
     "robust LQG",
