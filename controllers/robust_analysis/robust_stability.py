@@ -5,8 +5,9 @@ The box: each parameter between two values. k times the box: the same about its 
 stable_to     the loop is stable everywhere in this many boxes. A continuous loop: D, G scalings at all frequencies of a
               linear fractional form of its state matrix, fitted over those very boxes; what it lacks, `left`, was
               measured at some hundred points and is neglected. Where that shows too little, and for sampled loops: the
-              box in parts, in each one a norm that follows the parameters (`parts_of_box`); what A is not linear in
-              each of them there was measured, and twice that is added: what more there may be is neglected
+              box in parts, none of which has a zero of the loop's guardian map (`guardian_map`), or in each of which a
+              norm follows the parameters (`parts_of_box`); what an interpolation of the map lacks, and what A is not
+              linear in, was measured, and twice that is added: what more there may be is neglected
 unstable_at   at `worst`, on the edge of this many boxes, the loop's own state matrix has an eigenvalue on its limit
 mu            1/unstable_at to 1/stable_to: the structured singular value of the loop over the box
 """
@@ -31,6 +32,7 @@ from pliant.plants.core.errors import PliantError
 from pliant.plants.core.signals import OwnsArrays
 from pliant.plants.dynamics.plant import Plant
 
+from .guardian_map import free_of_zeros
 from .loop_over_box import LoopOverBox, loop_over_box
 from .nearest_instability import first_along, growth, nearest
 from .parts_of_box import Parts, shown
@@ -39,7 +41,8 @@ Array = np.ndarray
 MOST = 8  # boxes that are looked at
 KEPT = 0.95  # of a value, that it may fall by where boxes larger than the given one would take it past zero
 QUICK = 3.0  # boxes, that a quick look tries
-FIRST, LOOKS = 600, 3000  # at parts of a box: by norms alone, then ..
+LOOKS_AT_MAP = 1500  # at parts of a box: by the guardian map
+FIRST, LOOKS = 600, 3000  # by norms alone, then ..
 BY_SCALINGS = 60.0  # .. by scalings as well: so many looks for those of 20 rows
 NEUTRAL = 1e-10  # of the fastest rate: decay that is rounding
 NEAR = 0.99  # of the nearest instability: the box that is shown in parts
@@ -55,7 +58,7 @@ class RobustStability(OwnsArrays):
     unstable_at: float | None  # None: no instability was found in `most` boxes
     most: float  # boxes beyond which nothing was looked at: a parameter would come near to zero
     worst: dict[str, float] | None  # the parameters there
-    left: float  # |what the forms lack| / |state matrix|, the largest that was measured
+    left: float  # |what the forms lack| / |state matrix|, or of the map's value, the largest that was measured
     parts: int  # of the box, each shown by itself; 1: all of it by scalings of the form
     form: FractionalForm | None
     cut_short: bool = False  # looks at parts ran out: more of the box may be stable
@@ -144,8 +147,10 @@ def _found(names: tuple[str, ...], middle: Array, half: Array, loop: LoopOverBox
             break
     edge *= 1.0 if found is None else NEAR
     if stood < edge:
-        seen = shown(_scaled(loop.state_matrix, edge), count, dt, FIRST)
-        if seen.cut_short:
+        seen = free_of_zeros(_scaled(loop.state_matrix, edge), count, dt, LOOKS_AT_MAP)
+        if seen.cut_short or (seen.stood < 1 and seen.unstable is None):
+            seen = max(seen, shown(_scaled(loop.state_matrix, edge), count, dt, FIRST), key=_stood)
+        if seen.cut_short and BY_SCALINGS:
             seen = max(seen, shown(_scaled(loop.state_matrix, edge), count, dt, LOOKS, BY_SCALINGS), key=_stood)
         if seen.unstable is not None:
             met = first_along(lambda delta: growth(loop.state_matrix(delta), dt), edge * seen.unstable)

@@ -146,6 +146,7 @@ REASONS = {  # patterns of module and name
     "studies.robust.robustify.Attempt": RESULT,
     "studies.robust.robustify.Robustified*": RESULT,
     "controllers.cycles.*": INNER,
+    "controllers.robust_analysis.guardian_map.*": INNER,
     "controllers.riccati.periodic_drawn.DrawnRegulator": RESULT,
     "controllers.riccati.periodic_filter.PeriodicFilter": RESULT,
     "controllers.linear_quadratic.lqg.PlainFilterWarning": PROTOCOL,

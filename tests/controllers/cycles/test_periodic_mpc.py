@@ -34,6 +34,8 @@ def test_without_active_limits_it_is_the_regulator(cycle, law, mpc):
 def test_its_prediction_is_the_plants_to_first_order(scene, cycle, law):
     """Ten periods under the law from a node, the gain of angle on the way included: slope 2 in the deviation."""
     A, B, found = _by_time(cycle, law, 0.0)
+    begin = np.roll(cycle.flow, 1, axis=0)
+    assert np.einsum("kij,kj->ki", found.K, begin) == pytest.approx(0.0, abs=1e-9 * np.abs(found.K).max())
     plant, first = scene.plant, 30
     missed = []
     for size in (0.2, 0.1):

@@ -79,7 +79,7 @@ def test_looks_that_run_out_are_told(monkeypatch):
 
     told = {}
     for looks in (3, 3000):
-        for name, count in (("FIRST", looks), ("LOOKS", looks), ("BY_SCALINGS", 0)):
+        for name, count in (("LOOKS_AT_MAP", 1), ("FIRST", looks), ("LOOKS", looks), ("BY_SCALINGS", 0)):
             monkeypatch.setattr(f"pliant.controllers.robust_analysis.robust_stability.{name}", count)
         told[looks] = over_box(sampled, {"turn": (1.0, 3.0), "size": (1.0, 3.0)}, dt=0.1)
     assert told[3].cut_short and "ran out" in told[3].words and told[3].stable_to < told[3].most
