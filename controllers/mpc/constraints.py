@@ -46,6 +46,7 @@ class Window(NamedTuple):
     C: np.ndarray  # (n + 1, nb, nx)
     D: np.ndarray  # (n + 1, nb, nu)
     seen: np.ndarray | None = None  # (nb, nd) of the disturbance d in the bounded signals; None: x_s, u_s are fixed
+    direct: np.ndarray | None = None  # (nb,) which signals have feedthrough, at one time at least; None: as D has
 
 
 class Step(NamedTuple):
@@ -89,6 +90,7 @@ def assemble(motion: Prediction, window: Window, limits: Limits, horizon: int) -
     nx, nb = motion.X.shape[1], len(limits.bounded)
     nd = 0 if window.seen is None else window.seen.shape[1]
     none_x, none_u, none_d, one = np.zeros(nx), np.zeros(nu), np.zeros(nd), np.eye(nu)
+    direct = window.D.any(axis=(0, 2)) if window.direct is None else window.direct
     rows: list[_Row] = []
     for j in range(n):
         for i in range(nu):
@@ -104,7 +106,7 @@ def assemble(motion: Prediction, window: Window, limits: Limits, horizon: int) -
                 else:
                     rows.append(_Row(-1, motion.U[0, i], none_x, one[i], none_d, -one[i], window.u[0, i], *ends))
         for i in range(nb):
-            at = j if window.D[j, i].any() else j + 1  # what no input reaches yet is not limited
+            at = j if direct[i] else j + 1  # what no input reaches yet is not limited
             if at == j:
                 signal = window.C[j, i] @ motion.X[j] + window.D[j, i] @ motion.U[j]
             else:

@@ -55,12 +55,12 @@ def follower(
     bounded = limits_of(models[0], limits, rates, bounds, dt)
     signals = [signal_rows(model, bounded.bounded, "MPC.bounds: state or output") for model in models]
     C, D, z = (np.array([signals[k][i] for k in [*where, nodes - 1]]) for i in range(3))
-    u, x = ltv.u[where], ltv.x
+    u, x, direct = ltv.u[where], ltv.x, D.any(axis=(0, 2))
 
     def at(k: int, price: float | None, hard: bool = False) -> tuple[Step, Window]:
         one = slice(k, k + n)
         motion = predict(A[one], B[one], c[one], Laws(*(part[one] for part in found)), horizon, blocks)
-        window = Window(u[one], x[k], z[k : k + n + 1], C[k : k + n + 1], D[k : k + n + 1])
+        window = Window(u[one], x[k], z[k : k + n + 1], C[k : k + n + 1], D[k : k + n + 1], direct=direct)
         return build(motion, window, bounded, horizon, price, hard), window
 
     exact = penalty is None

@@ -34,16 +34,23 @@ class Course(NamedTuple):
     C: Array  # (.., nb, nx) bounded signals
     D: Array  # (.., nb, nu)
     K: Array  # (.., nu, nx) ancillary
-    Kf: Array  # (.., nu, nx) past the horizon
+    Kf: Array  # (.., nu, nx) past the horizon, u = u0 - Kf (x - x0) - kf
+    kf: Array | None = None  # (.., nu), None: zero
+
+    @property
+    def direct(self) -> Array:
+        """(nb,) which signals have feedthrough, at one time at least."""
+        return np.asarray(self.D.any(axis=(0, 2)))
 
     def at(self, k: int) -> tuple[Array, ...]:
         """(A, B, C, D, K, Kf) of time k."""
-        return tuple(part[min(k, len(part) - 1)] for part in self)
+        return tuple(part[min(k, len(part) - 1)] for part in self[:6])
 
     def over(self, first: int, times: int) -> tuple[Array, ...]:
         """The same (times, .., ..) of times first, first + 1, ..; (1, .., ..) where it is the same at all times."""
-        span = 1 if all(len(part) == 1 for part in self) else times
-        return tuple(part[np.minimum(np.arange(first, first + span), len(part) - 1)] for part in self)
+        parts = self[:6]
+        span = 1 if all(len(part) == 1 for part in parts) else times
+        return tuple(part[np.minimum(np.arange(first, first + span), len(part) - 1)] for part in parts)
 
 
 class Tightening(NamedTuple):
@@ -72,11 +79,10 @@ def tightening(course: Course, rows: tuple[Array, Array], disturbances: Disturba
     """Of plans made at times 0 .. times - 1, the last of which stays; rows: its `responses`."""
     (nu, nx), nb, n = course.K.shape[-2:], course.C.shape[-2], rows[0].shape[1]
     found = Tightening(*(np.zeros((times, n + 1, width)) for width in (nu, nu, nb, nb)))
-    noise = disturbances.noise
+    noise, unread = disturbances.noise, ~course.direct  # signals of the next period that no reading enters
     for k in range(times - 1, -1, -1):
-        A, _, C, D, _, _ = course.at(k)
-        found.z_high[k, 0] = found.z_low[k, 0] = np.where(D.any(axis=1), np.abs(C) @ noise, 0.0)
-        unread = ~course.at(k + 1)[3].any(axis=1)  # signals of the next period that no reading enters
+        A, _, C = course.at(k)[:3]
+        found.z_high[k, 0] = found.z_low[k, 0] = np.where(course.direct, np.abs(C) @ noise, 0.0)
         for seen, ends in zip(rows, (found[:2], found[2:])):
             d = seen[min(k, len(seen) - 1)].reshape(-1, nx)
             off = np.abs(d) @ noise

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pliant.controllers.mpc.constraints import Limits
+from pliant.controllers.mpc.constraints import Limits, Step
 
 from .error_bounds import Course, Tightening
 
@@ -50,6 +50,30 @@ def lasts(
     return True
 
 
+def out_of_reach(
+    step: Step,
+    course: Course,
+    taken: Tightening,
+    limits: Limits,
+    c: Array,
+    origin: tuple[Array, Array, Array],
+    k: int,
+) -> tuple[Array, Array, Array, Array]:
+    """Signals that no plan of time k moves, so that its program leaves them out: rows (m, nx) on the state less the
+    origin's, lowest and highest (m,), place among the bounded signals (m,)."""
+    nu, nb = len(limits.inputs), len(limits.bounded)
+    names = step.names.reshape(-1, max(step.stride, 1))
+    still = ~step.solver.M.any(axis=1).reshape(names.shape) & (names >= 0) & (names < nb)
+    periods = np.flatnonzero(still.any(axis=1))
+    found = [(j, int(i)) for j in periods for i in names[j][still[j]]]
+    n = int(periods.max(initial=0))
+    rows, low, high = past_horizon(course, taken, limits, c, origin, k, n, 0)
+    ends = [(low[j][nu + i], high[j][nu + i]) for j, i in found]
+    ends_at = np.array(ends, dtype=float).reshape(-1, 2)
+    F = np.array([rows[j][nu + i] for j, i in found]).reshape(-1, course.A.shape[-1])
+    return F, ends_at[:, 0], ends_at[:, 1], np.array([i for _, i in found], dtype=int)
+
+
 def past_horizon(
     course: Course,
     taken: Tightening,
@@ -70,13 +94,13 @@ def past_horizon(
 
     for j in range(horizon, n + 1):
         A, B, C, D, _, Kf = course.at(k + j)
-        U = -Kf @ M, -Kf @ s
+        U = -Kf @ M, -Kf @ s - (0.0 if course.kf is None else here(course.kf, k + j))
         after = A @ M + B @ U[0], A @ s + B @ U[1] + here(c, k + j)
         next_C = course.at(k + j + 1)[2]
         own = [(*(part[i] for part in U), here(origin[1], k + j)[i]) for i in range(len(Kf))]
         ends = [(limits.low[i] + taken.u_low[k, j, i], limits.high[i] - taken.u_high[k, j, i]) for i in range(len(Kf))]
         for i in range(len(C)):
-            at = j if D[i].any() else j + 1
+            at = j if course.direct[i] else j + 1
             if at == j:
                 row = C[i] @ M + D[i] @ U[0], C[i] @ s + D[i] @ U[1]
             else:

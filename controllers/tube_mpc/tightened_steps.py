@@ -56,9 +56,10 @@ def tightened(steps: Sequence[Step], found: Tightening, limits: Limits, course: 
     """A step for each time of `found`; where there is one step, its solver and maps serve all."""
     finite = np.flatnonzero(np.isfinite(limits.low) | np.isfinite(limits.high))
     times, n = len(found.u_high), len(steps[0].low) // max(steps[0].stride, 1)
-    k, j = np.arange(times)[:, None], np.arange(n)
-    direct = np.asarray(course.D.any(axis=2))[np.minimum(k + j, len(course.D) - 1)]  # (times, n, nb)
-    at = np.where(direct, j[:, None], j[:, None] + 1)  # as in `mpc.constraints.assemble`
+    j = np.arange(n)
+    at = np.where(course.direct, j[:, None], j[:, None] + 1) + np.zeros(
+        (times, 1, 1), dtype=int
+    )  # as in `mpc.constraints`
     high, low = (
         np.concatenate([u[:, :n, finite], np.take_along_axis(z, at, axis=1)], axis=2).reshape(times, -1)
         for u, z in ((found.u_high, found.z_high), (found.u_low, found.z_low))

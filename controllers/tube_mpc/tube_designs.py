@@ -105,11 +105,11 @@ def along_nominal(ltv: LTVModel, Q: Any, R: Any, horizon: int, limited: Limited)
     rows = [signal_rows(model, limits.bounded, "TubeMPC.bounds: state or output") for model in models]
     C, D, z0 = (np.array([own[i] for own in rows]) for i in range(3))
     A, B, c, *cost = problem_along(ltv, Q, R, None, n)
-    Kf = laws(A, B, c, *cost).K
+    past = laws(A, B, c, *cost)
     found = {}
     for price in PRICES:
         _, _, _, *cost = problem_along(ltv, *ancillary_cost(models[-1], Q, R, limits, price), None, n)
-        found[price] = Course(A, B, C, D, laws(A, B, c, *cost).K, Kf)
+        found[price] = Course(A, B, C, D, laws(A, B, c, *cost).K, past.K, past.k)
     return Tubes(made, found, c, (ltv.x, ltv.u, z0), n, {})
 
 

@@ -38,7 +38,7 @@ from pliant.plants.core.signals import OwnsArrays
 
 from .disturbance_set import DisturbanceSet
 from .error_bounds import Course, Tightening
-from .lasting_plans import lasts
+from .lasting_plans import lasts, out_of_reach
 from .scene_tubes import ROUNDS, tubes_of
 from .tightened_steps import largest_share
 from .tube_designs import Tubes, about_point, along_nominal, chosen
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 Bounds = Mapping[str, tuple[float, float]] | None
+ROUNDING = 1e-7  # of a limit's range: excess that is none
 
 
 @final
@@ -81,6 +82,7 @@ class TubeMPC(OwnsArrays):
 
     def __post_init__(self) -> None:
         self._kept: tuple[int, Step, Array, Array | None] | None = None  # when, program, what was known, z: of a plan
+        self._still: dict[int, tuple[Array, ...]] = {}  # `out_of_reach`, by time
 
     @classmethod
     def design(
@@ -203,7 +205,8 @@ class TubeMPC(OwnsArrays):
 
     @property
     def record(self) -> Record:
-        """Of the acts since `reset`: `violations` are those for which no plan within the tightened limits was found."""
+        """Of the acts since `reset`: `violations` are those for which no plan within the tightened limits was found, or
+        where a signal that no plan moves in time is outside of them."""
         return self.mpc.record
 
     @property
@@ -235,7 +238,7 @@ class TubeMPC(OwnsArrays):
         before = record.violations + record.failures
         u = mpc.act(t, y)
         at = int((moment("TubeMPC", t) - self.begins) / mpc.dt + 0.5)
-        if record.violations + record.failures == before and mpc.plan.step is not None:
+        if record.violations + record.failures == before and mpc.plan.step is not None and _leaves(self, at, y):
             self._kept = at, mpc.plan.step, mpc.plan.known.copy(), mpc.plan.z
             return u
         if self._kept is None or not 0 < at - self._kept[0] < mpc.horizon:
@@ -243,6 +246,26 @@ class TubeMPC(OwnsArrays):
         v, z, K = _planned(self, at)
         u = v - K @ (reading("TubeMPC.y", y, len(self.reads)) - z)
         return np.minimum(np.maximum(u, mpc.limits.low), mpc.limits.high)
+
+
+def _leaves(law: TubeMPC, at: int, y: Array) -> bool:
+    """Whether what no plan of period `at` moves stays within the tightened limits; where not, that is recorded."""
+    step, limits = law.mpc.plan.step, law.mpc.limits
+    assert step is not None
+    k = min(max(at, 0), len(law.taken.u_high) - 1)
+    if k not in law._still:
+        law._still[k] = out_of_reach(step, law.course, law.taken, limits, law.c, law.origin, k)
+    F, low, high, place = law._still[k]
+    if not len(F):
+        return True
+    rows = F @ (y - law.origin[0][min(k, len(law.origin[0]) - 1)])
+    beyond, scale = np.maximum(rows - high, low - rows), limits.ceiling[place] - limits.floor[place]
+    if (beyond <= ROUNDING * np.where(np.isfinite(scale), scale, 1.0)).all():
+        return True
+    worst = np.zeros(len(law.record.names))
+    np.maximum.at(worst, place, beyond)
+    law.record.violate(worst)
+    return False
 
 
 def _planned(law: TubeMPC, at: int) -> tuple[Array, Array, Array]:

@@ -11,7 +11,7 @@ from pliant.controllers import MPC, DisturbanceSet, TubeMPC, export_c
 from pliant.controllers.tube_mpc.error_bounds import tightening
 from pliant.controllers.tube_mpc.tube_designs import about_point
 from pliant.envs import scenes
-from pliant.plants import LTVModel
+from pliant.plants import LinearModel, LTVModel
 
 
 @pytest.fixture(scope="module")
@@ -105,3 +105,25 @@ def test_bad_input(law):
         TubeMPC.design(MODEL, Q, R, 0.1, **GIVEN)
     with pytest.raises(ValueError, match=r"TubeMPC\.rounds"):
         TubeMPC.for_scene(scenes.get("single-link-slew"), rounds=0)
+
+
+def test_feedthrough_that_is_none_at_a_node_is_looked_at_there_too():
+    """y = x + 2 u, but x at node 3: a bound of 0.2 on y is kept there from any start whose plan keeps it."""
+    nodes, one = 8, np.ones((8, 1, 1))
+    D = 2 * one
+    D[3] = 0.0
+    model = LinearModel.from_matrices([[0.0]], [[10.0]], states=["x"], inputs=["u"], outputs=["y"])
+    rest = {key: np.zeros((nodes, 1)) for key in ("c", "x", "u", "y")}
+    names = {key: getattr(model, key) for key in ("states", "inputs", "disturbances", "outputs")}
+    none = np.zeros((nodes, 1, 0))
+    ltv = LTVModel(DT * np.arange(nodes), 0 * one, 10 * one, none, one, D, none, **rest, **names)
+    given = {"horizon": 5, "limits": (-0.4, 0.4), "bounds": {"y": (-0.2, 0.2)}}
+    made = TubeMPC.along(ltv, [[1.0]], [[100.0]], DisturbanceSet.box([0.001]), **given)
+    for start in (0.5, 0.8, 0.95):
+        made.reset()
+        x = np.array([start])
+        for k in range(4):
+            u = made.act(k * DT, x)
+            assert made.record.violations == 0
+            assert abs(x[0] + D[k, 0, 0] * u[0]) <= 0.2 + 1e-6
+            x = x + u + 0.001
