@@ -153,7 +153,7 @@ def _programs(
         one = np.arange(k, k + horizon) % N
         on = np.arange(k, k + horizon + 1) % N
         made = predict(A[one], B[one], none, Laws(*(part[one] for part in found)), horizon)
-        return made, Window(u, np.zeros(nz), z[on], C[on], D[on], direct=D.any(axis=(0, 2)))
+        return made, Window(u, np.zeros(nz), z[on], C[on], D[on], direct=np.asarray(D.any(axis=(0, 2))))
 
     if penalty is None:
         penalty = 0.0

@@ -90,7 +90,7 @@ def assemble(motion: Prediction, window: Window, limits: Limits, horizon: int) -
     nx, nb = motion.X.shape[1], len(limits.bounded)
     nd = 0 if window.seen is None else window.seen.shape[1]
     none_x, none_u, none_d, one = np.zeros(nx), np.zeros(nu), np.zeros(nd), np.eye(nu)
-    direct = window.D.any(axis=(0, 2)) if window.direct is None else window.direct
+    direct = np.asarray(window.D.any(axis=(0, 2))) if window.direct is None else window.direct
     rows: list[_Row] = []
     for j in range(n):
         for i in range(nu):

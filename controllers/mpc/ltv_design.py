@@ -55,7 +55,7 @@ def follower(
     bounded = limits_of(models[0], limits, rates, bounds, dt)
     signals = [signal_rows(model, bounded.bounded, "MPC.bounds: state or output") for model in models]
     C, D, z = (np.array([signals[k][i] for k in [*where, nodes - 1]]) for i in range(3))
-    u, x, direct = ltv.u[where], ltv.x, D.any(axis=(0, 2))
+    u, x, direct = ltv.u[where], ltv.x, np.asarray(D.any(axis=(0, 2)))
 
     def at(k: int, price: float | None, hard: bool = False) -> tuple[Step, Window]:
         one = slice(k, k + n)

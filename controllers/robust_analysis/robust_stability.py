@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pliant.controllers.uncertain_blocks.fractional_form import FractionalForm, fitted
+from pliant.controllers.uncertain_blocks.fractional_form import FractionalForm, NoEffect, fitted
 from pliant.controllers.uncertain_blocks.over_frequencies import bound
 from pliant.plants.core.argument_gates import (
     require_count,
@@ -211,7 +211,10 @@ def stands(
 def _by_scalings(loop: LoopOverBox, count: int, k: float) -> FractionalForm | None:
     """The form of k boxes over which scalings show stability."""
     mass = None if loop.mass is None else _scaled(loop.mass, k)
-    form = fitted(_scaled(loop.state_matrix, k), count, loop.dt, mass)
+    try:
+        form = fitted(_scaled(loop.state_matrix, k), count, loop.dt, mass)
+    except NoEffect:  # parts of the box tell
+        return None
     return form if bound(form, 1.0, 1.0).beta <= 1 else None
 
 

@@ -35,6 +35,10 @@ CORNERS = 6  # parameters of which all corners are looked at
 RANK = 1e-3  # singular values that count, beside the largest element of the state matrix
 
 
+class NoEffect(ValueError):
+    """A parameter moves the state matrix by less than RANK: it has no block."""
+
+
 @dataclass(frozen=True, eq=False)
 class FractionalForm(OwnsArrays):
     """A (n, n), B (n, m), C (m, n), D (m, m), blocks of the m rows; dt [s] of a sampled system."""
@@ -130,7 +134,7 @@ def _realised(both: Array, first: Array, second: dict[tuple[int, int], Array], d
     B, C, D = np.zeros((n, m)), np.zeros((m, 2 * n)), np.zeros((m, m))
     for i in range(k):
         if not ranks[i] + more[i]:
-            raise ValueError("fitted: a parameter has no effect on the loop")
+            raise NoEffect("fitted: a parameter has no effect on the loop")
         own = slice(starts[i], starts[i] + ranks[i])
         B[:, own], C[own] = U[i], U[i].T @ first[i]
         C[own.stop : starts[i + 1]] = Q[i]

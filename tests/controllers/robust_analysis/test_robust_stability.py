@@ -85,3 +85,11 @@ def test_looks_that_run_out_are_told(monkeypatch):
     assert told[3].cut_short and "ran out" in told[3].words and told[3].stable_to < told[3].most
     assert not told[3000].cut_short and "ran out" not in told[3000].words
     assert told[3000].stable_to == told[3000].most
+
+
+@pytest.mark.parametrize("effect", [0.0, 1e-13])
+def test_a_parameter_without_effect_takes_nothing_from_a_continuous_loop(effect):
+    """x'' + (0.5 - 0.1 d1) x' + x = 0, and d2 of nothing: as many boxes as are looked at."""
+    box = {"damping": (1.0, 3.0), "other": (1.0, 3.0)}
+    found = over_box(lambda d: np.array([[0.0, 1.0], [-1.0 + effect * d[1], -0.5 + 0.1 * d[0]]]), box)
+    assert found.stable_to == found.most and found.unstable_at is None and "1.9 boxes" in found.words
