@@ -160,7 +160,11 @@ def pytest_collection_finish():
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """`every(n)`: the first of each n variants of a test runs in `make test`, all of them in `make campaign`."""
+    """`every(n)`: the first of each n variants of a test runs in `make test`, all of them in `make campaign`.
+
+    Tests that are `early` come first: at the end of a run, processes take tests from each other.
+    """
+    items.sort(key=lambda item: item.get_closest_marker("early") is None)
     seen = Counter()
     for item in items:
         if mark := item.get_closest_marker("every"):

@@ -4,7 +4,7 @@ import foreign_choices
 import pytest
 
 
-@pytest.mark.parametrize("seed", [9])
+@pytest.mark.parametrize("seed", [3, pytest.param(9, marks=pytest.mark.campaign)])
 def test_what_is_met_is_within_its_bound_of_a_model_on_no_ladder(seed):
     row = foreign_choices.run(seed)
     assert not row["crashed"] and row["met"], row

@@ -14,6 +14,7 @@ from pliant.studies.commands.cli import app
 from pliant.studies.common.formatting import measured, paragraph
 from pliant.studies.stability.verdicts import verdict_of
 
+pytestmark = pytest.mark.early  # all look at one report
 SLEW = scenes.get("single-link-slew", duration=1.2, move_time=0.6)
 SHORT = ("--set", "duration=1.2", "--set", "move_time=0.6")
 TABLES = {
