@@ -162,6 +162,6 @@ def linearised(controller: Any, y0: Any, *, step: float = 1e-6, t: float = 0.0) 
         e = h * np.eye(len(y0))[i]
         columns.append((fresh(y0 - e) - fresh(y0 + e)) / (2 * h))
     controller.reset()
-    D = np.column_stack(columns)
+    D = np.reshape(columns, (len(y0), first.size)).T  # of a law that reads nothing (nu, 0)
     none = np.zeros((0, 0))
     return LinearLaw(none, np.zeros((0, len(y0))), np.zeros((len(D), 0)), D, tuple(controller.reads), controller.dt)

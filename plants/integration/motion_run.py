@@ -189,7 +189,7 @@ class FixedRun(MotionRun):
         """`_check` at the starts of intervals first .. last - 1, which compiled code has gone through."""
         k, reached = np.arange(-(-first // self.every) * self.every, last, self.every), self.reached
         steps = (self.t[k + 1] - self.t[k]) / self.counts[k]
-        for i in doubtful(self.plant, z[k], self.method, steps, self.drive.samples[k], self.p):
+        for i in doubtful(self.plant, z[k], self.method, steps, self.drive.samples[k], self.p, self.t[k]):
             self.reached = int(k[i])  # what came later tells nothing where this one is past the limit
             self._check(self.reached, z[self.reached])
         self.reached = reached

@@ -27,7 +27,6 @@ from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
 from pliant.plants.motions.observations import slopes_at_rows
 from pliant.plants.native.single_point import OftenCalled
 
-FAR_WITHIN = 0.5  # of what is damped for sure: steps so small are far within
 ROUNDED = 1e-13  # 4 m eps of at most 100 states: what A^4 may be off, relative to |A|^4
 SOLVED = 1e-8  # largest residual of the implicit midpoint rule, relative to the rates
 
@@ -184,7 +183,7 @@ def step_limit(plant: PlantLike, x: Any, method: str = "rk4", *, u: Any = None, 
     return _slowest_limit(_modes(plant, x, method, u, p), METHODS[method])[0]
 
 
-def _modes(plant: PlantLike, x: Any, method: str, u: Any, p: Any) -> np.ndarray:
+def _modes(plant: PlantLike, x: Any, method: str, u: Any, p: Any, t: float = 0.0) -> np.ndarray:
     """Eigenvalues [1/s] of the linearised plant; none for a method without limit."""
     require_choice("integrate", "method", method, tuple(METHODS))
     if isinstance(plant, type) or not hasattr(plant, "jacobians"):
@@ -195,7 +194,7 @@ def _modes(plant: PlantLike, x: Any, method: str, u: Any, p: Any) -> np.ndarray:
     for name, value, size in (("u", u, plant.nu), ("p", p, len(getattr(plant, "varied", ())))):
         if value is not None:
             require_finite(f"step_limit.{name}", value, (size,))
-    slopes = plant.jacobians(x, u, p=p)[0]
+    slopes = plant.jacobians(x, u, p=p, t=t)[0]
     if not np.isfinite(slopes).all():
         raise ValueError(f"step_limit.x = {shown(x)}: the equations linearised there are not finite")
     return np.linalg.eigvals(slopes)
@@ -220,7 +219,7 @@ def check_step(
     plant: PlantLike, x: Any, method: str, step: float, *, u: Any = None, p: Any = None, t: float = 0.0
 ) -> None:
     """Raise StabilityLimitError when `step` [s] is past the method's limit at x."""
-    poles = _modes(plant, x, method, u, p)
+    poles = _modes(plant, x, method, u, p, t)
     # Of a pair one is enough, and what is damped for sure has its limit beyond this step.
     fast = poles[(step * np.abs(poles) > damped_within(method)) & (poles.imag >= 0)]
     limit, mode = _slowest_limit(fast, METHODS[method])
@@ -235,20 +234,16 @@ def check_step(
         )
 
 
-def doubtful(plant: PlantLike, x: np.ndarray, method: str, steps: np.ndarray, u: np.ndarray, p: np.ndarray) -> Any:
-    """Which of the states x (n, nx), each with its step (n,) and input (n, nu), `check_step` has to look at; the others
-    are within what is damped for sure. Where the first, the last and one amid are so by far, no other is looked at.
+def doubtful(
+    plant: PlantLike, x: np.ndarray, method: str, steps: np.ndarray, u: np.ndarray, p: np.ndarray, t: np.ndarray
+) -> Any:
+    """Which of the states x (n, nx), each with its step (n,), input (n, nu) and time t (n,), `check_step` has to look
+    at; the others are within what is damped for sure.
     """
     if not len(x) or METHODS[method].tableau is None:
         return np.zeros(0, dtype=int)
     within = damped_within(method)
-
-    slopes_at, w = slopes_at_rows(plant), np.zeros(plant.nw)
-    if not slopes_at.kernel.at_hand:
-        few = np.unique([0, len(x) // 2, len(x) - 1])
-        if (steps[few] * at_most(slopes_at((0.0, x[few], u[few], w, p), len(few))) <= FAR_WITHIN * within).all():
-            return np.zeros(0, dtype=int)
-    slopes = slopes_at((0.0, x, u, w, p), len(x))
+    slopes = slopes_at_rows(plant)((t[:, None], x, u, np.zeros(plant.nw), p), len(x))
     near = np.flatnonzero(~(steps * at_most(slopes) <= within))  # NaN is near
     if not near.size:
         return near

@@ -19,6 +19,19 @@ def test_a_law_acts_as_its_controller():
     assert law_of(form) is form and len(form.poles) == 0
 
 
+def test_a_law_that_reads_nothing_is_of_no_columns():
+    class Given:
+        dt, reads = None, ()
+
+        def reset(self):
+            pass
+
+        def act(self, t, y):
+            return np.array([1.0, 2.0])
+
+    assert linearised(Given(), np.zeros(0)).D.shape == (2, 0)
+
+
 def test_what_has_no_linear_form_is_named():
     with pytest.raises(PliantError, match="str: this controller has no linear form"):
         law_of("law")

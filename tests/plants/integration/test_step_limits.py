@@ -3,6 +3,7 @@
 import warnings
 from math import factorial
 
+import casadi as ca
 import numpy as np
 import pytest
 from oscillators import Oscillator, Scalar
@@ -106,3 +107,29 @@ def test_a_state_too_large_for_the_equations_is_refused_in_words():
     with warnings.catch_warnings(), pytest.raises(ValueError, match=r"step_limit\.x = .* not finite"):
         warnings.simplefilter("ignore")
         step_limit(arm, np.full(arm.nx, 1e140))
+
+
+class Stiffening(Scalar):
+    """x' = -r x, r of 400 1/s at a quarter of a second, else of 1 1/s."""
+
+    def ode(self, t, x, u, w):
+        return -(1 + 399 * ca.exp(-(((t - 0.25) / 0.05) ** 2))) * x
+
+
+@pytest.mark.parametrize("native", ["0", "1"])
+def test_a_machine_that_is_stiff_at_one_time_is_looked_at_then(native, monkeypatch):
+    """Neither at its start, middle or end."""
+    monkeypatch.setenv("PLIANT_NATIVE", native)
+    with pytest.raises(StabilityLimitError, match=r"at t = 0\.25 s: .*-400"):
+        Stiffening().simulate([1.0], None, np.linspace(0, 1, 65), method="rk4", step=1 / 64)
+
+
+def test_every_state_of_a_motion_is_doubted_where_its_own_step_is_long():
+    """Also where the others' are far within the limit, without compiled code."""
+    rows, x, t = 9, np.zeros((9, 1)), np.linspace(0, 1, 9)
+    for plant, steps in (
+        (Stiffening(), np.full(rows, 1 / 64)),
+        (Scalar(rate=-400.0), np.where(t == 0.25, 1 / 64, 1e-4)),
+    ):
+        found = step_maps.doubtful(plant, x, "rk4", steps, np.zeros((rows, 0)), np.zeros(0), t)
+        assert found.tolist() == [2]
