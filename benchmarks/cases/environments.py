@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache, partial
 from typing import Any
+from unittest import mock
 
 import gymnasium
 import numpy as np
@@ -145,14 +146,13 @@ def outside(name: str, lanes: int, threads: int) -> Sampler:
         run(*arguments)
         inside += time.perf_counter() - begin
 
-    env._step.work.run = timed  # type: ignore[method-assign]
-
     def sample(seconds: float) -> float:
         nonlocal inside
-        inside, turn, begin = 0.0, 0, time.perf_counter()
-        while (spent := time.perf_counter() - begin) < seconds:
-            env.step(chosen[turn % ACTIONS])
-            turn += 1
+        with mock.patch.object(env._step.work, "run", timed):
+            inside, turn, begin = 0.0, 0, time.perf_counter()
+            while (spent := time.perf_counter() - begin) < seconds:
+                env.step(chosen[turn % ACTIONS])
+                turn += 1
         return 1.0 - inside / spent
 
     sample(0.0)

@@ -20,19 +20,22 @@ from gymnasium.vector import AutoresetMode
 from pliant.envs.environments.arguments import require_seed
 from pliant.envs.environments.vector_env import PlantVectorEnv
 from pliant.envs.scenes.scene import Scene
+from pliant.plants.core.argument_gates import shown
 
 Array = np.ndarray
+OWN: dict[str, Any] = {"dtype": "float32", "autoreset_mode": AutoresetMode.SAME_STEP}  # PufferLib's conventions
 BUFFERS = ("observations", "rewards", "terminals", "truncations", "masks", "actions")
 
 
 class PufferLanes:
     """What an environment of PufferLib does, without the library: who makes the buffers sets them as attributes.
 
-    Keywords are PlantVectorEnv's but `dtype` and `autoreset_mode`, those of `Task` among them. `reset(seed=s)` seeds
-    lane i with s * num_agents + i, which then plays the episodes of PlantEnv.reset(seed=that): environments of seeds
-    s, s + 1, .., as PufferLib gives them, share no episode. `reset()` goes on from the seed before, or begins with that
-    of the constructor. infos: where episodes end, one dictionary of means over these: "episode_return",
-    "episode_length" (actions), "cost", which the scene charges for the last action, "diverged".
+    Keywords are PlantVectorEnv's but `dtype` and `autoreset_mode`, which are PufferLib's (ValueError); those of
+    `Task` are among them. `reset(seed=s)` seeds lane i with s * num_agents + i, which then plays the episodes of
+    PlantEnv.reset(seed=that): environments of seeds s, s + 1, .., as PufferLib gives them, share no episode.
+    `reset()` goes on from the seed before, or begins with that of the constructor. infos: where episodes end, one
+    dictionary of means over these: "episode_return", "episode_length" (actions), "cost", which the scene charges for
+    the last action, "diverged".
 
     Example
     -------
@@ -50,9 +53,9 @@ class PufferLanes:
     actions: Array
 
     def __init__(self, scene: str | Scene, num_envs: int, *, seed: int | None = 0, **options: Any) -> None:
-        self.vector = PlantVectorEnv(
-            scene, num_envs, dtype=np.float32, autoreset_mode=AutoresetMode.SAME_STEP, **options
-        )
+        if given := sorted(options.keys() & OWN):
+            raise ValueError(f"PufferLanes: {given[0]} = {shown(options[given[0]])} must be left out")
+        self.vector = PlantVectorEnv(scene, num_envs, **OWN, **options)
         self.num_agents = self.vector.num_envs
         self.single_observation_space = self.vector.single_observation_space
         self.single_action_space = self.vector.single_action_space

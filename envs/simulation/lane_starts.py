@@ -67,4 +67,4 @@ def put_parameters(names: Sequence[str], given: Given, p: Array) -> None:
     """Write the parameters that are given, by name, into p (k, np)."""
     for k, own in enumerate(given):
         for name, value in own.get("parameters", {}).items():
-            p[k, list(names).index(name)] = value
+            p[k, names.index(name)] = value

@@ -27,7 +27,7 @@ from pliant.plants.core.runge_kutta_tableaux import TABLEAUS, Tableau
 from pliant.plants.motions.observations import slopes_at_rows
 from pliant.plants.native.single_point import OftenCalled
 
-ROUNDED = 1e-13  # 4 m eps of at most 100 states: what A^4 may be off, relative to |A|^4
+ROUNDED = 4 * np.finfo(float).eps  # of each state: what A^4 may be off, relative to |A|^4
 SOLVED = 1e-8  # largest residual of the implicit midpoint rule, relative to the rates
 
 
@@ -258,8 +258,8 @@ def at_most(A: np.ndarray) -> np.ndarray:
     """Bounds (n,) on the spectral radii of matrices (n, m, m), by the fourth root of one for A^4 and for what rounding
     may have taken from it; infinite or NaN where numbers do not hold them.
     """
-    squared = np.matmul(A, A)
-    return np.asarray((_of_blocks(np.matmul(squared, squared)) + ROUNDED * _of_blocks(A) ** 4) ** 0.25)
+    squared, rounded = np.matmul(A, A), ROUNDED * A.shape[-1]
+    return np.asarray((_of_blocks(np.matmul(squared, squared)) + rounded * _of_blocks(A) ** 4) ** 0.25)
 
 
 def _of_blocks(A: np.ndarray) -> np.ndarray:

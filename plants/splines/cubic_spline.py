@@ -19,10 +19,12 @@ TOGETHER = 30_000  # numbers found at once: what a core has at hand
 
 
 class CubicHermite:
-    """Through f (m, ..) with slopes s (m, ..) at t (m,), ascending; beyond the nodes as on the interval beside."""
+    """Through f (m, ..) with slopes s (m, ..) at t (m,), two or more that increase; beyond the nodes as on the interval
+    beside. ValueError for other nodes, and for numbers that are not finite.
+    """
 
     def __init__(self, t: Any, f: Any, s: Any) -> None:
-        self.t, f, s = (np.asarray(given, dtype=float) for given in (t, f, s))
+        self.t, f, s = _checked("CubicHermite", t, f=f, s=s)
         h = np.diff(self.t).reshape(-1, *(1,) * (f.ndim - 1))
         d = np.diff(f, axis=0) / h
         bend = (s[:-1] + s[1:] - 2 * d) / h
@@ -30,6 +32,8 @@ class CubicHermite:
 
     def __call__(self, at: Any, derivative: int = 0) -> Array:
         """Values at the times `at`, their shape and then the values' own; derivative 1: the slopes there."""
+        if derivative not in (0, 1):
+            raise ValueError(f"{type(self).__name__}: derivative = {derivative!r} must be 0 or 1")
         at, own = np.asarray(at, dtype=float), self.of_power[0].shape[1:]
         times, size = at.ravel(), max(int(np.prod(own)), 1)
         found, some = np.empty((len(times), *own)), max(TOGETHER // size, 1)
@@ -53,7 +57,7 @@ class CubicHermite:
 
 
 class CubicSpline(CubicHermite):
-    """The smooth one through f (m, ..) at t (m,), ascending, two nodes or more.
+    """The smooth one through f (m, ..) at t (m,), two or more that increase.
 
     Example
     -------
@@ -62,10 +66,30 @@ class CubicSpline(CubicHermite):
     """
 
     def __init__(self, t: Any, f: Any) -> None:
-        t, f = np.asarray(t, dtype=float), np.asarray(f, dtype=float)
-        if not np.isfinite(f).all():
-            raise ValueError("CubicSpline.f has entries that are not finite, must be finite numbers")
+        t, f = _checked("CubicSpline", t, f=f)
         super().__init__(t, f, slopes(t, f.reshape(len(t), -1)).reshape(f.shape))
+
+
+def _checked(owner: str, t: Any, **values: Any) -> list[Array]:
+    """Nodes, and what stands at them, as float64; core's gates come after this room."""
+    nodes = np.asarray(t, dtype=float)
+    if nodes.ndim != 1 or len(nodes) < 2:
+        raise ValueError(f"{owner}.t has shape {nodes.shape}, must be (m,), two nodes or more")
+    steps = np.diff(nodes)
+    bad = np.flatnonzero(~((steps > 0) & (steps < np.inf)))
+    if bad.size:
+        k = int(bad[0])
+        raise ValueError(
+            f"{owner}.t[{k}], [{k + 1}] = {nodes[k]:.9g}, {nodes[k + 1]:.9g} must be finite and strictly increasing"
+        )
+    found = [np.asarray(value, dtype=float) for value in values.values()]
+    for name, value in zip(values, found):
+        if value.shape[:1] != nodes.shape or value.shape != found[0].shape:
+            like = nodes.shape if value is found[0] else found[0].shape
+            raise ValueError(f"{owner}.{name} has shape {value.shape}, must be {like}, a row a node")
+        if not np.isfinite(value).all():
+            raise ValueError(f"{owner}.{name} has entries that are not finite, must be finite numbers")
+    return [nodes, *found]
 
 
 def slopes(t: Array, f: Array) -> Array:

@@ -86,7 +86,7 @@ def enduring(scene: Scene, reads: str = "states") -> Controller:
     if goes_round(scene):
         return enduring_cycle(scene, reads)
     played = play(scene)
-    lasting: list[tuple[float, Controller]] = []
+    candidates: list[tuple[float, Controller]] = []
     law: Controller
     for effort in EFFORTS:
         law = controllers.MultiModelLQR.for_scene(scene, reads=reads, effort=effort)
@@ -96,15 +96,15 @@ def enduring(scene: Scene, reads: str = "states") -> Controller:
             if cost is not None:
                 return law
         elif cost is not None:
-            lasting.append((cost, law))
+            candidates.append((cost, law))
             break
     try:
         led = controllers.Led.for_scene(scene, first)
         if (cost := _cost_if_it_lasts(played, led, first.delays)) is not None:
-            lasting.append((cost, led))
+            candidates.append((cost, led))
     except PliantError:
         pass
-    return min(lasting, key=lambda pair: pair[0])[1] if lasting else law
+    return min(candidates, key=lambda pair: pair[0])[1] if candidates else law
 
 
 def enduring_cycle(scene: Scene, reads: str) -> Controller:

@@ -14,6 +14,8 @@ Source   as quasi_linear; B. D. O. Anderson, J. B. Moore, "Optimal Control: Line
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 
 from pliant.controllers.analysis.linear_laws import LinearLaw, law_of, linearised
@@ -51,13 +53,13 @@ class ClosedMotion(CorrectedMotion):
     @classmethod
     def of_loop(
         cls, fine: Plant, motions: ClosedMotions, motion: Trajectory, nodes: MotionNodes, x0: Array, columns: list[int]
-    ) -> ClosedMotion:
+    ) -> Self:
         """From the motion of the scene's own plant in the same loop at all nodes."""
         E = fine.embedding(motions.simple)
         assert motion.dx is not None
         return cls(fine, nodes, motion.x[0] @ E.T, motion.dx[nodes.gauss] @ E.T, x0, columns)._with(motions.law, None)
 
-    def _with(self, law: Sampled, linear: LinearLaw | None) -> ClosedMotion:
+    def _with(self, law: Sampled, linear: LinearLaw | None) -> Self:
         known = (*self.fine.outputs, *self.fine.states)
         names = {s.name for s in known}
         if missing := [name for name in law.reads if name not in names]:
@@ -66,12 +68,10 @@ class ClosedMotion(CorrectedMotion):
         self.linear = linear_form(law, self._readings(self._control)[0]) if linear is None else linear
         return self
 
-    def refined(self, fine: Plant, nodes: MotionNodes, x0: Array, columns: list[int]) -> ClosedMotion:
+    def refined(self, fine: Plant, nodes: MotionNodes, x0: Array, columns: list[int]) -> Self:
         """The same for another fine model, or at other nodes, under the inputs as they are."""
-        plain = super().refined(fine, MotionNodes(nodes.times, self.nodes.held, nodes.parts), x0, columns)
-        found = ClosedMotion.__new__(ClosedMotion)
-        found.__dict__.update(plain.__dict__)
-        return found._with(self.law, self.linear)
+        nodes = MotionNodes(nodes.times, self.nodes.held, nodes.parts)
+        return super().refined(fine, nodes, x0, columns)._with(self.law, self.linear)
 
     @property
     def _control(self) -> Array:

@@ -90,7 +90,7 @@ class CorrectedMotion:
         assert motion.dx is not None
         return cls(fine, nodes, motion.x[0] @ E.T, motion.dx[nodes.gauss] @ E.T, x0, columns)
 
-    def refined(self, fine: Plant, nodes: MotionNodes, x0: Array, columns: list[int]) -> CorrectedMotion:
+    def refined(self, fine: Plant, nodes: MotionNodes, x0: Array, columns: list[int]) -> Self:
         """The same motion for another fine model, or at other nodes: between its own what collocation has there, a
         slope straight through the two Gauss points of a part. A model of the same states begins with its linear model.
         """
@@ -103,7 +103,7 @@ class CorrectedMotion:
             share = ((at - begins[part]) / self.nodes.h[part])[:, None]
             slopes = self.rate.reshape(-1, 2, n)[part]
             rate = slopes[:, 0] + (slopes[:, 1] - slopes[:, 0]) * (share - GAUSS[0]) / (GAUSS[1] - GAUSS[0])
-        return CorrectedMotion(fine, nodes, self.at_ends[0] @ E.T, rate @ E.T, x0, columns, model, True, self._first)
+        return type(self)(fine, nodes, self.at_ends[0] @ E.T, rate @ E.T, x0, columns, model, True, self._first)
 
     def settle(self, within: float) -> float:
         """Pass after pass until one changes the outputs by at most `within`; what they may still err by.

@@ -69,6 +69,9 @@ def test_bad_input_is_named_and_changes_nothing() -> None:
         lanes.reset(seed=-1)
     with pytest.raises(ValueError, match=r"actions have shape \(2, 1\), must be \(3, 1\)"):
         lanes.step(np.zeros((2, 1)))
+    for name, value in (("dtype", "float64"), ("autoreset_mode", "NextStep")):
+        with pytest.raises(ValueError, match=f"PufferLanes: {name} = '{value}' must be left out"):
+            PufferLanes(SLEW, LANES, **{name: value})
     assert np.array_equal(lanes.observations, before) and lanes.render() is None
     lanes.notify()
     lanes.close()

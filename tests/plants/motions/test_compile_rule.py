@@ -67,9 +67,15 @@ def test_where_no_compiler_was_ever_asked_the_disk_is_not(monkeypatch, asked):
     assert made().library(0.9 * COMPILE) is None and asked == []
 
 
-def test_long_functions_cost_more_for_each_operation():
-    prices = [OnDemand(None, lambda n=n: n, "", None, None, None, "").price for n in (100, 1000, 20_000)]
-    np.testing.assert_allclose(prices, [0.7005, 1.65, 40.6])
+def test_a_price_is_what_compiling_took_and_at_most_five_times_that():
+    """Long functions were priced at a hundred times what they take, and stayed on the virtual machine.
+
+    Taken with gcc 12 at 2.1 GHz: motions of strain beams of 2 to 14 coordinates, and what is seen of them.
+    """
+    operations = 493, 715, 2144, 6660, 21_009, 54_978, 65_884, 163_620
+    took = np.array([0.35, 0.18, 0.64, 0.78, 3.68, 3.62, 5.33, 12.1])
+    prices = np.array([OnDemand(None, lambda n=n: n, "", None, None, None, "").price for n in operations])
+    assert (prices >= took).all() and (prices <= 5 * took).all()
 
 
 @needs_compiler

@@ -37,6 +37,33 @@ def test_a_cubic_is_its_own_spline():
     np.testing.assert_allclose(spline(at, 1), 3 * at**2 - 2, atol=1e-13)
 
 
-def test_values_that_are_not_finite():
-    with pytest.raises(ValueError, match="not finite"):
-        CubicSpline([0.0, 1.0, 2.0], [0.0, np.nan, 1.0])
+@pytest.mark.parametrize(
+    ("t", "f", "told"),
+    [
+        ([0.0, 1.0, 2.0], [0.0, np.nan, 1.0], "f has entries that are not finite"),
+        ([0.0, 2.0, 1.0], [0.0, 1.0, 2.0], r"t\[1\], \[2\] = 2, 1 must be finite and strictly increasing"),
+        ([0.0, 0.0, 1.0], [0.0, 1.0, 2.0], r"t\[0\], \[1\] = 0, 0 must be"),
+        ([0.0, np.nan, 1.0], [0.0, 1.0, 2.0], r"t\[0\], \[1\] = 0, nan must be"),
+        ([0.0, 1.0, np.inf], [0.0, 1.0, 2.0], r"t\[1\], \[2\] = 1, inf must be"),
+        ([0.0], [1.0], r"t has shape \(1,\), must be"),
+        ([0.0, 1.0, 2.0, 3.0], [0.0, 1.0], r"f has shape \(2,\), must be \(4,\)"),
+    ],
+)
+def test_what_no_spline_goes_through(t, f, told):
+    with pytest.raises(ValueError, match=f"CubicSpline.{told}"):
+        CubicSpline(t, f)
+    with pytest.raises(ValueError, match=f"CubicHermite.{told}"):
+        CubicHermite(t, f, np.zeros(len(f)))
+
+
+def test_slopes_are_as_many_as_values_and_finite():
+    with pytest.raises(ValueError, match=r"CubicHermite.s has shape \(2, 1\), must be \(2, 2\)"):
+        CubicHermite([0.0, 1.0], np.zeros((2, 2)), np.zeros((2, 1)))
+    with pytest.raises(ValueError, match=r"CubicHermite\.s has entries that are not finite"):
+        CubicHermite([0.0, 1.0], [0.0, 1.0], [0.0, np.inf])
+
+
+@pytest.mark.parametrize("derivative", [2, -1])
+def test_no_other_derivative_is_given(derivative):
+    with pytest.raises(ValueError, match=f"CubicSpline: derivative = {derivative} must be 0 or 1"):
+        CubicSpline([0.0, 1.0, 2.0], [0.0, 1.0, 4.0])(0.5, derivative)
