@@ -81,7 +81,7 @@ class Observer:
         self.plant, self._parts = plant, (plant._dynamics._function, plant._output._function)
         self._ranges = len(plant.validity)
         sizes = [f.size1_out(k) for f in self._parts for k in range(f.n_out())]
-        self._sizes = [*sizes, self._ranges] if self._ranges else sizes
+        self.sizes = [*sizes, self._ranges] if self._ranges else sizes  # of all results
         count = sum(f.n_instructions() for f in (*self._parts, *self._of_ranges()))
         self._rows = Rows(plant, "rates, outputs and ranges", self._joined, self._told_apart, lambda: count)
         self.kernel = self._rows.kernel
@@ -113,7 +113,7 @@ class Observer:
             reached = plant._reached(*values, outputs[0], batch=batch) if self._ranges else []
             return [*plant._dynamics(*values, batch=batch), *outputs, *reached]
 
-        found = self._rows(values, batch, self._sizes, interpreted)
+        found = self._rows(values, batch, self.sizes, interpreted)
         reached = found[-1] if self._ranges else np.zeros((batch, 0))
         return found[: self._rates], found[self._rates : self._seen], reached
 
