@@ -72,9 +72,9 @@ def simulate(
 ) -> Trajectory:
     """See Plant.simulate."""
     if step is not None and audit is False and progress is None:
-        known = repeated_motions.again(plant, x0, u, t, w, p, method, step, (rtol, atol))
-        if known is not None:
-            return known
+        short = repeated_motions.again(plant, x0, u, t, w, p, method, step, (rtol, atol))
+        if short is not None:
+            return short[0] if short[1] is None else judged(plant, short[0], p, reached=short[1], stacklevel=3)
     t = read_only_times("t", t)
     require_choice("simulate", "method", method, (*ADAPTIVE, *METHODS))
     if (step is not None) != (method in METHODS):

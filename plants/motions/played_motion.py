@@ -2,8 +2,7 @@
 
 One small C program serves every plant: it is told where the plant's compiled functions are. It judges nothing. What is
 not plainly sound (a number that is not finite or huge, a range that is left, a step that may be near its limit) it
-says, and whoever asked goes the long way, which refuses and warns. Its arrays are laid out once, for one grid of times
-and steps.
+says, and whoever asked has it looked at. Its arrays are laid out once, for one grid of times and steps.
 """
 
 from __future__ import annotations
@@ -23,7 +22,8 @@ from pliant.plants.toolchain import shared_library
 
 Array = np.ndarray
 LONG, DOUBLE, ADDRESS = np.dtype(ctypes.c_long), np.dtype(float), np.dtype(np.uintp)
-SOUND, ODD, NEAR = 0, 1, 2  # what a call gives: nothing to say, something odd, a step that may be near its limit
+ODD, NEAR, LEFT = 1, 2, 4  # bits of what a call gives: something odd; a step maybe near its limit; a range left
+PRICE = 0.25  # [s] to compile the C
 LARGE = 1e100  # numbers are smaller: sums of their squares are finite
 
 SOURCE = """
@@ -82,7 +82,7 @@ long play(const long *n, const double *s, void *const *a) {
   const in_t *given = (const in_t *)(a + 3);
   const out_t x = a[4], *lanes = (const out_t *)a[10], *told = (const out_t *)a[12], scratch = a[15];
   const in_t limits = a[13], steps = a[14];
-  long *at = a[9];
+  long *at = a[9], said = 0;
   at[0] = at[1] = 0;
   if (!plain(x, nx) || !plain(given[2], rows * n[2]) || !plain(given[3], n[3]) || !plain(given[4], n[4])) return 1;
   if (((motion_t)a[0])(rows - 1, LONG_MAX, given[0], a[8], given[2], 0, given[3], given[4], x, at)) return 1;
@@ -94,19 +94,20 @@ long play(const long *n, const double *s, void *const *a) {
     for (long k = 0; k < m; k++)
       for (long r = 0; r < rows; r++) {
         const double value = from[k * ld + r];
-        if (judged ? !(value <= limits[k]) : !(fabs(value) < LARGE)) return 1;
+        if (!(fabs(value) < LARGE)) return 1;
+        if (judged && value > limits[k]) said = 4;
         told[g][r * m + k] = value;
       }
   }
-  if (!looks) return 0;
+  if (!looks) return said;
   const out_t *slopes = (const out_t *)a[11], A = scratch + 2 * nx * nx;
   seen((rows_t)a[2], n, given, looks, n[10], n[11], slopes);
   for (long r = 0; r < looks; r++) {
     for (long k = 0; k < nx * nx; k++) A[k] = slopes[5][k * n[11] + r];
     if (!plain(A, nx * nx)) return 1;
-    if (!is_within(A, nx, steps[r], s[0], s[1], scratch)) return 2;
+    if (!is_within(A, nx, steps[r], s[0], s[1], scratch)) return said | 2;
   }
-  return 0;
+  return said;
 }
 """
 
@@ -154,18 +155,22 @@ class PlayedMotion:
         kinds = (len(results), len(limits), len(looks), every, lds)
         self._n = np.array([*n, rows, ld, *kinds, *results], dtype=LONG)
         self._s = np.array([bound, rounded * nx])
-        code = [0 if f is None else ctypes.cast(f, ctypes.c_void_p).value for f in (motion, observer._run)]
-        code.append(ctypes.cast(slopes._run, ctypes.c_void_p).value if slopes else 0)
+        code = [_place_of(f) for f in (motion, observer._run, slopes._run if slopes else None)]
         arrays = [*own, np.ascontiguousarray(counts, dtype=LONG), at, *places, limits, steps, scratch]
         self._a = np.array([*code, *(array.ctypes.data for array in arrays)], dtype=ADDRESS)
         self._kept = functions, arrays, lanes, slope_lanes
         self._run, self._given = run, tuple(array.ctypes.data for array in (self._n, self._s, self._a))
 
     def play(self) -> int:
-        """From x[0] under u, w, p, which the caller has set, to all rows of x and of the results; SOUND, or why they
-        are not to be trusted.
+        """From x[0] under u, w, p, which the caller has set, to all rows of x and of the results; 0, or the bits of
+        what has to be looked at; after ODD they are not to be trusted.
         """
         return int(self._run(*self._given))
+
+
+def _place_of(function: Any) -> int:
+    """Where a C function begins."""
+    return ctypes.cast(function, ctypes.c_void_p).value or 0
 
 
 def _lanes(sizes: Sequence[int], count: int, width: int) -> tuple[list[Array], int]:
@@ -205,9 +210,9 @@ def _check(run: Any) -> None:
         motion_of.x[0], motion_of.u[:] = start, [[1.0], [2.0], [0.0]]
         return motion_of.play(), motion_of.results[0].ravel().tolist()
 
-    right = played(100.0, 1.0) == (SOUND, [2.0, 4.0, 12.0]) and played(3.0, 1.0)[0] == NEAR
+    right = played(100.0, 1.0) == (0, [2.0, 4.0, 12.0]) and played(3.0, 1.0)[0] == NEAR
     if not right or played(100.0, np.inf)[0] != ODD:
         raise CompileError("a body that is driven at a known speed goes elsewhere")
 
 
-program = Program("played", lambda: f"#define LARGE {LARGE!r}\n{SOURCE}", _load, _check)
+program = Program("played", lambda: f"#define LARGE {LARGE!r}\n{SOURCE}", _load, _check, PRICE)

@@ -24,7 +24,7 @@ from pliant.plants.native import kernel_loader
 from . import played_motion, time_limit
 from .motion_library import A_CALL, MotionLibrary
 from .observations import observer, slopes_at_rows
-from .played_motion import NEAR, SOUND, PlayedMotion
+from .played_motion import LEFT, NEAR, ODD, PlayedMotion
 
 Array = np.ndarray
 KEPT = 8  # grids of a plant
@@ -32,6 +32,9 @@ MOST_NUMBERS = 2_000_000  # of a motion whose arrays are kept
 SAVED = 2e-4  # [s] a call, which pays for the C of it: the long way takes as much longer
 FLOAT = np.dtype(float)
 NAME = "_played"  # under which a plant keeps them
+
+
+Found = tuple[Trajectory, Array | None] | None
 
 
 @dataclass(frozen=True)
@@ -51,13 +54,13 @@ class Repeated:
         self.plant, self.played, self._looks, self._steps, self._limit = plant, played, looks, steps, limit
         self._rates = plant._dynamics._function.n_out()
 
-    def motion(self, x0: Array, u: Array | None, w: Array | None, p: Array | None, method: str, step: float) -> Any:
-        """The motion from x0; None where something is odd."""
+    def motion(self, x0: Array, u: Array | None, w: Array | None, p: Array | None, method: str, step: float) -> Found:
+        """As `again`."""
         plant, played, began = self.plant, self.played, clock.perf_counter()
         played.x[0], played.u[:] = x0, 0.0 if u is None else u
         played.w[:], played.p[:] = plant.quiet[0] if w is None else w, plant.quiet[1] if p is None else p
         found = played.play()
-        if found != SOUND and not (found == NEAR and self._is_within(method)):
+        if found & ODD or (found & NEAR and not self._is_within(method)):
             return None
         plant.check_state(x0)
         results = [rows.copy() for rows in played.results]
@@ -74,7 +77,7 @@ class Repeated:
         made.__dict__["hold"] = "linear" if u is None or u.ndim == 1 else "zero-order"
         taken = {"seconds": clock.perf_counter() - began, "steps": played.steps, "step": step, "native": True}
         made.__dict__["stats"] = {"method": method, **taken}
-        return made
+        return made, results[-1] if found & LEFT else None
 
     def _is_within(self, method: str) -> bool:
         """Whether every step that is looked at is within its limit, by the rule of the long way."""
@@ -85,12 +88,15 @@ class Repeated:
 
 def again(
     plant: PlantLike, x0: Any, u: Any, t: Any, w: Any, p: Any, method: Any, step: Any, tolerances: tuple[Any, Any]
-) -> Trajectory | None:
-    """The motion, where it can be had in one call and nothing about it is odd; None: go the long way."""
+) -> Found:
+    """The motion, and values of its ranges where it leaves one; None where it cannot be had in one call, or something
+    about it is odd: go the long way.
+    """
     if type(method) is not str or type(step) is not float or time_limit.limited() or not kernel_loader.wanted():
         return None
     if not all(type(one) is float and LEAST <= one <= 1.0 for one in tolerances):  # which fixed steps do not use
         return None
+    x0 = plant.rest_state if x0 is None else x0
     if not (_numbers(t) and t.ndim == 1 and _numbers(x0) and x0.shape == (plant.nx,)):
         return None
     if not all(one is None or _numbers(one) for one in (u, w, p)):
@@ -120,17 +126,17 @@ def prepare(
     """
     kept: OrderedDict[Any, Repeated] = plant.__dict__.setdefault(NAME, OrderedDict())
     seen, limited = observer(plant), limit.bound < math.inf
-    functions = seen.kernel.loaded, slopes_at_rows(plant).kernel.loaded if limited else None
+    own, slopes = seen.kernel.loaded, slopes_at_rows(plant).kernel.loaded if limited else None
     numbers = len(t) * (3 * plant.nx + plant.nu + 2 * plant.nw + 2 * len(plant.outputs))
-    if functions[0] is None or (limited and functions[1] is None) or counts.sum() > A_CALL or numbers > MOST_NUMBERS:
+    if own is None or (limited and slopes is None) or counts.sum() > A_CALL or numbers > MOST_NUMBERS:
         return
     if (key := (method, step, t.tobytes())) in kept or (run := played_motion.program.at_hand(SAVED)) is None:
         return
     sizes = plant.nx, plant.nu, plant.nw, len(plant.varied)
-    ranges = np.array([float(own.limit) for own in plant.validity])
+    ranges = np.array([float(r.limit) for r in plant.validity])
     looks = np.arange(0, len(t) - 1, limit.every) if limited else np.zeros(0, dtype=int)
     grid, looked_at = (t.copy(), counts), (looks, limit.bound, limit.rounded)
-    played = PlayedMotion(run, (library.fixed[method], *functions), sizes, seen.sizes, grid, ranges, looked_at)
+    played = PlayedMotion(run, (library.fixed[method], own, slopes), sizes, seen.sizes, grid, ranges, looked_at)
     steps = (t[looks + 1] - t[looks]) / counts[looks]
     kept[key] = Repeated(plant, played, looks, steps, limit)
     while len(kept) > KEPT:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pliant.plants.motions import played_motion
-from pliant.plants.motions.played_motion import LONG, NEAR, ODD, SOUND, PlayedMotion
+from pliant.plants.motions.played_motion import LEFT, LONG, NEAR, ODD, PlayedMotion
 
 COUNT, POINTER, NUMBERS = ctypes.c_long, ctypes.c_void_p, ctypes.POINTER(ctypes.c_double)
 T = np.array([0.0, 0.5, 1.0, 2.0, 4.0])
@@ -62,21 +62,23 @@ def thrown(u=0.0, farthest=100.0, bound=3.0, x0=(0.0, 1.0), lanes=4):
 @pytest.mark.parametrize("lanes", [1, 4, 8])
 def test_states_and_what_is_seen_stand_in_rows(lanes):
     motion, found = thrown(u=1.5, lanes=lanes)
-    assert found == SOUND and motion.steps == 8
+    assert found == 0 and motion.steps == 8
     np.testing.assert_allclose(motion.x, np.column_stack([T + T**2 / 2, 1 + T]), rtol=1e-14)
     np.testing.assert_allclose(motion.results[0], np.column_stack([1 + T, np.ones(5)]), rtol=1e-14)
     np.testing.assert_allclose(motion.results[1][:, 0], T + T**2 / 2, rtol=1e-14)
     assert SEEN[:2] == [0.0, 1.0]
 
 
-def test_a_range_that_is_left_is_odd():
-    assert thrown(farthest=4.0)[1] == SOUND
-    assert thrown(farthest=3.99)[1] == ODD
+def test_a_range_that_is_left_is_said():
+    """It comes to 4 m + 0.25 m/s^2 (4 s)^2 / 2."""
+    assert thrown(farthest=6.0)[1] == 0
+    assert thrown(farthest=5.99)[1] == LEFT
+    assert thrown(farthest=5.99, bound=0.1)[1] == LEFT | NEAR
 
 
 def test_a_step_is_near_its_limit_by_the_bound_of_its_eigenvalues():
     """Of [[0, 1], [-9, 0]] the fourth power is 81, and steps are of half a second."""
-    assert thrown(bound=1.5 * (1 + 1e-12))[1] == SOUND
+    assert thrown(bound=1.5 * (1 + 1e-12))[1] == 0
     assert thrown(bound=1.5 * (1 - 1e-12))[1] == NEAR
 
 

@@ -97,9 +97,25 @@ def test_what_is_odd_is_refused_in_the_words_of_the_long_way(arm, monkeypatch, g
     assert words in str(short[0])
 
 
+def test_it_starts_at_rest_where_no_state_is_given(arm, monkeypatch):
+    (short, _), (long, _), gone = both(arm, monkeypatch, None, HELD, T)
+    assert gone
+    np.testing.assert_array_equal(short.x, long.x)
+
+
+@pytest.mark.parametrize("name", ["check_state", "_sound_rate"])
+def test_what_a_plant_itself_refuses_it_refuses(arm, monkeypatch, name):
+    def refused(*given):
+        raise ValueError(f"{name} of {given[1].shape}")
+
+    monkeypatch.setattr(SingleLinkArm, name, refused)
+    short, long, _ = both(arm, monkeypatch, START, HELD, T)
+    assert short == long and short[0].startswith(f"ValueError: {name}")
+
+
 def test_a_range_that_is_left_is_told_and_kept(arm, monkeypatch):
-    (short, said), (long, meant), _ = both(arm, monkeypatch, 40 * START, HELD, T)
-    assert said == meant and said[0][0] is ValidityWarning and said[0][2] == __file__
+    (short, said), (long, meant), gone = both(arm, monkeypatch, 40 * START, HELD, T)
+    assert gone and said == meant and said[0][0] is ValidityWarning and said[0][2] == __file__
     assert short.stats["validity"] == long.stats["validity"]
 
 
