@@ -7,7 +7,7 @@ tanh, sqrt and reciprocals. Values of one depth do not need each other: vectors 
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -17,6 +17,7 @@ from .expression_graph import Graph, Term
 
 FEWEST = 2  # elements of a vector
 CALLS = (ca.OP_SIN, ca.OP_COS, ca.OP_EXP, ca.OP_TANH, ca.OP_SQRT, ca.OP_INV)
+ALONE = 2  # see `Packing._template`
 CONSTANT = -1  # in place of a node: a constant, which may differ from element to element
 
 Product = tuple[int, int, int]  # a term with CONSTANT in place of constants, the sign then being 1
@@ -42,6 +43,7 @@ class Packing:
     def __init__(self, graph: Graph, width: int) -> None:
         self.graph, self.width = graph, width
         self.vectors: list[Vector] = []
+        self._shared: set[Product] = set()  # what several sums of the depth at hand have
         self.order: list[tuple[list[int], range]] = []
         levels: dict[int, list[int]] = defaultdict(list)
         for i in graph.kept:
@@ -102,15 +104,19 @@ class Packing:
     def _template(self, products: Iterable[Product], element: int, one_each: int) -> Shapes:
         """How a sum looks if it becomes this element of a vector: which of its factors stand there in theirs.
 
-        Of two factors that both do, one_each = 1 or -1 takes the one of the earlier or later vector only.
+        Of two factors that both do, one_each = 1 or -1 takes the one of the earlier or later vector only. What stands
+        in several sums may stand in its place by chance: one_each = ALONE takes no such term's factors.
         """
         shapes = []
         for sign, *factors in products:
             places = [self.graph.nodes[i].place if i != CONSTANT else None for i in factors]
             operands: list[Operand] = [
-                ("each", place[0]) if place and place[1] == element else ("all", i) for place, i in zip(places, factors)
+                ("each", place[0])
+                if place and place[1] == element and not (one_each == ALONE and (sign, *factors) in self._shared)
+                else ("all", i)
+                for place, i in zip(places, factors)
             ]
-            if one_each and operands[0][0] == operands[1][0] == "each":
+            if one_each in (1, -1) and operands[0][0] == operands[1][0] == "each":
                 later = int(operands[0][1] <= operands[1][1])
                 dropped = later if one_each > 0 else 1 - later
                 operands[dropped] = ("all", factors[dropped])
@@ -134,13 +140,15 @@ class Packing:
         alike: dict[tuple[Product, ...], list[int]] = defaultdict(list)
         for i, terms in sums.items():
             alike[tuple(sorted(product for product, _ in terms))].append(i)
+        times = Counter(product for products in alike for product in set(products))
+        self._shared = {product for product, several in times.items() if several > 1}
         choices: dict[Shapes, list[list[int]]] = {}  # nodes that could be each element
         for products, several in alike.items():
             if len(several) >= FEWEST:  # they differ in constants alone
                 choices[_for_all(products)] = [several] * self.width
             factors = {i for _, *pair in products for i in pair if i != CONSTANT}
             for element in {place[1] for i in factors if (place := nodes[i].place)}:
-                for one_each in (0, 1, -1):
+                for one_each in (0, 1, -1, ALONE):
                     shapes = self._template(products, element, one_each)
                     if shapes not in choices:
                         wanted = (self._products(shapes, l) for l in range(self.width))
@@ -149,10 +157,11 @@ class Packing:
         self._nested({i: terms for i, terms in sums.items() if self._free(i)})
 
     def _choose(self, choices: dict[Shapes, list[list[int]]], sums: dict[int, Sum]) -> None:
-        """Make vectors of the choices, those of most elements first."""
+        """Make vectors of the choices, those of most elements first, of these the ones of most factors for all."""
+        spread = {shapes: sum(kind == "all" for _, *pair in shapes for kind, _ in pair) for shapes in choices}
         most = {shapes: len(self._pick(candidates)) for shapes, candidates in choices.items()}
         while most:
-            shapes = max(most, key=lambda s: most[s])
+            shapes = max(most, key=lambda s: (most[s], spread[s]))
             picked = self._pick(choices[shapes])
             if len(picked) < FEWEST:
                 del most[shapes]
