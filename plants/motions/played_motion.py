@@ -50,30 +50,43 @@ static void seen(rows_t function, const long *n, const in_t *given, long count, 
     }
   function(0, ld, ld, (const in_t *)lanes, lanes + 5, 0, 1);
 }
-static void product(in_t A, in_t B, long m, out_t C) {
+/* C = A D of matrices (m, m), EACH lane its own. */
+#define EACH for (int l = 0; l < 8; l++)
+typedef double lanes_t __attribute__((vector_size(64), aligned(8), may_alias));
+static void product(const lanes_t *restrict A, const lanes_t *restrict D, long m, long *some, lanes_t *restrict C) {
   for (long i = 0; i < m; i++) {
-    for (long j = 0; j < m; j++) C[i * m + j] = 0;
+    long count = 0;
     for (long k = 0; k < m; k++) {
-      const double a = A[i * m + k];
-      if (a != 0) for (long j = 0; j < m; j++) C[i * m + j] += a * B[k * m + j];
+      double size = 0;
+      EACH size += fabs(A[i * m + k][l]);
+      if (size != 0) some[count++] = k;
+    }
+    for (long j = 0; j < m; j++) {
+      lanes_t sum = {0};
+      for (long c = 0; c < count; c++) sum += A[i * m + some[c]] * D[some[c] * m + j];
+      C[i * m + j] = sum;
     }
   }
 }
 /* max(a, d) + sqrt(b c) of the norms of the four blocks: no less than the spectral radius */
-static double of_blocks(in_t A, long m) {
-  double sum[2][2] = {{0, 0}, {0, 0}};
-  const long half = m / 2;
+static lanes_t of_blocks(const lanes_t *A, long m) {
+  lanes_t size;
+  lanes_t sum[2][2] = {{{0}, {0}}, {{0}, {0}}};
   for (long i = 0; i < m; i++)
-    for (long j = 0; j < m; j++) sum[i >= half][j >= half] += A[i * m + j] * A[i * m + j];
-  return sqrt(fmax(sum[0][0], sum[1][1])) + sqrt(sqrt(sum[0][1]) * sqrt(sum[1][0]));
+    for (long j = 0; j < m; j++) sum[i >= m / 2][j >= m / 2] += A[i * m + j] * A[i * m + j];
+  EACH size[l] = sqrt(fmax(sum[0][0][l], sum[1][1][l])) + sqrt(sqrt(sum[0][1][l]) * sqrt(sum[1][0][l]));
+  return size;
 }
-/* As step_maps.at_most has it: whether h times the spectral radius is for sure within a bound. */
-static int is_within(in_t A, long m, double h, double bound, double rounded, out_t scratch) {
-  const out_t squared = scratch, fourth = scratch + m * m;
-  product(A, A, m, squared);
-  product(squared, squared, m, fourth);
-  const double size = of_blocks(A, m);
-  return h * sqrt(sqrt(of_blocks(fourth, m) + rounded * (size * size) * (size * size))) <= bound;
+/* As step_maps.at_most has it: whether h times the spectral radius is for sure within a bound, in every lane. */
+static int are_within(const lanes_t *A, long m, lanes_t h, double bound, double rounded, lanes_t *scratch) {
+  lanes_t *squared = scratch, *fourth = scratch + m * m;
+  long *some = (long *)(scratch + 3 * m * m);
+  int within = 1;
+  product(A, A, m, some, squared);
+  product(squared, squared, m, some, fourth);
+  const lanes_t squares = of_blocks(A, m) * of_blocks(A, m), most = of_blocks(fourth, m) + rounded * squares * squares;
+  EACH within &= h[l] * sqrt(sqrt(most[l])) <= bound;
+  return within;
 }
 /* n: sizes of t, x, u, w, p; rows, lanes of them, results of the observer, how many of its last one are ranges, rows
    whose step is looked at, how far apart, lanes of them; sizes of the results */
@@ -100,12 +113,14 @@ long play(const long *n, const double *s, void *const *a) {
       }
   }
   if (!looks) return said;
-  const out_t *slopes = (const out_t *)a[11], A = scratch + 2 * nx * nx;
+  const out_t *slopes = (const out_t *)a[11];
+  lanes_t *A = (lanes_t *)scratch + 2 * nx * nx, h;
   seen((rows_t)a[2], n, given, looks, n[10], n[11], slopes);
-  for (long r = 0; r < looks; r++) {
-    for (long k = 0; k < nx * nx; k++) A[k] = slopes[5][k * n[11] + r];
-    if (!plain(A, nx * nx)) return 1;
-    if (!is_within(A, nx, steps[r], s[0], s[1], scratch)) return said | 2;
+  for (long r = 0; r < looks; r += 8) {
+    EACH h[l] = steps[r + l < looks ? r + l : r];
+    for (long k = 0; k < nx * nx; k++) EACH A[k][l] = slopes[5][k * n[11] + (r + l < looks ? r + l : r)];
+    if (!plain((in_t)A, 8 * nx * nx)) return 1;
+    if (!are_within(A, nx, h, s[0], s[1], (lanes_t *)scratch)) return said | 2;
   }
   return said;
 }
@@ -151,7 +166,7 @@ class PlayedMotion:
         lanes, ld = _lanes([*n, *results], rows, observer.lanes)
         slope_lanes, lds = _lanes([*n, nx * nx], len(looks), slopes.lanes if slopes else 1)
         places = [_places(lanes), _places(slope_lanes), _places(self.results)]
-        at, scratch = np.zeros(2, dtype=LONG), np.zeros(3 * nx * nx)
+        at, scratch = np.zeros(2, dtype=LONG), np.zeros(nx * (24 * nx + 1))
         kinds = (len(results), len(limits), len(looks), every, lds)
         self._n = np.array([*n, rows, ld, *kinds, *results], dtype=LONG)
         self._s = np.array([bound, rounded * nx])
