@@ -49,6 +49,7 @@ from .runner import Runner
 COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
 PREPARING = 15.0  # [s] that preparing all variants may take, or the budget if that is more; the first has no limit
 PREPARED, MEASURED = 0.25, 0.95  # of the progress told
+SHARP = 0.1  # of a scene's tolerance: for which physics is sought, that rows below it are told apart too
 Peers = Callable[..., Sequence[PeerRow]]
 
 
@@ -75,7 +76,7 @@ def chart(
     setting finer than one whose error no longer matters has no row.
 
     physics_tolerance: for which physics is sought, and so known to a few percent of it, where that can be had [the
-    outputs' unit]; None: the scene's tolerance.
+    outputs' unit]; None: a tenth of the scene's tolerance.
     kept: a file of JSON lines to which rows go as they are measured, and from which a second call goes on, with a
     budget of its own. peers: also other programs on the same motion, see `pliant.studies.peers`, or what measures them.
     ValueError for a budget that is not positive, an unknown method, or a file that keeps another scene's rows.
@@ -94,7 +95,7 @@ def chart(
     if variants is not None and not (variants := require_all("chart.variants", variants, Plant)):
         raise ValueError("chart.variants = () must hold at least one Plant")
     prune = require_flag("chart.prune", prune)
-    sought = scene.tolerance if physics_tolerance is None else physics_tolerance
+    sought = SHARP * scene.tolerance if physics_tolerance is None else physics_tolerance
     sought = require_number("chart.physics_tolerance", sought, "positive", scene.unit)
     if motions is not None:
         require_instance("chart.motions", motions, Motions)
