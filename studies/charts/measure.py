@@ -23,6 +23,7 @@ from pliant.plants.core.argument_gates import (
     require_seconds,
 )
 from pliant.plants.integration.batch_stepper import compile_motions
+from pliant.plants.motions.observations import compile_observations
 from pliant.studies.common import machine
 from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, Progress, TooLong, share, silent
@@ -48,6 +49,7 @@ from .runner import Runner
 
 COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
 PREPARING = 15.0  # [s] that preparing all variants may take, or the budget if that is more; the first has no limit
+SEEN = 3.0  # [s] that compiling what is seen on motions may take: without it a short run is mostly that
 PREPARED, MEASURED = 0.25, 0.95  # of the progress told
 SHARP = 0.1  # of a scene's tolerance: for which physics is sought, that rows below it are told apart too
 Peers = Callable[..., Sequence[PeerRow]]
@@ -173,6 +175,7 @@ def _prepare(
         limit = allowed if i else math.inf
         if spent() < limit:
             compile_motions(plant, max(budget, COMPILING))
+            compile_observations(plant, SEEN)
         try:
             motions.converged(plant, until=began + limit)
         except TooLong:
