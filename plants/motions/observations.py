@@ -152,7 +152,7 @@ observer, slopes_at_rows = lru_cache(maxsize=64)(Observer), lru_cache(maxsize=64
 
 
 def compile_observations(plant: PlantLike, most: float) -> None:
-    """Compile what a motion of the plant is seen and held against by, each where that should take `most` [s] at most."""
+    """Compile what motions of the plant are seen and held against by, each where that takes about `most` [s] at most."""
     for seen in (observer(plant), slopes_at_rows(plant)):
         if seen.kernel.price <= most:
             seen.kernel.library(math.inf)
