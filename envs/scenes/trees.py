@@ -256,7 +256,7 @@ def satellite_arm() -> Scene:
     |--------------------------|--------|
     | LQR                      | -40.39 |
     | zero actions             | -226   |
-    | random actions           | -1627  |
+    | random actions           | -1837  |
     """
     attitude, turning = (tuple(f"base_{what}_{axis}" for axis in "xyz") for what in ("attitude", "rate"))
     bends, wheels = ("upper_deflection_y", "lower_deflection_y"), tuple(f"wheel_{axis}_torque" for axis in "xyz")
