@@ -24,7 +24,7 @@ from peers import exudyn_beam
 from pliant.plants import LargeDeflectionBeam, Trajectory
 from pliant.plants.integration.batch_stepper import compile_motions, step_kernel
 from pliant.plants.motions import played_motion
-from pliant.plants.motions.observations import observer, slopes_at_rows
+from pliant.plants.motions.observations import compile_observations
 from pliant.plants.native.batch_kernels import Workspace
 from pliant.plants.native.kernel_loader import NativeWarning
 
@@ -114,9 +114,8 @@ def through(strain: Strain, allowed: float) -> Callable[[], Trajectory]:
     """The same by the public call, outputs and checks included; its kernels are built before."""
     plant, t = beam(strain), np.linspace(0.0, END, strain.steps // STEPS_A_ROW[allowed] + 1)
     compile_motions(plant, np.inf)
-    played_motion.program.spent = np.inf
-    for seen in (observer(plant), slopes_at_rows(plant)):
-        seen.kernel.spent = np.inf  # so that it is built now
+    compile_observations(plant, np.inf)
+    played_motion.program.at_hand(np.inf)
     options = {"method": strain.method, "step": END / strain.steps * (1 + 1e-9)}
     return partial(plant.simulate, np.zeros(plant.nx), np.zeros((len(t), plant.nu)), t, **options)
 
