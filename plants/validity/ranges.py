@@ -42,7 +42,7 @@ class Range:
         return {**self.__dict__, "value": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state, value=ca.SX(ca.nan))
+        self.__dict__.update(state, value=ca.SX(np.nan))
 
     def __deepcopy__(self, memo: Any) -> Range:
         return self
