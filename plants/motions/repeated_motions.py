@@ -94,16 +94,18 @@ def again(
     """
     if type(method) is not str or type(step) is not float or time_limit.limited() or not kernel_loader.wanted():
         return None
-    if not all(type(one) is float and LEAST <= one <= 1.0 for one in tolerances):  # which fixed steps do not use
+    rtol, atol = tolerances  # which fixed steps do not use
+    if type(rtol) is not float or type(atol) is not float or not (LEAST <= rtol <= 1.0 and LEAST <= atol <= 1.0):
         return None
     x0 = plant.rest_state if x0 is None else x0
     if not (_numbers(t) and t.ndim == 1 and _numbers(x0) and x0.shape == (plant.nx,)):
         return None
-    if not all(one is None or _numbers(one) for one in (u, w, p)):
+    if u is not None and not (_numbers(u) and u.shape in ((plant.nu,), (len(t), plant.nu))):
         return None
-    for one, shapes in ((u, ((plant.nu,), (len(t), plant.nu))), (w, ((plant.nw,),)), (p, ((len(plant.varied),),))):
-        if one is not None and one.shape not in shapes:
-            return None
+    if w is not None and not (_numbers(w) and w.shape == (plant.nw,)):
+        return None
+    if p is not None and not (_numbers(p) and p.shape == (len(plant.varied),)):
+        return None
     kept: OrderedDict[Any, Repeated] = plant.__dict__.setdefault(NAME, OrderedDict())
     known = kept.get((method, step, t.tobytes()))
     if known is None or not known.played.lock.acquire(blocking=False):  # its arrays serve one caller at a time
