@@ -2,7 +2,8 @@
 
 `PYTHONPATH=benchmarks python -m cases.policies` trains every seed on every scene, one thread each, and writes
 results/policies.json and policies.md; runs that are in the folder already are read, whatever version made them, which
-the tables tell. --finished trains nothing. --ship saves the median seed's among the package's own.
+the tables tell. --scenes A B does these alone and keeps the others' rows. --finished trains nothing. --ship saves the
+median seed's among the package's own.
 """
 
 from __future__ import annotations
@@ -126,10 +127,19 @@ def main() -> int:
             robust.append({"scene": scene.name, **run, "cases": in_every_case(scene, policy)})
             if given.ship:
                 policy.save(FOLDER / f"{scene.name}{ROBUST}")
+    path = given.out / "policies.json"
+    former = json.loads(path.read_text("utf-8")) if path.is_file() else {"exact": [], "robust": []}
+    tables, robust = (_beside(former[part], new) for part, new in (("exact", tables), ("robust", robust)))
     content = {"machine": machine.describe(), "exact": tables, "robust": robust}
-    write_text(given.out / "policies.json", json.dumps(content, indent=1) + "\n")
-    write_text(given.out / "policies.md", markdown(tables, robust))
+    write_text(path, json.dumps(content, indent=1) + "\n")
+    write_text(path.with_suffix(".md"), markdown(tables, robust))
     return 0
+
+
+def _beside(former: list[dict[str, Any]], new: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows of scenes that were not done now, and the new ones, in the order of ASKED."""
+    made = {row["scene"]: row for row in [*former, *new]}
+    return [made[scene] for scene in ASKED if scene in made]
 
 
 def markdown(tables: list[dict[str, Any]], robust: list[dict[str, Any]]) -> str:
