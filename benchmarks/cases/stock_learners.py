@@ -44,7 +44,7 @@ LANES = {"ppo": 2, "sac": 16}
 OWN: dict[tuple[str, str], dict[str, Any]] = {  # where a learner has others; lanes too
     ("single-link-slew", "sac"): {"lanes": 8},
     ("single-link-slew-gentle", "sac"): {"lanes": 8},
-    ("six-axis-pick", "sac"): {"hold": 5, "lanes": 8},
+    ("six-axis-pick", "sac"): {"hold": 5},
     ("spin-up", "sac"): {"lanes": 8},
 }
 EVERY, ASKED = 8192, 5.0  # actions between evaluations; times that nothing must cost as much
