@@ -179,7 +179,8 @@ def test_stability_and_spacecraft_are_checked(bench):
     def row(group, name, seconds, threads=1):
         return sampling.Row(group, name, sampling.TIME, threads, 1, False, samples=[seconds])
 
-    given = [row(stability.GROUP, stability.VERDICT, 0.1), row(stability.GROUP, stability.CHART, 21.0, 2)]
+    given = [row(stability.GROUP, stability.VERDICT, 0.1), row(stability.GROUP, stability.NUMBERS, 0.5)]
+    given += [row(stability.GROUP, stability.LARGE, 9.0), row(stability.GROUP, stability.CHART, 21.0, 2)]
     given += [row(spacecraft.GROUP, spacecraft.BUILD, 8.0)]
     peak = bench("cases.fma_peak")
     given += [sampling.Row(peak.GROUP, peak.PEAK, peak.UNIT, 1, 1, True, samples=[peak.REFERENCE])]
@@ -188,8 +189,8 @@ def test_stability_and_spacecraft_are_checked(bench):
     for count, n in zip(spacecraft.COUNTS, sizes):
         given.append(row(spacecraft.GROUP, spacecraft.linearise_name(count), 1e-8 * n**2.5))
     found = [c for c in asked.checks(given, None) if c.number in (10, 11)]
-    assert [c.holds for c in found] == [True, False, True, True, True]
-    given[3].samples[:] = [0.5 * peak.REFERENCE]  # a core of half the peak may take twice the time
+    assert [c.holds for c in found] == [True, True, True, False, True, True, True]
+    given[5].samples[:] = [0.5 * peak.REFERENCE]  # a core of half the peak may take twice the time
     slower = [c.measured for c in asked.checks(given, None) if c.number in (10, 11)]
     assert slower == [pytest.approx(0.5 * c.measured) for c in found[:-1]] + [found[-1].measured]
     assert found[-1].measured == pytest.approx(2.5)

@@ -16,7 +16,7 @@ from harness.sampling import TIME, Case, Row, Sampler, ratio, time_of
 from pliant.envs import Scene, scenes
 from pliant.plants import IntegrationError, MassMatrixError, StabilityLimitError, Trajectory
 from pliant.plants.integration.batch_stepper import motion_kernel
-from pliant.plants.motions.observations import observer, slopes_at_rows
+from pliant.plants.motions.observations import compile_observations
 from pliant.plants.rosenbrock.library import adaptive_kernel
 
 GROUP = "motions"
@@ -37,8 +37,7 @@ def given(name: str) -> tuple[Scene, np.ndarray]:
         kernel = motion_kernel(scene.plant, method)
         assert kernel is not None
         kernel.spent = np.inf  # so that it is built now
-    for seen in (observer(scene.plant), slopes_at_rows(scene.plant)):
-        seen.kernel.spent = np.inf
+    compile_observations(scene.plant, np.inf)
     adaptive_kernel(scene.plant).spent = np.inf
     return scene, np.array([scene.nominal_input(t) for t in scene.times]).reshape(len(scene.times), -1)
 

@@ -125,6 +125,9 @@ def _learning(rows: Sequence[Row]) -> Iterator[Check]:
     fastest = max(found, key=lambda r: r.median or 0.0, default=None)
     times = ratio(fastest, best(rows, learning.GROUP, learning.SYNC))
     yield Check(8, "PPO end to end, 1,024 environments, against Gymnasium's SyncVectorEnv", times, 3, "times")
+    step = find(rows, learning.GROUP, learning.GRADIENT, learning.GRADIENT_LANES)  # as measured, as trees are
+    found_ms = None if step is None or step.median is None else 1e3 * step.median
+    yield Check(8, f"{learning.GRADIENT}, {learning.GRADIENT_LANES} lanes", found_ms, 60, "ms", least=False)
 
 
 def _cantilever(rows: Sequence[Row]) -> Iterator[Check]:

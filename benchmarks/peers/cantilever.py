@@ -24,7 +24,7 @@ from peers import exudyn_beam
 from pliant.envs import scenes
 from pliant.plants import LargeDeflectionBeam
 from pliant.plants.integration.batch_stepper import compile_motions, step_kernel
-from pliant.plants.motions.observations import observer, slopes_at_rows
+from pliant.plants.motions.observations import compile_observations
 from pliant.plants.native.batch_kernels import Workspace
 from pliant.plants.native.kernel_loader import NativeWarning
 
@@ -115,8 +115,7 @@ def simulated(strain: Strain, allowed: float) -> Sampler:
         raise FloatingPointError(f"cantilever: {strain}: error {found:.2g} m, allowed {allowed:g} m")
     scene = scenes.get("cantilever-drop", plant=beam(strain))
     compile_motions(scene.plant, np.inf)
-    for seen in (observer(scene.plant), slopes_at_rows(scene.plant)):
-        seen.kernel.spent = np.inf  # so that it is built now
+    compile_observations(scene.plant, np.inf)
     held = np.zeros((len(scene.times), scene.plant.nu))
     run = partial(scene.plant.simulate, scene.initial[0], held, scene.times)
     run = partial(run, method=strain.method, step=END / strain.steps)

@@ -115,7 +115,7 @@ class Rollouts:
         now, acting = episodes.x.copy(), np.tile(self.first, (n, 1))
         memory = np.zeros((n, self.history * (self.no + plant.nu)))
         commands = np.empty((K, n, plant.nu))
-        lanes = np.arange(n)
+        lanes, late = np.arange(n), bool(episodes.delay.any())
         self.vary(episodes.p)
         for k in range(K):
             x[k], before[k] = now, acting
@@ -128,8 +128,10 @@ class Rollouts:
             for whole, part in zip(seen, at):
                 whole[k] = part
             commands[k] = np.clip(at.v, -1.0, 1.0) * self.limits
-            sent = k - episodes.delay
-            acting = np.where((sent >= 0)[:, None], commands[np.maximum(sent, 0), lanes], self.first)
+            acting = commands[k]
+            if late:
+                sent = k - episodes.delay
+                acting = np.where((sent >= 0)[:, None], commands[np.maximum(sent, 0), lanes], self.first)
             u[k] = acting
             now = self.after(now, acting)
             memory = self._remembered(memory, read, commands[k] / self.limits)
@@ -183,16 +185,18 @@ class Rollouts:
         reading = np.zeros((K, n, no))  # .. and in each reading
         dv, d1, d2 = (np.zeros((K, n, size)) for size in (nu, self.network.width, self.network.width))
         acting = np.zeros((n, nu))  # slope, from the period after, in what acts now: it is seen there
-        lanes = np.arange(n)
+        lanes, late = np.arange(n), bool(episodes.delay.any())
         for k in reversed(range(K)):
             back, pushed = self.back(played.x[k], played.u[k], adjoint)
             reached = lu[k] + pushed + acting
-            sent = k - episodes.delay
-            from_here = sent >= 0
-            command[sent[from_here], lanes[from_here]] += reached[from_here]
+            if late:
+                sent = k - episodes.delay
+                from_here = sent >= 0
+                command[sent[from_here], lanes[from_here]] += reached[from_here]
+            else:
+                command[k] += reached
             v, slope = played.seen.v[k], command[k] * self.limits
-            kept = ~(((v > 1.0) & (slope < 0.0)) | ((v < -1.0) & (slope > 0.0)))
-            dv[k] = np.where(kept, slope, 0.0)
+            dv[k] = np.where((np.abs(v) > 1.0) & (v * slope < 0.0), 0.0, slope)  # but what brings it back is kept
             at = Activations(*(part[k] for part in played.seen))
             dz, d1[k], d2[k] = self.network.backward(layers, at, dv[k])
             reading[k] += dz[:, :no]

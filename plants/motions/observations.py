@@ -6,6 +6,7 @@ After compiled steps this is most of what a motion costs: a row takes the virtua
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
@@ -148,3 +149,10 @@ class Slopes:
 
 
 observer, slopes_at_rows = lru_cache(maxsize=64)(Observer), lru_cache(maxsize=64)(Slopes)
+
+
+def compile_observations(plant: PlantLike, most: float) -> None:
+    """Compile what motions of the plant are seen and held against by, each where that takes about `most` [s] at most."""
+    for seen in (observer(plant), slopes_at_rows(plant)):
+        if seen.kernel.price <= most:
+            seen.kernel.library(math.inf)

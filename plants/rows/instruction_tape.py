@@ -117,6 +117,8 @@ def _places(arrays: Sequence[Array]) -> Any:
 def _rows(value: Any, count: int, width: int) -> Array:
     """(count, width), each row's numbers beside each other; of a shared row all rows are that one."""
     array = np.asarray(value, dtype=float)
+    if array.shape == (count, width) and array.flags.c_contiguous:
+        return array
     if array.ndim < 2 or len(array) == 1 < count:
         array = np.ascontiguousarray(np.broadcast_to(array.reshape(-1) if array.size != 1 else array.ravel(), (width,)))
         return np.broadcast_to(array, (count, width))

@@ -23,7 +23,6 @@ from .page import save_all, sentence
 
 KEPT = ".rows.jsonl"  # beside a scene's page: the rows, as they were measured
 INDEX = "index.html"
-SHARP = 0.1  # of a scene's tolerance: for which physics is sought
 
 
 def gallery(
@@ -62,9 +61,7 @@ def gallery(
             scene = shipped.get(name)
             try:
                 kept = folder / f"{name}{KEPT}"
-                sought = SHARP * scene.tolerance
-                options: dict[str, Any] = {"budget": budget, "kept": kept, "peers": peers, "physics_tolerance": sought}
-                done = chart(scene, progress=_named(name, own), **options)
+                done = chart(scene, budget=budget, kept=kept, peers=peers, progress=_named(name, own))
             except PliantError as reason:
                 failed.append((name, f"{type(reason).__name__}: {reason}"))
                 continue

@@ -23,6 +23,7 @@ from pliant.plants.core.argument_gates import (
     require_seconds,
 )
 from pliant.plants.integration.batch_stepper import compile_motions
+from pliant.plants.motions.observations import compile_observations
 from pliant.studies.common import machine
 from pliant.studies.common.processor_time import processor_time
 from pliant.studies.common.reference_motions import Motions, Progress, TooLong, share, silent
@@ -48,7 +49,9 @@ from .runner import Runner
 
 COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
 PREPARING = 15.0  # [s] that preparing all variants may take, or the budget if that is more; the first has no limit
+SEEN = 3.0  # [s] that compiling what is seen on motions may take: without it a short run is mostly that
 PREPARED, MEASURED = 0.25, 0.95  # of the progress told
+SHARP = 0.1  # of a scene's tolerance: for which physics is sought, that rows below it are told apart too
 Peers = Callable[..., Sequence[PeerRow]]
 
 
@@ -75,7 +78,7 @@ def chart(
     setting finer than one whose error no longer matters has no row.
 
     physics_tolerance: for which physics is sought, and so known to a few percent of it, where that can be had [the
-    outputs' unit]; None: the scene's tolerance.
+    outputs' unit]; None: a tenth of the scene's tolerance.
     kept: a file of JSON lines to which rows go as they are measured, and from which a second call goes on, with a
     budget of its own. peers: also other programs on the same motion, see `pliant.studies.peers`, or what measures them.
     ValueError for a budget that is not positive, an unknown method, or a file that keeps another scene's rows.
@@ -94,7 +97,7 @@ def chart(
     if variants is not None and not (variants := require_all("chart.variants", variants, Plant)):
         raise ValueError("chart.variants = () must hold at least one Plant")
     prune = require_flag("chart.prune", prune)
-    sought = scene.tolerance if physics_tolerance is None else physics_tolerance
+    sought = SHARP * scene.tolerance if physics_tolerance is None else physics_tolerance
     sought = require_number("chart.physics_tolerance", sought, "positive", scene.unit)
     if motions is not None:
         require_instance("chart.motions", motions, Motions)
@@ -172,6 +175,7 @@ def _prepare(
         limit = allowed if i else math.inf
         if spent() < limit:
             compile_motions(plant, max(budget, COMPILING))
+            compile_observations(plant, SEEN)
         try:
             motions.converged(plant, until=began + limit)
         except TooLong:

@@ -36,7 +36,7 @@ def chart(
     plot: Picture = None,
     kept: Annotated[Path | None, typer.Option(help="File of rows; it goes on where that one ends.")] = None,
     physics: Annotated[
-        float | None, typer.Option("--physics-tolerance", help="For which physics is sought; the scene's if not given.")
+        float | None, typer.Option("--physics-tolerance", help="For which physics is sought; a tenth of the scene's.")
     ] = None,
     peers: Annotated[bool, typer.Option("--peers", help="Other programs on the same motion too.")] = False,
     every: Annotated[bool, typer.Option("--all", help="Every shipped scene, with a page of all, into --out.")] = False,

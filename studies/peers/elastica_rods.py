@@ -54,6 +54,7 @@ class Rods:
         def play() -> tuple[Motion, float]:
             return _Rod(machine, setting).motion()
 
+        _Rod(machine, setting).one_step()  # what Numba compiles on the way is no part of a run
         return Player(play, lambda: play()[1])
 
 
@@ -182,6 +183,12 @@ class _Rod:
     def pushed(self, k: int) -> float:
         """Acceleration of a prescribed root [rad/s^2]."""
         return float(self.machine.held[k, 0]) if self.machine.root == "motion" else 0.0
+
+    def one_step(self) -> None:
+        """The first."""
+        with np.errstate(all="ignore"):
+            step = np.float64(self.machine.dt / self.setting.substeps)
+            self.ea.PositionVerlet().step(self.systems, np.float64(0.0), step)
 
     def motion(self) -> tuple[Motion, float]:
         """From the start."""

@@ -85,7 +85,11 @@ def measured(
     except Exception as failure:  # what another program does wrong is a row, never the end of a chart
         return [PeerRow(program.peer, "", searched=search.tried, failure=f"{type(failure).__name__}: {failure}")]
     if not front:
-        return [PeerRow(program.peer, "", searched=search.tried, failure="no setting tried gives a motion")]
+        return [
+            PeerRow(
+                program.peer, "", searched=search.tried, failure=f"none of {search.tried} settings tried gives a motion"
+            )
+        ]
     return [
         PeerRow(program.peer, described(program, at.setting, machine.dt), at.seconds, at.error, at.runs, search.tried)
         for at in front

@@ -7,7 +7,7 @@ from oscillators import Oscillator, Scalar
 from pliant.plants import MassMatrixError, SingleLinkArm
 from pliant.plants.core.errors import NotFiniteWarning
 from pliant.plants.motions import compile_rule
-from pliant.plants.motions.observations import Observer, Slopes, observer
+from pliant.plants.motions.observations import Observer, Slopes, compile_observations, observer, slopes_at_rows
 from pliant.plants.native import kernel_loader
 
 pytestmark = pytest.mark.skipif(not kernel_loader.wanted(), reason="PLIANT_NATIVE=0: nothing is compiled")
@@ -51,6 +51,15 @@ def test_few_rows_stay_on_the_virtual_machine_and_are_counted():
     own(values, 3)
     assert own.kernel.spent > 0.0 and not own.kernel.compiled
     assert observer(Oscillator(omega=np.e)) is observer(Oscillator(omega=np.e))
+
+
+def test_what_is_asked_for_is_compiled_unless_it_costs_too_much():
+    plant = Oscillator(omega=np.pi)
+    own = observer(plant), slopes_at_rows(plant)
+    compile_observations(plant, 0.5 * min(seen.kernel.price for seen in own))
+    assert not any(seen.kernel.compiled or seen.kernel._looked for seen in own)  # nor looked for on disk
+    compile_observations(plant, 2.0 * max(seen.kernel.price for seen in own))
+    assert all(seen.kernel.at_hand for seen in own)
 
 
 @pytest.mark.parametrize("plant", [Oscillator(), SingleLinkArm.textbook()], ids=str)

@@ -11,6 +11,7 @@ from pliant.plants.stability import METHODS
 from pliant.studies.commands.console import Commands
 from pliant.studies.commands.stability import stability
 from pliant.studies.common.atomic_files import dumps
+from pliant.studies.stability.over_ranges import over_ranges
 from pliant.studies.stability.verdicts import verdict_at_goal, verdict_of
 
 SHORT = ("--set", "duration=1.2", "--set", "move_time=0.6")
@@ -43,6 +44,7 @@ def test_json_is_json_alone(run):
     verdict, model = verdict_of(scene)
     goal = verdict_at_goal(scene)
     told = {"scene": scene.name, "plant": scene.plant.label, "left_out": [], "at_the_goal": goal.to_json()}
+    told["over_ranges"] = over_ranges(scene) or None
     assert found == json.loads(dumps({**told, **verdict.to_json()}))
     assert found["verdict"] == "bounded" and set(found["reasons"]) | {found["method"]} == set(METHODS)
     assert found["at_the_goal"]["verdict"] == "stable" and len(model.t) >= 401

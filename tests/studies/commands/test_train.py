@@ -18,7 +18,7 @@ def run(*words):
 @pytest.mark.campaign
 def test_command_trains_and_goes_on(tmp_path):
     pytest.importorskip("stable_baselines3")
-    given = ["--steps", "2560", "--num-envs", "64", "--threads", "1", "--out", str(tmp_path), "--json"]
+    given = ["--algorithm", "ppo", "--steps", "2560", "--num-envs", "64", "--threads", "1", "--out", str(tmp_path), "--json"]
     first = run(SCENE, *given)
     assert first.exit_code == 0, first.stderr
     found = json.loads(first.stdout)
@@ -28,7 +28,7 @@ def test_command_trains_and_goes_on(tmp_path):
     assert made["command"] == f"pliant train {SCENE} --algorithm ppo --seed 0 --steps 2560 --num-envs 64 --threads 1"
     again = run(SCENE, *given)
     assert again.exit_code == 2 and "resume" in again.stderr
-    given[1] = "5120"
+    given[3] = "5120"
     more = run(SCENE, *given, "--resume")
     assert more.exit_code == 0, more.stderr
     assert json.loads(more.stdout)["steps"] == 5120 and "torch thread" in more.stderr

@@ -14,7 +14,9 @@ from pliant.studies.effectivity.trial import trial
 
 module, finer = (importlib.import_module(f"pliant.studies.effectivity.{name}") for name in ("trial", "finer_models"))
 QUICK = 28  # a cantilever with a wide tolerance, whose truth takes fewer shapes than others'
-SIZES = {"cantilever drop": (5, 6)}
+SIZES = {"cantilever drop": (7, 8)}
+FINER = {"basis": "polynomial", "modes": 8, "segments": 1, "points": None, "theory": "timoshenko"}
+FINER |= {"extensible": True, "stretches": 2, "shears": 2}
 
 
 def outputs(scene, plant):
@@ -35,7 +37,7 @@ def test_true_errors_are_those_from_the_finer_model(row):
     """CVODES alone, no code of the study but the scene."""
     drawn = random_scene(QUICK)
     scene = drawn.scene
-    exact = outputs(scene, dataclasses.replace(scene.plant, basis="polynomial", modes=6))
+    exact = outputs(scene, dataclasses.replace(scene.plant, **FINER))
     labels = {p.label: p for p in scene.plant.ladder()}
     for rung in row["rungs"]:
         true = np.abs(outputs(scene, labels[rung["variant"]]) - exact).max()
@@ -64,7 +66,7 @@ def test_a_crash_is_a_row_that_says_so(monkeypatch):
 @pytest.mark.campaign
 def test_a_truth_that_fails_is_a_row_that_is_left_out(monkeypatch):
     def fails(drawn, motions):
-        raise IntegrationError("no steps left")
+        raise IntegrationError("no steps left", 0.0, np.zeros(2), 0.1)
 
     monkeypatch.setattr(module, "truth", fails)
     assert Tally([trial(QUICK)]).numbers["left out"] == [QUICK]

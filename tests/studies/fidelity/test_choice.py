@@ -19,17 +19,23 @@ SHORT = scenes.get("single-link-slew", duration=0.5, move_time=0.3)
 
 
 def finer(scene):
-    """A finer model than any of the ladder, in other shape functions than the finest rung."""
+    """A finer model than any of the ladder, in other or more shape functions than the finest rung.
+
+    Natural modes of two and three links do not serve: at six a link they still miss a third of what polynomials show.
+    """
     plant = scene.plant
     if scene.name == "two-link-reach":
-        return dataclasses.replace(plant, kinematics="strain", theory="timoshenko", basis="payload", modes=(6, 6))
+        return dataclasses.replace(plant, kinematics="strain", theory="timoshenko", basis="polynomial", modes=(6, 6))
     if scene.name == "cantilever-drop":
         return dataclasses.replace(plant, basis="polynomial", modes=9)
     if scene.name == "slider-crank-run":
         return dataclasses.replace(plant, basis="frame-elements", modes=4)
     if scene.name.startswith("spacecraft"):
         parts = tuple(dataclasses.replace(a, modes=None, body=polynomial_panel()) for a in plant.appendages)
-        return dataclasses.replace(plant, kinematics="linear", appendages=parts)
+        return dataclasses.replace(plant, kinematics="stiffened", appendages=parts)
+    if scene.name == "three-link-flexible":
+        bodies = tuple(dataclasses.replace(b, modes=(4, 2, 2, 0) if any(b.modes) else b.modes) for b in plant.bodies)
+        return dataclasses.replace(plant, kinematics="strain", basis="polynomial", bodies=bodies)
     if isinstance(plant, FlexibleTree):
         bodies = tuple(dataclasses.replace(b, modes=tuple(3 * min(n, 1) for n in b.modes)) for b in plant.bodies)
         return dataclasses.replace(plant, kinematics="stiffened", basis="clamped-free", bodies=bodies)
@@ -37,7 +43,10 @@ def finer(scene):
 
 
 def polynomial_panel(n=5):
-    """The modes of the scenes' panel, 6 m x 2 m, 2 kg/m, EI = 186 N m^2, in x^2 .. x^(n+1) on two lines."""
+    """The modes of the scenes' panel, 6 m x 2 m, 2 kg/m, EI = 186 N m^2, in x^2 .. x^(n+1) on two lines.
+
+    The shortening is int_0^x phi_k' phi_l' ds.
+    """
     L, mu, EI = 6.0, 2.0, 186.0
     s, weight = (z / 2 for z in np.polynomial.legendre.leggauss(12))
     s, weight, k = np.append(s + 0.5, 1.0), np.append(weight, 0.0), np.arange(2, n + 2)
@@ -45,8 +54,13 @@ def polynomial_panel(n=5):
     squares, shapes = eigh(EI * L * (bent.T * weight) @ bent, mu * L * (value.T * weight) @ value)
     phi = np.zeros((n, 26, 3))
     phi[:, :, 2] = np.tile(value @ shapes, (2, 1)).T
+    i, j = k[:, None], k[None, :]
+    raw = i * j / (i + j - 1) / L * s[:, None, None] ** (i + j - 1)
+    shortening = np.zeros((n, n, 26, 3))
+    shortening[..., 0] = np.tile(np.einsum("ak,pab,bl->klp", shapes, raw, shapes), 2)
     nodes = np.concatenate([np.column_stack([L * s, np.full(13, y), np.zeros(13)]) for y in (1.0, -1.0)])
-    return ModalData.from_nodes(nodes, np.tile(mu * L * weight / 2, 2), phi, frequencies=np.sqrt(squares), tip=12)
+    masses, own = np.tile(mu * L * weight / 2, 2), {"frequencies": np.sqrt(squares), "shortening": shortening}
+    return ModalData.from_nodes(nodes, masses, phi, tip=12, **own)
 
 
 def tip(scene, plant):
@@ -74,6 +88,8 @@ def test_choice_keeps_the_tolerance_against_an_independent_finer_model(case):
     assert choice.met
     assert np.abs(tip(scene, choice.plant) - exact).max() < scene.tolerance
     rigid = scene.plant.ladder()[0]
+    if len(scene.plant.ladder()) == 1:
+        return
     if scene.name in ("spacecraft-orbit", "satellite-arm"):  # bending does not matter to where it points, or reaches
         assert choice.plant.label == rigid.label
         return
@@ -108,10 +124,11 @@ def test_integrator_and_step_keep_the_tolerance(case):
 
 
 def test_choice_is_json_and_text(case):
-    _, choice = case
+    scene, choice = case
     table = json.loads(dumps(choice.to_json()))
     assert table["chosen"] == choice.plant.label
-    assert choice.plant.label in choice.text and "Left out: " in choice.text
+    assert choice.plant.label in choice.text
+    assert ("Left out: " in choice.text) == (scene.name != "flexible-joint-slew")  # whose bodies do not bend
 
 
 @pytest.mark.campaign

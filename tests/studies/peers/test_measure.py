@@ -12,6 +12,7 @@ from pliant.envs import scenes
 from pliant.studies.common.reference_motions import Motions
 from pliant.studies.peers import measure
 from pliant.studies.peers.measure import PROGRAMS, one_core, util
+from pliant.studies.peers.programs import BrokenDownError, Player
 from pliant.studies.physics.physics_motion import physics_motion
 
 measuring = sys.modules["pliant.studies.peers.measure"]  # whose name is the function's too
@@ -43,6 +44,20 @@ def test_what_fails_is_a_row(monkeypatch):
         monkeypatch.setattr(type(program), "player", player)
     monkeypatch.setattr(util, "find_spec", lambda name: True)
     assert {row.failure for row in measure(DROP, zeros(DROP))} == {"RuntimeError: no licence"}
+
+
+def test_where_no_setting_gives_a_motion_the_row_says_of_how_many(monkeypatch):
+    def player(*_):
+        def broken():
+            raise BrokenDownError("the steps are too long")
+
+        return Player(broken, broken)
+
+    monkeypatch.setattr(measuring, "PROGRAMS", PROGRAMS[:1])
+    monkeypatch.setattr(type(PROGRAMS[0]), "player", player)
+    monkeypatch.setattr(util, "find_spec", lambda name: True)
+    (row,) = measure(DROP, zeros(DROP) + 1.0)
+    assert row.searched > 100 and row.failure == f"none of {row.searched} settings tried gives a motion"
 
 
 def test_rows_are_fronts(monkeypatch):

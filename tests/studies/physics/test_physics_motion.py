@@ -20,7 +20,8 @@ def test_it_is_as_near_to_the_simulated_motion_as_it_says(tolerance):
     found = physics_motion(Motions(SLEW), tolerance)
     other = dataclasses.replace(found.physics, basis="payload", modes=found.physics.modes + 1)
     exact = Motions(SLEW).outputs(other, 1e-10)
-    assert np.abs(found.outputs - exact).max() <= found.uncertainty <= 0.1 * tolerance
+    assert np.abs(found.outputs - exact).max() <= found.uncertainty
+    assert found.uncertainty - sum(found.estimated.values()) <= 0.1 * tolerance  # but for what physics leaves out
     assert found.motion is not None and "from the motion of rigid" in found.how and not found.outside
 
 
@@ -39,7 +40,7 @@ def test_a_spin_of_large_bends_is_that_of_the_large_beam():
 @pytest.mark.campaign
 def test_where_the_correction_does_not_settle_physics_is_simulated_and_it_says_so():
     own = SLEW.plant
-    soft = dataclasses.replace(own, link=dataclasses.replace(own.link, E=1.5e10, length=1.2), hub_inertia=0.04)
+    soft = dataclasses.replace(own, link=dataclasses.replace(own.link, E=1.0e10, length=1.4), hub_inertia=0.02)
     scene = scenes.get("single-link-slew", duration=0.6, move_time=0.4).with_plant(soft)
     motions = Motions(scene)
     found = physics_motion(motions, 5e-3)

@@ -18,7 +18,7 @@ from pliant.studies.report import study as room
 from pliant.studies.report.findings import FAULT
 
 SHORT = {"spacecraft-spin": 20.0, "spacecraft-orbit": 240.0}
-PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder", "effects"}
+PICTURES = {"motion", "shapes", "eigenvalues", "stability", "closed_loop", "speed_accuracy", "ladder"}
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,8 @@ def table(folder, name):
 def test_every_section_is_made(made):
     scene, folder, text = made
     pictures = {path.stem for path in folder.glob("*.png")}
-    assert pictures >= PICTURES and "tip_path" not in pictures
+    effects = set() if scene.name == "spacecraft-orbit" else {"effects"}  # what its rigid model lacks is not told apart
+    assert pictures >= PICTURES | effects and "tip_path" not in pictures
     assert text.count("<figure") == len(pictures) and text.count("<h2>") == 11
     assert '<div id="arm">' not in text and "homogeneous box" in text
     assert ("The goal moves, hinge1_1 by 0.0011 1/s and hinge2_1 by -0.0011 1/s" in text) == bool(scene.goal_rates)

@@ -29,7 +29,8 @@ def board():
 
 
 def untimed(board):
-    return [{k: v for k, v in row.to_json().items() if k not in TIMES} for row in board.rows]
+    rows = [{k: v for k, v in row.to_json().items() if k not in TIMES} for row in board.rows]
+    return [row | {"intervals": {k: v for k, v in row["intervals"].items() if k not in TIMES}} for row in rows]
 
 
 @pytest.mark.campaign

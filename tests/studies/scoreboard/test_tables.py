@@ -118,7 +118,7 @@ def test_cells_played_again_are_those_of_the_table():
     again = scoreboard(["single-link-slew"], names, seeds=1, bounds=1, jobs=1)
     for case in ("exact", "finer"):
         for name in names:
-            played, row = again.row("single-link-slew", case, name), ROWS["single-link-slew", case, name]
+            played, row = again.row("single-link-slew", case, name), NOW["single-link-slew", case, name]
             assert played.cost == pytest.approx(row["cost"], rel=1e-6)
             assert played.ratio == pytest.approx(row["ratio"], rel=1e-6)
             assert played.peak == pytest.approx(row["peak"], rel=1e-4)
