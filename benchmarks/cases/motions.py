@@ -16,6 +16,7 @@ from harness.sampling import TIME, Case, Row, Sampler, ratio, time_of
 from pliant.envs import Scene, scenes
 from pliant.plants import IntegrationError, MassMatrixError, StabilityLimitError, Trajectory
 from pliant.plants.integration.batch_stepper import motion_kernel
+from pliant.plants.motions import played_motion
 from pliant.plants.motions.observations import compile_observations
 from pliant.plants.rosenbrock.library import adaptive_kernel
 
@@ -39,6 +40,7 @@ def given(name: str) -> tuple[Scene, np.ndarray]:
         kernel.spent = np.inf  # so that it is built now
     compile_observations(scene.plant, np.inf)
     adaptive_kernel(scene.plant).spent = np.inf
+    played_motion.program.at_hand(np.inf)
     return scene, np.array([scene.nominal_input(t) for t in scene.times]).reshape(len(scene.times), -1)
 
 

@@ -24,6 +24,7 @@ from peers import exudyn_beam
 from pliant.envs import scenes
 from pliant.plants import LargeDeflectionBeam
 from pliant.plants.integration.batch_stepper import compile_motions, step_kernel
+from pliant.plants.motions import played_motion
 from pliant.plants.motions.observations import compile_observations
 from pliant.plants.native.batch_kernels import Workspace
 from pliant.plants.native.kernel_loader import NativeWarning
@@ -116,6 +117,7 @@ def simulated(strain: Strain, allowed: float) -> Sampler:
     scene = scenes.get("cantilever-drop", plant=beam(strain))
     compile_motions(scene.plant, np.inf)
     compile_observations(scene.plant, np.inf)
+    played_motion.program.at_hand(np.inf)
     held = np.zeros((len(scene.times), scene.plant.nu))
     run = partial(scene.plant.simulate, scene.initial[0], held, scene.times)
     run = partial(run, method=strain.method, step=END / strain.steps)

@@ -248,12 +248,15 @@ def satellite_arm() -> Scene:
     | lower_deflection_y | m     | 0.3   |
     | shoulder_rate      | rad/s | 6     |
     | elbow_rate         | rad/s | 6     |
+    | base_attitude_x    | 1     | 0.9   |
+    | base_attitude_y    | 1     | 0.9   |
+    | base_attitude_z    | 1     | 0.9   |
 
     | policy                   | return |
     |--------------------------|--------|
     | LQR                      | -40.39 |
     | zero actions             | -226   |
-    | random actions           | -1627  |
+    | random actions           | -1837  |
     """
     attitude, turning = (tuple(f"base_{what}_{axis}" for axis in "xyz") for what in ("attitude", "rate"))
     bends, wheels = ("upper_deflection_y", "lower_deflection_y"), tuple(f"wheel_{axis}_torque" for axis in "xyz")
@@ -269,7 +272,11 @@ def satellite_arm() -> Scene:
         substeps=10,
         move_time=10.0,
         limits=(2.0, 2.0, 2.0, 6.0, 3.0),
-        bounds=(*((name, 0.3) for name in bends), ("shoulder_rate", 6.0), ("elbow_rate", 6.0)),
+        bounds=(
+            *((name, 0.3) for name in bends),
+            *(("shoulder_rate", 6.0), ("elbow_rate", 6.0)),
+            *((name, 0.9) for name in attitude),  # 128 degrees; without one, to turn away would cost more than to end
+        ),
         weights=(
             *(("shoulder", 10.0), ("elbow", 10.0)),
             *((name, 400.0) for name in attitude),

@@ -12,15 +12,16 @@ from pliant.plants.core.parameters import require_choice, require_parts, require
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.signals import read_only_times
 from pliant.plants.core.trajectory import Trajectory, of_run
-from pliant.plants.motions import adaptive_steps
+from pliant.plants.motions import adaptive_steps, repeated_motions
 from pliant.plants.motions.held_inputs import HeldInput, Input, sampling_grid
 from pliant.plants.motions.observations import observer
+from pliant.plants.motions.repeated_motions import StepLimit
 from pliant.plants.rosenbrock.adaptive import METHOD as RODAS
 from pliant.plants.validity.ranges import judged
 
 from . import cvodes, radau
 from .motion_run import FixedRun, MotionRun, PairRun, RosenbrockRun
-from .step_maps import METHODS
+from .step_maps import METHODS, ROUNDED, damped_within, doubtful
 
 
 class StiffRun(MotionRun):
@@ -70,6 +71,10 @@ def simulate(
     progress: Any,
 ) -> Trajectory:
     """See Plant.simulate."""
+    if step is not None and audit is False and progress is None:
+        short = repeated_motions.again(plant, x0, u, t, w, p, method, step, (rtol, atol))
+        if short is not None:
+            return short[0] if short[1] is None else judged(plant, short[0], p, reached=short[1], stacklevel=3)
     t = read_only_times("t", t)
     require_choice("simulate", "method", method, (*ADAPTIVE, *METHODS))
     if (step is not None) != (method in METHODS):
@@ -119,4 +124,7 @@ def simulate(
         hold="linear" if drive.smooth else "zero-order",
         stats=stats,
     )
+    if stats["native"] and step is not None and isinstance(run, FixedRun) and drive.controller is drive.law is None:
+        limit = StepLimit(run.every, damped_within(method), ROUNDED, doubtful)
+        repeated_motions.prepare(plant, t, method, step, run.library, run.counts, limit)
     return judged(plant, made, p, reached=reached, stacklevel=3)

@@ -35,16 +35,15 @@ from pliant.plants.core.imports import linalg
 from pliant.plants.core.parameters import is_symbolic
 from pliant.plants.dynamics.arguments import line_points, one_state
 from pliant.plants.dynamics.plant_contract import PhysicsContract
+from pliant.plants.dynamics.residual_jacobians import Differentiated
 from pliant.plants.exact_rotations.planar_chain import PlanarChain
 from pliant.plants.exact_rotations.quadrature import Array
 from pliant.plants.exact_rotations.tangent_sums import TangentSums
-from pliant.plants.validity.ranges import Range, largest
-from pliant.plants.validity.rotating_sections import MOMENTS, below_one_turn, fibres, sub_beams
-from pliant.plants.validity.slender import STATIONS
+from pliant.plants.validity.ranges import Range
 
 from .cross_sections import PlanarSections
 from .declaration import BASES, MOST_TWISTS, LargeBeamDeclaration
-from .sub_beam_chain import Chain
+from .fields import NodalBalance, nodal_balance, ranges_of_fields
 
 PHYSICS_SHAPES = 5  # that physics has by itself
 BeamT = TypeVar("BeamT")
@@ -55,10 +54,10 @@ LADDER = (  # kinematics, segments, modes
     ("strain", 1, 3),
     ("strain", 1, 4),
     ("substructured", 2, 2),
-    ("substructured", 3, 2),
     ("strain", 1, 6),
-    ("substructured", 4, 2),
+    ("substructured", 3, 2),
     ("strain", 1, 8),
+    ("substructured", 4, 2),
 )
 
 
@@ -197,6 +196,28 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
             r += self.payload.mass * (J.T @ (self._g - bias))
         return M, r, ca.bilin(M, v, v) / 2, self.potential_energy(q)
 
+    @last_call
+    def solved(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
+        """In the turns of nodes where that takes fewer operations: in the plane without payload."""
+        if (found := self._in_nodes(x, u, ca.SX(len(self.coordinates), 1))) is None:
+            return super().solved(t, x, u, w)
+        a, pivots = self.acceleration(found.M, found.lacking, u)
+        return found.back @ a, pivots
+
+    def _in_nodes(self, x: ca.SX, u: ca.SX, a: ca.SX) -> NodalBalance | None:
+        if self.strained or self._loaded or self.driven:
+            return None
+        n = a.shape[0]
+        return nodal_balance(self.beam, self.fields, self._g, x[:n], x[n:], a, u)
+
+    def _differentiated(self) -> Differentiated:
+        _, x, u, w, _ = self.symbols
+        a = ca.SX.sym("a", len(self.coordinates))
+        if (found := self.symbolic._in_nodes(x, u, a)) is None:
+            return super()._differentiated()
+        rates, change = ca.vertcat(self.coordinate_rates(x), a), found.change(ca.vertcat(x, u, w))
+        return Differentiated(a, rates, change, self._motion[0][a.shape[0] :])
+
     def output(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX) -> ca.SX:
         n = self.coordinates_slice.stop
         q, v = x[:n], x[n:]
@@ -219,36 +240,12 @@ class LargeDeflectionBeam(LargeBeamDeclaration):
 
     def ranges(self, t: ca.SX, x: ca.SX, u: ca.SX, w: ca.SX, y: ca.SX) -> tuple[Range, ...]:
         """Small strains; in space rotations below one turn, or of a chain small turns within each sub-beam."""
-        n, at = self.coordinates_slice.stop, STATIONS
+        n = self.coordinates_slice.stop
         if self.strained:
             given = (u, w) if self.driven else (u[:0], u)
             return fidelities.ranges(self, x[:n], x[n:], *given)
-        q, beam, shapes = x[:n], self.beam, self.fields.shapes
         spin = x[n] ** 2 if self.root != "clamped" else ca.SX(0)
-        force = ca.norm_2(w if self.root == "driven" else u)
-        weight, L = ca.norm_2(ca.vertcat(*self.gravity)), beam.length
-        pull = force + beam.mass * (weight + spin * L / 2) + self.payload.mass * (weight + spin * L)
-        if isinstance(shapes, Chain):
-            first, each = shapes.n - shapes.segments * shapes.modes, shapes.segments * shapes.modes
-            planes = [
-                shapes.turns_within(q[first + k * each : first + (k + 1) * each]) for k in range(1 + (not self.planar))
-            ]
-            twists = None if self.planar else _largest_twist(q[first + 2 * each :], self.segments, self.twists)
-            curved = [(curvature / L, moment) for (_, curvature), moment in zip(planes, MOMENTS)]
-            slope = ca.norm_2(ca.vertcat(*[s for s, _ in planes]))
-            return (*fibres(beam, curved, pull, holds=fidelities.EXTENSIBLE), *sub_beams(beam, slope, twists))
-        m = self.modes + (self.root != "clamped")
-        curved = [(largest(shapes.curvature(at), q[:m]) / L, "I_z")]
-        if self.planar:
-            return tuple(fibres(beam, curved, pull, holds=fidelities.EXTENSIBLE))
-        own: LargeBeamDeclaration = self.nominal
-        flap, flaps = own._rotations[1], q[m : m + self.modes]
-        curved.append((largest(flap.curvature(at), flaps) / L, "I_y"))
-        about_z = shapes(at)[:, m - self.modes :]  # against the root
-        return (
-            *fibres(beam, curved, pull, holds=fidelities.EXTENSIBLE),
-            below_one_turn((about_z, flap(at)), q[m - self.modes : m], flaps),
-        )
+        return ranges_of_fields(self, x[:n], spin, w if self.root == "driven" else u)
 
     def outline(self, x: Array, points: int = 60) -> Array:
         """The bent beam from root to tip at a state x (nx,): inertial positions (1, points, 2 or 3) [m]."""
@@ -274,8 +271,3 @@ def _ladder_of_rotations(beam: BeamT) -> tuple[BeamT, ...]:
         last: Any = steps[-1]
         steps.append(dataclasses.replace(last, twists=min(max(2 * own.twists, 1), MOST_TWISTS)))
     return tuple(steps)
-
-
-def _largest_twist(q: ca.SX, segments: int, count: int) -> ca.SX:
-    """Of a chain's sub-beams, from end to end [rad]: the first torsion shape of each alone turns its end."""
-    return ca.mmax(ca.fabs(ca.reshape(q, count, segments)[0, :])) if count else ca.SX(0)

@@ -88,6 +88,11 @@ class OnDemand(Generic[L]):
         return rows * STEPPING[1] * self.operations
 
     @property
+    def loaded(self) -> L | None:
+        """The library, where it is in memory."""
+        return self._library
+
+    @property
     def at_hand(self) -> bool:
         """Whether it is there without a compiler, in memory or on disk."""
         if self._library is None and not self._looked and kernel_loader.wanted():

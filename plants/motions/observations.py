@@ -82,7 +82,7 @@ class Observer:
         self.plant, self._parts = plant, (plant._dynamics._function, plant._output._function)
         self._ranges = len(plant.validity)
         sizes = [f.size1_out(k) for f in self._parts for k in range(f.n_out())]
-        self._sizes = [*sizes, self._ranges] if self._ranges else sizes
+        self.sizes = [*sizes, self._ranges] if self._ranges else sizes  # of all results
         count = sum(f.n_instructions() for f in (*self._parts, *self._of_ranges()))
         self._rows = Rows(plant, "rates, outputs and ranges", self._joined, self._told_apart, lambda: count)
         self.kernel = self._rows.kernel
@@ -114,7 +114,7 @@ class Observer:
             reached = plant._reached(*values, outputs[0], batch=batch) if self._ranges else []
             return [*plant._dynamics(*values, batch=batch), *outputs, *reached]
 
-        found = self._rows(values, batch, self._sizes, interpreted)
+        found = self._rows(values, batch, self.sizes, interpreted)
         reached = found[-1] if self._ranges else np.zeros((batch, 0))
         return found[: self._rates], found[self._rates : self._seen], reached
 
@@ -152,7 +152,7 @@ observer, slopes_at_rows = lru_cache(maxsize=64)(Observer), lru_cache(maxsize=64
 
 
 def compile_observations(plant: PlantLike, most: float) -> None:
-    """Compile what motions of the plant are seen and held against by, each where that takes about `most` [s] at most."""
+    """Compile what motions of the plant are seen and held against by, each where that takes at most `most` [s]."""
     for seen in (observer(plant), slopes_at_rows(plant)):
         if seen.kernel.price <= most:
             seen.kernel.library(math.inf)

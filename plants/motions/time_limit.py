@@ -50,6 +50,11 @@ def time_left() -> float:
     return math.inf if ends is None else ends - processor_time()
 
 
+def limited() -> bool:
+    """Whether there is one."""
+    return _ends.get() is not None
+
+
 def check_time(t: float | None = None) -> None:
     """TooLong where the time is over; t [s]: how far the motion has come."""
     ends = _ends.get()

@@ -98,10 +98,20 @@ def source() -> str:
 
 
 class Program:
-    """Compiled C that serves all functions, where it is at hand or has come to pay: `kind` names it in the cache."""
+    """Compiled C that serves all functions, where it is at hand or has come to pay: `kind` names it in the cache.
 
-    def __init__(self, kind: str, source: Callable[[], str], load: Callable[[Path], Any], check: Callable[[Any], None]):
-        self._kind, self._source, self._load, self._check = kind, source, load, check
+    price: what has to be spent without it before it is compiled [s].
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        source: Callable[[], str],
+        load: Callable[[Path], Any],
+        check: Callable[[Any], None],
+        price: float = COMPILING,
+    ) -> None:
+        self._kind, self._source, self._load, self._check, self._price = kind, source, load, check, price
         self.spent = 0.0  # [s] by the virtual machine on rows
         self.run: Any = None
         self._looked = self._refused = False
@@ -110,8 +120,8 @@ class Program:
         """The C function; None where it is not there, and `coming` seconds more do not make it pay."""
         if self.run is None and not self._refused and kernel_loader.wanted():
             self.spent += coming
-            if not self._looked or self.spent > COMPILING:
-                self._find(self.spent > COMPILING)
+            if not self._looked or self.spent > self._price:
+                self._find(self.spent > self._price)
         return self.run if kernel_loader.wanted() else None
 
     def _find(self, pays: bool) -> None:

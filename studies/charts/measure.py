@@ -23,6 +23,7 @@ from pliant.plants.core.argument_gates import (
     require_seconds,
 )
 from pliant.plants.integration.batch_stepper import compile_motions
+from pliant.plants.motions import played_motion
 from pliant.plants.motions.observations import compile_observations
 from pliant.studies.common import machine
 from pliant.studies.common.processor_time import processor_time
@@ -176,6 +177,7 @@ def _prepare(
         if spent() < limit:
             compile_motions(plant, max(budget, COMPILING))
             compile_observations(plant, SEEN)
+            played_motion.program.at_hand(SEEN)  # of all plants, by which a motion that is repeated is one call
         try:
             motions.converged(plant, until=began + limit)
         except TooLong:

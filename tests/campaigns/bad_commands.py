@@ -61,7 +61,7 @@ OPTIONS = {  # each command: its valid words, then its options
     "simulate": ((SLEW,), ("--set", "--method", "--step", "--rtol", "--out", "--plot")),
     "linearize": ((SLEW,), ("--set", "--at", "--plot")),
     "identify": ((SLEW, "missing.csv"), ("--vary", "--noise", "--bound", "--tries", "--plot")),
-    "chart": ((SLEW,), ("--set", "--budget", "--out", "--plot")),
+    "chart": ((SLEW,), ("--set", "--budget", "folder --out", "--plot")),
     "choose": ((SLEW,), ("--set", "--tolerance", "--plot")),
     "train": (
         (SLEW,),

@@ -54,7 +54,7 @@ def test_few_rows_stay_on_the_virtual_machine_and_are_counted():
 
 
 def test_what_is_asked_for_is_compiled_unless_it_costs_too_much():
-    plant = Oscillator(omega=np.pi)
+    plant = Oscillator(omega=1.2345)  # of no other test
     own = observer(plant), slopes_at_rows(plant)
     compile_observations(plant, 0.5 * min(seen.kernel.price for seen in own))
     assert not any(seen.kernel.compiled or seen.kernel._looked for seen in own)  # nor looked for on disk

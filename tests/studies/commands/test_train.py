@@ -18,7 +18,19 @@ def run(*words):
 @pytest.mark.campaign
 def test_command_trains_and_goes_on(tmp_path):
     pytest.importorskip("stable_baselines3")
-    given = ["--algorithm", "ppo", "--steps", "2560", "--num-envs", "64", "--threads", "1", "--out", str(tmp_path), "--json"]
+    given = [
+        "--algorithm",
+        "ppo",
+        "--steps",
+        "2560",
+        "--num-envs",
+        "64",
+        "--threads",
+        "1",
+        "--out",
+        str(tmp_path),
+        "--json",
+    ]
     first = run(SCENE, *given)
     assert first.exit_code == 0, first.stderr
     found = json.loads(first.stdout)

@@ -79,7 +79,9 @@ def test_lqr_or_why_there_is_none(made):
     found = table(folder, "closed_loop")
     if scene.name in NO_LAW:
         assert found["failure"].startswith(NO_LAW[scene.name]) and found["gain"] is None and found["loops"] == []
-        assert text.count(found["failure"]) == 2  # in the answer and in its section; those beside each other go by the cycle
+        assert (
+            text.count(found["failure"]) == 2
+        )  # in the answer and in its section; those beside each other go by the cycle
     elif scene.name == "spin-up":  # the hub's angle, which nothing depends on, is not read
         assert found["failure"] is None and np.shape(found["gain"]) == (1, 5)
         assert [loop["stable"] for loop in found["loops"]] == [True, True, True, False]
