@@ -12,7 +12,7 @@ from pliant.plants.core.signals import OwnsArrays, owned, sealed
 
 QUICK = (
     *("LQR that integrates", "MPC that estimates", "policy", "Kalman", "rest to rest", "nominal input", "linear model"),
-    *("casadi function", "errors", "verdict"),
+    *("casadi function", "errors", "verdict", "left ranges"),
 )
 
 

@@ -37,6 +37,16 @@ class Range:
     value: ca.SX = field(repr=False, compare=False)
     measures: str = ""  # by which it is asked for, where it is
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the expression, which is the plant's and travels with no pickle: a copy elsewhere has NaN."""
+        return {**self.__dict__, "value": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state, value=ca.SX(np.nan))
+
+    def __deepcopy__(self, memo: Any) -> Range:
+        return self
+
 
 class Left(NamedTuple):
     """A range that a motion leaves: its largest value, when, and since when it is outside."""
