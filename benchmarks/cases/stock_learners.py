@@ -41,8 +41,21 @@ TASKS: dict[str, Any] = {  # about 30 actions an episode; "nominal" where limits
 }
 SCALED = ("sac",)  # learners that read through VecNormalize: the motor of flexible-joint-slew turns 100 times its joint
 LANES = {"ppo": 2, "sac": 16}
+OWN: dict[tuple[str, str], dict[str, Any]] = {  # where a learner has others; lanes too
+    ("single-link-slew", "sac"): {"lanes": 8},
+    ("single-link-slew-gentle", "sac"): {"lanes": 8},
+    ("six-axis-pick", "sac"): {"hold": 5},
+    ("spin-up", "sac"): {"lanes": 8},
+}
 EVERY, ASKED = 8192, 5.0  # actions between evaluations; times that nothing must cost as much
 HERE = Path(__file__).parents[1]
+
+
+def task_of(name: str, learner: str) -> tuple[dict[str, Any], int]:
+    """Keywords of the environment, and how many lanes."""
+    own = dict(OWN.get((name, learner), {}))
+    lanes = own.pop("lanes", LANES[learner])
+    return {**TASKS[name], **own}, lanes
 
 
 def played(lanes: Any, act: Any) -> float:
@@ -68,9 +81,9 @@ def learned(scene: Scene, learner: str, seed: int, steps: int, least: float, tel
     from stable_baselines3.common.vec_env import VecNormalize
 
     torch.set_num_threads(1)
-    begin, task = time.process_time(), TASKS[scene.name]
+    begin, (task, lanes) = time.process_time(), task_of(scene.name, learner)
 
-    env: Any = scene.sb3_env(LANES[learner], randomise=True, reward="normalised", **task)
+    env: Any = scene.sb3_env(lanes, randomise=True, reward="normalised", **task)
     if learner in SCALED:
         env = VecNormalize(env, norm_reward=False)
     read = env.normalize_obs if learner in SCALED else lambda obs: obs
@@ -105,7 +118,7 @@ def table(runs: list[dict[str, Any]], about: dict[str, Any]) -> list[str]:
     for run in sorted(runs, key=lambda r: (list(TASKS).index(r["scene"]), r["learner"], r["seed"])):
         none, law, curve = about[run["scene"]]["nothing"], about[run["scene"]]["lqr"], run["curve"]
         last, best = curve[-1], min(curve, key=lambda point: point["cost"])
-        task, whole = TASKS[run["scene"]], last["steps"] >= run["asked"]
+        task, whole = run["task"], last["steps"] >= run["asked"]
         scaled = ", scaled" if run["scaled"] else ""
         end = "" if whole else f", stopped at {run['until']:g} times" if run["ended"] else ", broken off"
         cells = [
@@ -191,7 +204,7 @@ def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: floa
     there = [run for run in read()["runs"] if all(run[k] == v for k, v in key.items())]
     if any(run["ended"] and run["until"] == until and run["asked"] >= steps for run in there):
         return
-    about = {"nothing": nothing(scene), "lqr": lqr_cost(scene)}
+    about, (task, lanes) = {"nothing": nothing(scene), "lqr": lqr_cost(scene)}, task_of(name, learner)
     curve: list[dict[str, float]] = []
 
     def tell(actions: int, cost: float, seconds: float, ended: bool) -> None:
@@ -200,7 +213,7 @@ def _run(path: Path, name: str, learner: str, seed: int, steps: int, until: floa
         now = read()  # another process may have written since
         now["runs"] = [run for run in now["runs"] if any(run[k] != v for k, v in key.items())]
         told = {"asked": steps, "until": until, "ended": ended, "curve": curve}
-        now["runs"].append({**key, "lanes": LANES[learner], "scaled": learner in SCALED, **told})
+        now["runs"].append({**key, "lanes": lanes, "task": task, "scaled": learner in SCALED, **told})
         now["about"][name], now["machine"] = about, machine.describe()
         write_text(path, json.dumps(now, indent=1) + "\n")
         _write_table(path, now)

@@ -2,11 +2,14 @@
 
 Where the cost of a batch rises past WORSE times its running mean, the numbers of the last good batch come back, the
 moments are forgotten and steps are half as long; they grow again with every good one. Batches differ: what is compared
-with rises by AGAIN each time, so that a batch of easy episodes does not hold the method back for good.
+with rises by AGAIN each time, so that a batch of easy episodes does not hold the method back for good; and a batch that
+is as dear at the last good numbers is a hard one, as where an episode falls whatever the policy does, and no reason to
+go back: else one in ten of them would halve the steps until nothing moves.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,13 +41,21 @@ class Adam:
     def start(cls, theta: Array) -> Adam:
         return cls(theta.copy(), np.zeros_like(theta), np.zeros_like(theta), theta.copy())
 
-    def step(self, cost: float, gradient: Array, rate: float) -> None:
-        """Go on from a batch's mean cost and gradient (size,) at theta, with the learning rate `rate`."""
+    def step(self, cost: float, gradient: Array, rate: float, before: Callable[[], float] | None = None) -> None:
+        """Go on from a batch's mean cost and gradient (size,) at theta, with the learning rate `rate`.
+
+        before() is what the same batch costs at `good`, asked where it is dear. None: a dear batch goes back.
+        """
         norm = float(np.linalg.norm(gradient))
         if not (np.isfinite(norm) and cost < WORSE * self.smooth):
-            if np.isfinite(self.smooth):
+            if not np.isfinite(self.smooth):
+                return
+            known = 0.0 if before is None else before()
+            if not np.isfinite(known):  # it says nothing of the step
+                return
+            if not (np.isfinite(norm) and cost < WORSE * known):
                 self._return()
-            return
+                return
         self.smooth = cost if self.smooth == np.inf else min(RISE * self.smooth, MEMORY * self.smooth + 0.1 * cost)
         if cost <= BETTER * self.smooth:
             self.good[:] = self.theta

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -158,16 +159,19 @@ class Run:
             if share >= following:
                 self.judge()
                 following = (int(share * EVALUATIONS) + 1) / EVALUATIONS
-            cost, gradient = self.rollouts(self.adam.theta, self._drawn(self.rng))
-            with np.errstate(over="ignore", invalid="ignore"):
-                mean = float(np.mean(cost))
+            episodes = self._drawn(self.rng)
+            cost, gradient = self.rollouts(self.adam.theta, episodes)
             rate = self.settings.learning_rate * max(FLOOR, 0.5 + 0.5 * np.cos(np.pi * share))
-            self.adam.step(mean, gradient, rate)
+            self.adam.step(_mean(cost), gradient, rate, partial(self._before, episodes))
             self.stamp += periods
             if time.perf_counter() - told > 0.2:
                 told = time.perf_counter()
                 progress(share, f"{self.stamp / periods:.0f} gradients, cost {self.best_cost:.5g}")
         self.rate = (self.stamp - first) / max(time.perf_counter() - since, 1e-9)
+
+    def _before(self, episodes: Episodes) -> float:
+        """What these cost at the last good numbers."""
+        return _mean(self.rollouts.cost(self.adam.good, episodes)[0])
 
     def judge(self) -> None:
         """Evaluate the policy as it is; keep it if it is the best; save everything."""
@@ -246,6 +250,11 @@ class Run:
             history=self.settings.history,
             made=self.made,
         )
+
+
+def _mean(cost: Array) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.mean(cost))
 
 
 def _pool(scene: Any, seed: int) -> tuple[Array, Array]:

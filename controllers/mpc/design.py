@@ -54,11 +54,11 @@ def regulator(
     """What `MPC.design` says, as the arguments of MPC: weights (Q, R, N, P), (track, disturbance, time, noise), late
     (delay, before)."""
     Q, R, N, P = weights
+    require_instance("MPC.model", model, LinearModel)
     delay, before = delayed_inputs(model, late, P, track=free_of_offset[0])
     left: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
     limits, rates, bounds, terminal, penalty = limited
     track, disturbance, time, noise = free_of_offset
-    require_instance("MPC.model", model, LinearModel)
     horizon, blocks, terminal = checked_horizon(horizon, blocks, terminal)
     penalty, track = checked_penalty(penalty), require_names("MPC.track", track)
     reads = model.state_names if reads is None else require_names("MPC.reads", reads)

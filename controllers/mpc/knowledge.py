@@ -83,6 +83,16 @@ class Knowledge(OwnsArrays):
                 raise ValueError(f"MPC.aim[{name!r}] = {value!r} must be finite")
             self.reference[list(self.tracked).index(name)] = value - self.tracked[name]
 
+    @property
+    def waiting(self) -> np.ndarray:
+        """The inputs on their way (M nu,), the oldest first; setting them puts others there."""
+        return self._way.values.copy()
+
+    @waiting.setter
+    def waiting(self, inputs: np.ndarray) -> None:
+        self._way.values[:] = inputs
+        self._waiting[:] = inputs
+
     def __call__(self, y: np.ndarray) -> np.ndarray:
         if self._estimator is None or self._target is None:
             self._state[:] = y

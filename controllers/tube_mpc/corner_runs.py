@@ -26,6 +26,7 @@ from pliant.plants.core.errors import DivergenceWarning, PliantError
 from pliant.plants.core.signals import OwnsArrays, index, names
 
 from .error_bounds import Course
+from .late_tubes import on_their_way, put_on_their_way
 
 Array = np.ndarray
 LANES = 144  # most corners of all that is not known; where it has more, so many of them, drawn
@@ -69,8 +70,9 @@ def corners_of(scene: CostedScene, ranges: Mapping[str, tuple[float, float]]) ->
 def unforetold(
     scene: CostedScene, corners: Corners, law: Controller, course: Course, origin: tuple[Array, ...], c: Array
 ) -> Array:
-    """w (steps, lanes, nx) of the law's readings. origin: x0 (.., nx), u0 (.., nu), .. that the course counts from, by
-    time, the last of which stays; c (.., nx) its affine term. PliantError where a lane is lost."""
+    """w (steps, lanes, nx) of the law's readings. origin: x0 (.., nz), u0 (.., nu), .. that the course counts from, by
+    time, the last of which stays; c (.., nz) its affine term; nz - nx inputs on their way. PliantError where a lane is
+    lost."""
     plant, lanes = corners.plant, len(corners.x)
     step = plant.stepper(scene.dt, substeps=scene.substeps, batch=lanes)
     places = [names(plant.states + plant.outputs).index(name) for name in law.reads]
@@ -81,20 +83,27 @@ def unforetold(
 
     x, u = corners.x, np.zeros((lanes, plant.nu))
     z, found = read(x, u), []
-    most = LARGEST * (1.0 + np.abs(z).max())
+    most, way = LARGEST * (1.0 + np.abs(z).max()), np.tile(on_their_way(law), (lanes, 1))
+
+    def asked(t: float, row: Array, waiting: Array) -> Array:
+        put_on_their_way(law, waiting)  # of this lane
+        return law.act(t, row)
+
     for k in range(scene.steps):
-        u = np.array([law.act(k * scene.dt, row) for row in z])
+        u = np.array([asked(k * scene.dt, *lane) for lane in zip(z, way)])
+        acting, later = np.hsplit(np.hstack([way, u]), [plant.nu])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DivergenceWarning)  # told below
-            x = np.array(step(x, u, w=corners.w, p=corners.p))
-        new = read(x, u) if np.abs(x).max() < LARGEST * most else np.full_like(z, np.inf)
+            x = np.array(step(x, acting, w=corners.w, p=corners.p))
+        new = read(x, acting) if np.abs(x).max() < LARGEST * most else np.full_like(z, np.inf)
         if not np.abs(new).max() < most:
             raise PliantError(f"TubeMPC.for_scene: a corner of what is uncertain runs away at {k * scene.dt:.3g} s")
         x0, x1 = (origin[0][min(k + i, len(origin[0]) - 1)] for i in (0, 1))
         u0 = origin[1][min(k, len(origin[1]) - 1)]
         A, B = course.at(k)[:2]
-        found.append(new - x1 - (z - x0) @ A.T - (u - u0) @ B.T - c[min(k, len(c) - 1)])
-        z = new
+        foretold = x1 + (np.hstack([z, way]) - x0) @ A.T + (u - u0) @ B.T + c[min(k, len(c) - 1)]
+        found.append(new - foretold[:, : len(places)])
+        z, way = new, later
     law.reset()
     return np.array(found)
 

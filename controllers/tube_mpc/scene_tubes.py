@@ -19,6 +19,7 @@ from pliant.plants.core.trajectory import Trajectory
 from .corner_runs import corners_of, points_of, unforetold
 from .disturbance_set import DisturbanceSet
 from .error_bounds import Tightening, tightening
+from .late_tubes import widened
 from .tube_designs import Chosen, Tubes, about_point, along_nominal, chosen
 
 Array = np.ndarray
@@ -35,6 +36,7 @@ def tubes_of(
     noise: Mapping[str, float] | None,
     terminal: int,
     rounds: int,
+    delay: int,
 ) -> tuple[Tubes, DisturbanceSet, float]:
     """What `TubeMPC.for_scene` says; the last: what the corners ask for beyond the set under its law, of a range."""
     box = box_of(scene, ranges, "TubeMPC.ranges")
@@ -45,9 +47,12 @@ def tubes_of(
         model, drift, limited[2], start = about_goal(scene, bounds)
         if drift is not None:
             raise PliantError("TubeMPC.for_scene: the goal moves, give a nominal that goes with it")
-        tubes = about_point(model, Q, R, horizon, scene.dt, tuple(limited), start)
+        late = delay, np.clip(scene.initial[1], -high, high)
+        tubes = about_point(model, Q, R, horizon, scene.dt, tuple(limited), start, late)
         known = known_of(scene, None, 0)
         usual = dict(zip(known.reads, NOISE * known.deviation))
+    elif delay:
+        raise ValueError(f"TubeMPC.delay = {delay} must be 0 along a nominal")
     else:
         ltv = scene.plant.linearize_along(require_instance("TubeMPC.for_scene: nominal", nominal, Trajectory))
         tubes = along_nominal(ltv, Q, R, horizon, tuple(limited))
@@ -66,6 +71,7 @@ def tubes_of(
         found = chosen("TubeMPC.for_scene", tubes, disturbances, times, empty=True)
         law = MPC(**found.made)
     last = DisturbanceSet(unforetold(scene, corners, law, course, tubes.origin, tubes.c), off)
+    last = widened(last, tubes.origin[0].shape[1])
     asked = tightening(found.course, tubes.rows(found.price, times), last, times)
     return tubes, disturbances, _beyond(asked, found, law)
 

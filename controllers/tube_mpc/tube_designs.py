@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pliant.controllers import riccati
+from pliant.controllers.linear_quadratic.delay import delayed
 from pliant.controllers.linear_quadratic.lqr import LQR
 from pliant.controllers.mpc.condensed_prediction import laws
 from pliant.controllers.mpc.constraints import Limits
@@ -29,6 +30,7 @@ from pliant.plants.linear.quadratic_cost import signal_rows
 
 from .disturbance_set import DisturbanceSet
 from .error_bounds import Course, Tightening, responses, tightening
+from .late_tubes import widened
 from .tightened_steps import crowding, largest_share, require_room, tightened
 
 Array = np.ndarray
@@ -74,25 +76,33 @@ def ancillary_cost(model: LinearModel, Q: Any, R: Any, limits: Limits, price: fl
 
 
 def about_point(
-    model: LinearModel, Q: Any, R: Any, horizon: int, dt: float | None, limited: Limited, start: Any
+    model: LinearModel,
+    Q: Any,
+    R: Any,
+    horizon: int,
+    dt: float | None,
+    limited: Limited,
+    start: Any,
+    late: tuple[int, Any] = (0, None),
 ) -> Tubes:
-    """About an equilibrium."""
-    made = regulator(model, (Q, R, None, None), horizon, dt, limited, None, None, ((), None, 0.2, 1e-2), start)
-    limits, dt = made["limits"], made["dt"]
-    held = model if model.dt is not None else model.discretize(dt)
-    C, D, z0 = signal_rows(model, limits.bounded, "TubeMPC.bounds: state or output")
-    Kf, parts = _gain(model, Q, R, dt, start), (held.A[None], held.B[None], C[None], D[None])
+    """About an equilibrium; late: the delay of the inputs [periods], and what acts before the first does (nu,)."""
+    made = regulator(model, (Q, R, None, None), horizon, dt, limited, None, None, ((), None, 0.2, 1e-2), start, late)
+    limits, dt, delay = made["limits"], made["dt"], late[0]
+    held = delayed(model if model.dt is not None else model.discretize(dt), delay)
+    C, D, z0 = signal_rows(held, limits.bounded, "TubeMPC.bounds: state or output")
+    Kf, parts = _gain(model, Q, R, dt, start, delay), (held.A[None], held.B[None], C[None], D[None])
     found = {}
     for price in PRICES:
-        K = _gain(model, *ancillary_cost(model, Q, R, limits, price), dt, start)
+        K = _gain(model, *ancillary_cost(model, Q, R, limits, price), dt, start, delay)
         found[price] = Course(*parts, K[None], Kf[None])
-    still = np.zeros((1, len(model.x0)))
-    return Tubes(made, found, still, (model.x0[None], model.u0[None], z0[None]), horizon + limited[3], {})
+    still = np.zeros((1, len(held.x0)))
+    return Tubes(made, found, still, (held.x0[None], held.u0[None], z0[None]), horizon + limited[3], {})
 
 
-def _gain(model: LinearModel, Q: Any, R: Any, dt: float, start: Any) -> Array:
+def _gain(model: LinearModel, Q: Any, R: Any, dt: float, start: Any, delay: int) -> Array:
     if model.dt is None:
-        return LQR.design(model, Q, R, dt=dt, start=start).K
+        law = LQR.design(model, Q, R, dt=dt, start=start, delay=delay)
+        return law.K if law.K_past is None else np.hstack([law.K, law.K_past])
     Q, R, N = step_weights(model, Q, R, None)
     return riccati.dlqr(model.A, model.B, Q, R, N, names=model.state_names, dt=dt).K
 
@@ -118,10 +128,10 @@ def chosen(owner: str, tubes: Tubes, disturbances: DisturbanceSet, times: int, *
 
     InfeasibleError where they take a whole range, unless it may be `empty`.
     """
-    made, nx = tubes.made, tubes.origin[0].shape[1]
+    made, nx = tubes.made, len(tubes.made["reads"])
     if len(disturbances.noise) != nx:
         raise ValueError(f"{owner}.disturbances are of {len(disturbances.noise)} states, must be of {nx}, the model's")
-    limits = made["limits"]
+    limits, disturbances = made["limits"], widened(disturbances, tubes.origin[0].shape[1])
     taken = {p: tightening(one, tubes.rows(p, times), disturbances, times) for p, one in tubes.courses.items()}
 
     def worth(price: float) -> tuple[bool, float]:

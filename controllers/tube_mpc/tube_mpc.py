@@ -16,7 +16,8 @@ Guarantee   a theorem for the linear model above, along a nominal too, with ever
             one plan keeps its tightened limits (the act is no violation of `record`), inputs and bounded signals keep
             theirs for the `horizon` periods after it, whatever is planned in between. Where `lasting()` is true they do
             for ever: the next such plan always exists. Signals with feedthrough count with the input of their period.
-            Not of the nonlinear plant, nor of delays. `for_scene` measures W at corners of what is uncertain: that
+            With `delay` the same of that model with the delay it was told (`late_tubes`), with no other. Not of the
+            nonlinear plant. `for_scene` measures W at corners of what is uncertain: that
             other machines, starts and motions stay within it is not shown, nor is it that a first plan is found.
 """
 
@@ -39,6 +40,7 @@ from pliant.plants.core.signals import OwnsArrays
 from .disturbance_set import DisturbanceSet
 from .error_bounds import Course, Tightening
 from .lasting_plans import lasts, out_of_reach
+from .late_tubes import asked_instead, on_their_way, periods_of, whole_periods
 from .scene_tubes import ROUNDS, tubes_of
 from .tightened_steps import largest_share
 from .tube_designs import Tubes, about_point, along_nominal, chosen
@@ -99,11 +101,14 @@ class TubeMPC(OwnsArrays):
         terminal: int = 0,
         penalty: float | None = None,
         start: Any = None,
+        delay: int = 0,
+        before: Any = None,
     ) -> TubeMPC:
         """On a linear model about a rest; Q, R, horizon, limits, bounds, terminal, penalty, start as MPC.design.
 
         disturbances: what is added to the model's states (nx,) in each period, in their units. InfeasibleError where
-        its effect takes a limit's whole range.
+        its effect takes a limit's whole range. delay: whole periods after which an input acts, of a continuous model;
+        before (nu,): what acts until the first does, u0 where None.
 
         Example
         -------
@@ -115,7 +120,8 @@ class TubeMPC(OwnsArrays):
         (1,)
         """
         require_instance("TubeMPC.design: disturbances", disturbances, DisturbanceSet)
-        tubes = about_point(model, Q, R, horizon, dt, (limits, None, bounds, terminal, penalty), start)
+        late = periods_of(model, delay), before
+        tubes = about_point(model, Q, R, horizon, dt, (limits, None, bounds, terminal, penalty), start, late)
         return cls._of(tubes, disturbances, len(disturbances.points))
 
     @classmethod
@@ -158,6 +164,7 @@ class TubeMPC(OwnsArrays):
         noise: Mapping[str, float] | None = None,
         terminal: int = 0,
         rounds: int = ROUNDS,
+        delay: int = 0,
     ) -> TubeMPC:
         """About a scene's goal or along a nominal, with its cost, limits, bounds and period.
 
@@ -165,7 +172,8 @@ class TubeMPC(OwnsArrays):
         noise: largest error by name of reading [its unit]; None: three permille of what each reading does on the way.
         The set is what the model does not foretell where the law is played at the corners of the ranges, of the
         scene's starts and of its gusts (`corner_runs`), with the law of the former round, `rounds` times. PliantError
-        where the goal moves and no nominal is given, or a corner runs away; InfeasibleError as in `design`.
+        where the goal moves and no nominal is given, or a corner runs away; InfeasibleError as in `design`. delay: as
+        there, about a goal alone; what acts first is the input of the scene's start, and the corners are played late.
 
         Example
         -------
@@ -174,7 +182,8 @@ class TubeMPC(OwnsArrays):
         """
         require_scene("TubeMPC.for_scene", scene)
         require_count("TubeMPC", "rounds", rounds, 1, 20)
-        tubes, disturbances, outside = tubes_of(scene, horizon, nominal, ranges, noise, terminal, rounds)
+        limited = terminal, rounds, whole_periods(delay)
+        tubes, disturbances, outside = tubes_of(scene, horizon, nominal, ranges, noise, *limited)
         made = cls._of(tubes, disturbances, max(len(disturbances.points), len(tubes.origin[0])))
         made.outside = outside
         return made
@@ -182,16 +191,8 @@ class TubeMPC(OwnsArrays):
     @classmethod
     def _of(cls, tubes: Tubes, disturbances: DisturbanceSet, times: int) -> TubeMPC:
         found = chosen("TubeMPC", tubes, disturbances, times)
-        return cls(
-            MPC(**found.made),
-            found.course,
-            disturbances,
-            found.taken,
-            found.price,
-            tubes.c,
-            tubes.origin,
-            tubes.made["start"],
-        )
+        course, taken, price = found[1:]
+        return cls(MPC(**found.made), course, disturbances, taken, price, tubes.c, tubes.origin, tubes.made["start"])
 
     @property
     def dt(self) -> float:
@@ -236,19 +237,22 @@ class TubeMPC(OwnsArrays):
         """u (nu,) from the states y (nx,) at time t [s]."""
         mpc, record = self.mpc, self.mpc.record
         before = record.violations + record.failures
+        y = reading("TubeMPC.y", y, len(self.reads))
+        seen = np.concatenate([y, on_their_way(mpc)])
         u = mpc.act(t, y)
         at = int((moment("TubeMPC", t) - self.begins) / mpc.dt + 0.5)
-        if record.violations + record.failures == before and mpc.plan.step is not None and _leaves(self, at, y):
+        if record.violations + record.failures == before and mpc.plan.step is not None and _leaves(self, at, seen):
             self._kept = at, mpc.plan.step, mpc.plan.known.copy(), mpc.plan.z
             return u
         if self._kept is None or not 0 < at - self._kept[0] < mpc.horizon:
             return u
         v, z, K = _planned(self, at)
-        u = v - K @ (reading("TubeMPC.y", y, len(self.reads)) - z)
-        return np.minimum(np.maximum(u, mpc.limits.low), mpc.limits.high)
+        u = np.minimum(np.maximum(v - K @ (seen - z), mpc.limits.low), mpc.limits.high)
+        asked_instead(mpc, u)
+        return u
 
 
-def _leaves(law: TubeMPC, at: int, y: Array) -> bool:
+def _leaves(law: TubeMPC, at: int, seen: Array) -> bool:
     """Whether what no plan of period `at` moves stays within the tightened limits; where not, that is recorded."""
     step, limits = law.mpc.plan.step, law.mpc.limits
     assert step is not None
@@ -258,7 +262,7 @@ def _leaves(law: TubeMPC, at: int, y: Array) -> bool:
     F, low, high, place = law._still[k]
     if not len(F):
         return True
-    rows = F @ (y - law.origin[0][min(k, len(law.origin[0]) - 1)])
+    rows = F @ (seen - law.origin[0][min(k, len(law.origin[0]) - 1)])
     beyond, scale = np.maximum(rows - high, low - rows), limits.ceiling[place] - limits.floor[place]
     if (beyond <= ROUNDING * np.where(np.isfinite(scale), scale, 1.0)).all():
         return True
@@ -269,12 +273,12 @@ def _leaves(law: TubeMPC, at: int, y: Array) -> bool:
 
 
 def _planned(law: TubeMPC, at: int) -> tuple[Array, Array, Array]:
-    """Input (nu,) and state (nx,) that the last plan that keeps its limits has at period `at`, and K there."""
+    """Input (nu,) and state (nz,) that the last plan that keeps its limits has at period `at`, and K there."""
     assert law._kept is not None
     first, step, known, free = law._kept
     G, M, fixed = step.plan
     v = G @ known + fixed + (0.0 if free is None else M @ free)
-    z, age = known[: len(law.reads)].copy(), at - first
+    z, age = known[: law.course.A.shape[-1]].copy(), at - first
     for j in range(age):
         x0, u0, _ = (part[min(first + j, len(part) - 1)] for part in law.origin)
         x1 = law.origin[0][min(first + j + 1, len(law.origin[0]) - 1)]

@@ -266,7 +266,12 @@ def tube_calls() -> list[Call]:
         ),
         Call("DisturbanceSet.support", wind.support, {"k": Number(0.0), "directions": Array(np.eye(2), wrong=False)}),
         Call("DisturbanceSet.scaled", wind.scaled, {"share": Number(0.5, low=0.0)}),
-        Call("TubeMPC.design", TubeMPC.design, {"model": Object(SAMPLED)} | whole),
+        Call(
+            "TubeMPC.design",
+            TubeMPC.design,
+            {"model": Object(MODEL), "delay": Count(1, low=0), "before": Array(np.array([0.25]), none=True)} | whole,
+            {"dt": 0.25},
+        ),
         Call("TubeMPC.along", TubeMPC.along, {"ltv": Object(LTV)} | whole),
         Call("TubeMPC.act", fresh(tube, "act"), {"t": Number(0.25), "y": STATES}),
     ]

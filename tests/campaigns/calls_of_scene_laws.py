@@ -122,7 +122,7 @@ def for_scene_calls() -> list[Call]:
             "TubeMPC.for_scene",
             TubeMPC.for_scene,
             SCENES
-            | {"horizon": Count(3), "terminal": Count(1, low=0), "rounds": Count(1)}
+            | {"horizon": Count(3), "terminal": Count(1, low=0), "rounds": Count(1), "delay": Count(0, low=0)}
             | {
                 "nominal": Object(rigid_nominal(SCENE), none=True),
                 "noise": ByName({"hub_angle": 0.5}, none=True, low=0.0),

@@ -28,17 +28,18 @@ def tube(**options):
     return TubeMPC.design(MODEL, Q, R, PUSH, **{**GIVEN, **options})
 
 
-def play(law, start, seed, steps=60):
+def play(law, start, seed, steps=60, late=0):
     """Largest |v2|, largest |F|, and whether the first plan kept its limits, under disturbances of the set's corners:
-    drawn anew each period, the same for a while, or with the speed."""
+    drawn anew each period, the same for a while, or with the speed. F acts `late` periods after it is asked for."""
     rng = np.random.default_rng(seed)
     x, corners = np.array(start, dtype=float), PUSH.points[0]
     law.reset()
     speed = force = 0.0
-    first, w = False, corners[0]
+    first, w, way = False, corners[0], [np.zeros(1)] * late
     for k in range(steps):
         e = PUSH.noise * rng.choice([-1.0, 1.0], 4)
-        u = law.act(k * DT, x + e)
+        way.append(law.act(k * DT, x + e))
+        u = way.pop(0)
         first = first or (k == 0 and law.record.violations == 0)
         if seed % 3 == 0 or (seed % 3 == 1 and k % 7 == 0):
             w = corners[rng.integers(len(corners))]

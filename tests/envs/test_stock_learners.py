@@ -19,6 +19,14 @@ def test_ppo_beats_doing_nothing_by_five_times() -> None:
     assert found["cost"] < NOTHING / 5
 
 
+@pytest.mark.campaign
+def test_sac_does_after_half_as_many_actions_in_four_times_as_many_lanes() -> None:
+    found: dict = {}
+    exec(FIRST.replace("PPO", "SAC").replace("sb3_env(2,", "sb3_env(8,").replace("32_768", "16_384"), found)
+    assert type(found["model"]).__name__ == "SAC" and found["model"].num_timesteps == 16_384
+    assert found["cost"] < NOTHING / 5
+
+
 def test_the_other_blocks_run(tmp_path, monkeypatch) -> None:
     """The law without PyTorch asks for what the model predicts, in the inputs' units, within the limits."""
     monkeypatch.chdir(tmp_path)

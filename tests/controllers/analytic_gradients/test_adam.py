@@ -29,6 +29,30 @@ def test_what_got_worse_is_taken_back() -> None:
     assert adam.returns == 2 and np.isfinite(adam.theta).all()
 
 
+def test_hard_batches_do_not_end_it() -> None:
+    """Every eighth batch costs ten times as much whatever theta is, and every ninth is out of the world."""
+    adam, stuck = Adam.start(np.array([1.0, -1.0])), Adam.start(np.array([1.0, -1.0]))
+    for k in range(600):
+        factor = 10.0 if k % 8 == 7 else np.inf if k % 9 == 8 else 1.0
+        rate = 0.05 * (1 - k / 600)
+        for one, asks in ((adam, True), (stuck, False)):
+            before = (lambda one=one, factor=factor: factor * value(one.good)) if asks else None
+            one.step(factor * value(one.theta), CURVATURE * one.theta, rate, before)
+    assert adam.returns == 0 and value(adam.theta) < 1.0 + 1e-4
+    assert stuck.returns > 60 and stuck.scale < 1e-6
+
+
+def test_what_got_worse_on_the_same_batch_is_taken_back() -> None:
+    adam = Adam.start(np.array([1.0, -1.0]))
+    adam.step(2.0, np.array([1.0, 0.0]), 0.1)
+    good = adam.good.copy()
+    adam.step(5.0, np.array([1.0, 0.0]), 0.1, lambda: 3.0)
+    assert adam.returns == 1
+    np.testing.assert_array_equal(adam.theta, good)
+    adam.step(5.0, np.array([1.0, 0.0]), 0.1, lambda: 4.5)
+    assert adam.returns == 1 and not np.array_equal(adam.theta, good)
+
+
 def test_it_goes_on_from_what_it_says_of_itself() -> None:
     adam = Adam.start(np.array([1.0, -1.0]))
     for _ in range(5):

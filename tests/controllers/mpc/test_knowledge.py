@@ -24,3 +24,14 @@ def test_the_reading_and_the_last_input():
 @pytest.mark.parametrize(("u0", "first"), [(2.0, 1.0), (-3.0, -1.0)])
 def test_an_input_past_the_limits_begins_at_the_one_next_to_it(u0, first):
     assert knowledge(u0).last.tolist() == [first]
+
+
+def test_inputs_on_their_way_can_be_set():
+    limits = Limits(("u",), np.array([-1.0]), np.array([1.0]), np.array([np.inf]), (), np.zeros(0), np.zeros(0))
+    made = Knowledge(4, (np.zeros(2), np.zeros(1), np.zeros(2)), limits, None, None, {}, np.array([0.1, 0.2]))
+    made.waiting = made.waiting + 0.5
+    assert made(np.array([3.0, 4.0])).tolist() == [3.0, 4.0, 0.6, 0.7]
+    made.remember(np.array([0.9]))
+    assert made.waiting.tolist() == [0.7, 0.9]
+    made.reset()
+    assert made.waiting.tolist() == [0.1, 0.2]

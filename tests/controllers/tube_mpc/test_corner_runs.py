@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pliant.controllers import LQR, Feedback
+from pliant.controllers import LQR, MPC, Feedback
+from pliant.controllers.linear_quadratic.delay import delayed
 from pliant.controllers.tube_mpc.corner_runs import GROWN, corners_of, points_of, unforetold
 from pliant.controllers.tube_mpc.error_bounds import Course
 from pliant.envs import scenes
@@ -54,6 +55,27 @@ def test_what_a_corner_does_beside_the_model_is_what_its_own_linear_model_does()
     size = np.abs(asked).max(axis=0)
     assert (np.abs(found[:20, lane] - asked) <= 0.02 * size).all()
     assert (np.abs(found[:, 0]).max(axis=0) <= 0.02 * size).all()  # as it is: the nonlinear rest alone
+
+
+def test_of_inputs_on_their_way_the_model_foretells_what_acts():
+    """(A_i - A) x + (B_i - B) u of the input that acts, asked for two periods ago by u = -K [x; those on their way]."""
+    given = {"Q": dict(SCENE.weights), "R": {"hub_torque": 2.0}, "dt": SCENE.dt, "delay": 2}  # slow: nearly linear
+    law, told = MPC.design(MODEL, horizon=1, **given), LQR.design(MODEL, **given)
+    gain = np.hstack([told.K, told.K_past])
+    late = delayed(HELD, 2)
+    origin = (late.x0[None], late.u0[None])
+    own = course()._replace(A=late.A[None], B=late.B[None])
+    corners = corners_of(SCENE, {"payload.mass": (0.9, 1.1)})
+    found = unforetold(SCENE, corners, law, own, origin, np.zeros((1, len(late.x0))))
+    assert found.shape == (SCENE.steps, 5, SCENE.plant.nx)
+    lane = int(np.argmax(corners.p[:, 0]))
+    heavy = delayed(corners.plant.feedback_model(*SCENE.target, p=corners.p[lane]).discretize(SCENE.dt), 2)
+    x, asked = np.append(corners.x[lane], [0.0, 0.0]) - late.x0, []
+    for _ in range(20):
+        asked.append((heavy.A - late.A) @ x)
+        x = (heavy.A - heavy.B @ gain) @ x
+    size = np.abs(asked).max(axis=0)[: SCENE.plant.nx]
+    assert (np.abs(found[:20, lane] - np.array(asked)[:, : SCENE.plant.nx]) <= 0.03 * size).all()  # RK4's is 0.024
 
 
 def test_each_period_has_its_neighbours():

@@ -37,11 +37,12 @@ def test_no_period_past_the_horizon_shows_nothing():
     assert not tube(horizon=20, terminal=0).lasting()
 
 
-def test_where_it_is_shown_the_next_plan_always_exists():
-    law = tube(horizon=20, terminal=20)
+@pytest.mark.parametrize("delay", [0, 2])
+def test_where_it_is_shown_the_next_plan_always_exists(delay):
+    law = tube(horizon=20, terminal=20, delay=delay)
     assert law.lasting()
     for seed in range(6):
-        speed, force, first = play(law, [0.4, 0.4, 0.0, 0.0], seed)
+        speed, force, first = play(law, [0.4, 0.4, 0.0, 0.0], seed, late=delay)
         assert first and law.record.violations == 0
         assert speed <= LIMIT and force <= 1.0
 
@@ -70,6 +71,17 @@ def test_past_the_horizon_the_law_is_that_of_the_plan_where_the_nominal_is_no_mo
     left = ((step.high - step.G[: len(step.high)] @ x) * step.scale).reshape(4, 2)[2:]
     rows, _, high = past_horizon(law.course, law.taken, law.mpc.limits, law.c, law.origin, 0, 3, 2)
     np.testing.assert_allclose([h - F @ xi for F, h in zip(rows, high)], left, atol=1e-12)
+
+
+def test_what_inputs_on_their_way_do_is_no_plan_kept_where_it_leaves_its_limits():
+    """v' = a, a period late: the next v is v + dt 0.5 whatever is planned, and the tightened limit is 1 - 0.01."""
+    given = {"dt": 0.1, "horizon": 5, "limits": (-1.0, 1.0), "bounds": {"v": (-1.0, 1.0)}}
+    law = TubeMPC.design(CART, np.eye(2), [[1.0]], DisturbanceSet.box([0.0, 0.01]), delay=1, before=[0.5], **given)
+    for v, violations in ((0.93, 0), (0.95, 1)):
+        law.reset()
+        law.act(0.0, np.array([0.0, v]))
+        assert law.record.violations == violations
+    assert law.record.worst[0] == pytest.approx(0.95 + 0.05 + 0.01 - 1.0)
 
 
 def test_a_signal_that_no_plan_moves_in_time_is_no_plan_kept():

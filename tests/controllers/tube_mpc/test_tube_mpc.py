@@ -8,6 +8,7 @@ import pytest
 from two_masses import DT, GIVEN, HELD, LIMIT, MODEL, PUSH, Q, R, play, tube
 
 from pliant.controllers import MPC, DisturbanceSet, TubeMPC, export_c
+from pliant.controllers.linear_quadratic.delay import delayed
 from pliant.controllers.tube_mpc.error_bounds import tightening
 from pliant.controllers.tube_mpc.tube_designs import about_point
 from pliant.envs import scenes
@@ -32,10 +33,47 @@ def test_no_run_leaves_its_limits_where_those_of_plain_mpc_do(law, count):
     assert broken > count // 3
 
 
+@pytest.mark.parametrize(
+    ("delay", "count"), [(1, 8), (3, 8), *(pytest.param(d, 1500, marks=pytest.mark.campaign) for d in (1, 2, 3))]
+)
+def test_told_of_a_delay_it_leaves_no_limit_and_untold_or_without_tubes_it_does(law, delay, count):
+    told, plain = tube(horizon=20, delay=delay), MPC.design(MODEL, Q, R, horizon=20, delay=delay, **GIVEN)
+    broken = np.zeros(2, dtype=int)
+    for seed in range(count):
+        start = np.random.default_rng([seed, 1]).uniform(0.8, 2.0) * np.array([1.0, 1.0, 0.0, 0.0])
+        speed, force, first = play(told, start, seed, late=delay)
+        assert first and told.record.violations == 0
+        assert speed <= LIMIT * (1 + 1e-6) and force <= 1.0
+        broken += [play(other, start, seed, late=delay)[0] > LIMIT for other in (law, plain)]
+    assert (broken > count // 2).all()
+
+
+def test_what_goes_on_under_the_ancillary_law_is_on_its_way():
+    """u = v - K (zeta - z) of the inputs on their way too, and that u, not what was refused, is the newest of them."""
+    law, start = tube(horizon=20, delay=2), np.array([1.5, 1.5, 0.0, 0.0])
+    given = [law.act(0.0, start)]
+    planned = law.mpc.plan.inputs().copy()
+    held = delayed(HELD, 2)
+    plan = held.A @ np.concatenate([start, [0.0, 0.0]]) + held.B @ planned[0]
+    off = np.array([0.0, 0.0, -0.3, 0.5])  # faster than allowed
+    for k in (1, 2):
+        way = np.concatenate([np.zeros(2), *given])[-2:]
+        zeta = np.concatenate([plan[:4] + off, way])
+        given.append(law.act(k * DT, zeta[:4]))
+        assert law.record.violations + law.record.failures == k
+        np.testing.assert_allclose(given[k], planned[k] - law.course.K[0] @ (zeta - plan), atol=1e-9)
+        plan = held.A @ plan + held.B @ planned[k]
+
+
 def test_where_no_limit_is_near_it_is_mpc(law):
     x = np.array([0.01, 0.01, 0.0, 0.0])
     law.reset()
     np.testing.assert_allclose(law.act(0.0, x), MPC.design(MODEL, Q, R, horizon=20, **GIVEN).act(0.0, x), atol=1e-12)
+    late = {"horizon": 20, "delay": 2, "before": [0.05]}
+    told, plain = tube(**late), MPC.design(MODEL, Q, R, **late, **GIVEN)
+    for k in range(3):
+        np.testing.assert_allclose(told.act(k * DT, x), plain.act(k * DT, x), atol=1e-12)
+    assert told.record.limited == 0
 
 
 def test_where_no_plan_is_found_the_last_one_goes_on_under_its_ancillary_law(law):
@@ -105,6 +143,8 @@ def test_bad_input(law):
         TubeMPC.design(MODEL, Q, R, 0.1, **GIVEN)
     with pytest.raises(ValueError, match=r"TubeMPC\.rounds"):
         TubeMPC.for_scene(scenes.get("single-link-slew"), rounds=0)
+    with pytest.raises(ValueError, match=r"TubeMPC\.y"):
+        law.act(0.0, np.zeros(3))
 
 
 def test_feedthrough_that_is_none_at_a_node_is_looked_at_there_too():
