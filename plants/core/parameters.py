@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any, NamedTuple, TypeVar
 
 import casadi as ca
+import numpy as np
 
 from .argument_gates import (  # noqa: F401 -- the gates stand here too, as they did
     LARGEST,
@@ -200,6 +201,42 @@ def unit_of(obj: Any, path: str) -> str:
     if unit is None:
         raise ValueError(f"parameter {path!r} is not a physical quantity; choose from {', '.join(quantities(obj))}")
     return str(unit)
+
+
+def allowed_of(obj: Any, path: str) -> str:
+    """Which of RANGES the parameter at a dotted path lies in: what its field allows."""
+    value, allowed = obj, "finite"
+    for key in path.split("."):
+        inner = _step(value, key, path)
+        if dataclasses.is_dataclass(value):
+            allowed = next(f for f in dataclasses.fields(value) if f.name == key).metadata.get("allowed", "finite")
+        value = inner
+    return str(allowed)
+
+
+def least_parameters(plant: Any) -> np.ndarray:
+    """What the varied parameters of a plant must not be below, (np,): -inf where their fields allow any number."""
+    kept: dict[str, Any] = plant.__dict__
+    if "_least_parameters" not in kept:
+        floors = {"positive": LEAST, "nonnegative": 0.0}
+        found = [floors.get(allowed_of(plant, path), -np.inf) for path in plant.varied]
+        kept["_least_parameters"] = np.array(found, dtype=float)
+    return np.asarray(kept["_least_parameters"])
+
+
+def require_allowed(name: str, values: np.ndarray, plant: Any) -> None:
+    """ValueError where one of the values (.., np) of a plant's varied parameters is none that its field allows.
+
+    What is no number is left to others to tell.
+    """
+    if not values.size:
+        return
+    least = least_parameters(plant)
+    if (values < least).any():
+        where = tuple(int(i) for i in np.argwhere(values < least)[0])
+        signal = plant.parameters[where[-1]]
+        text = RANGES[allowed_of(plant, signal.name)][0]
+        raise ValueError(f"{name}{list(where)} ({signal.name}) = {values[where]:g} must be {text} [{signal.unit}]")
 
 
 def quantities(obj: Any, prefix: str = "", *, uncertain: bool = False) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import real_array, require_count, require_finite
 from pliant.plants.core.errors import NotFiniteWarning
+from pliant.plants.core.parameters import require_allowed
 from pliant.plants.core.plant_protocol import Arguments
 
 from .declaration import Declaration
@@ -43,6 +44,8 @@ def checked(plant: Declaration, x: Any, u: Any, w: Any, p: Any, t: Any) -> Argum
             bad = array[..., k][~np.isfinite(array[..., k])].flat[0]
             named = (plant.states, plant.inputs, plant.disturbances, plant.parameters)[i - 1]
             raise ValueError(f"{type(plant).__name__}.{name}[{k}] ({named[k].name}) = {bad} must be finite")
+        if name == "p" and value is not None:
+            require_allowed(f"{type(plant).__name__}.p", array, plant)
         if array.ndim == 2:
             if batch not in (None, len(array)):
                 raise ValueError(f"{type(plant).__name__}.{name} has {len(array)} rows, must have {batch}")

@@ -14,7 +14,14 @@ import numpy as np
 
 from pliant.plants.core.argument_gates import real_array, require_flag, require_number
 from pliant.plants.core.casadi_functions import NumericFunction
-from pliant.plants.core.parameters import LONGEST, SHORTEST, require_choice, require_count, require_seconds
+from pliant.plants.core.parameters import (
+    LONGEST,
+    SHORTEST,
+    require_allowed,
+    require_choice,
+    require_count,
+    require_seconds,
+)
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.runge_kutta_tableaux import TABLEAUS
 from pliant.plants.motions import motion_source
@@ -259,6 +266,8 @@ class Stepper:
                 n, value = self.kernel.rows[0][k], _numbers(f"stepper.{name}", value)
                 if value.shape not in ((n,), (self.batch, n)):
                     raise ValueError(f"stepper.{name} has shape {value.shape}, must be ({n},) or ({self.batch}, {n})")
+                if k == 4:
+                    require_allowed("stepper.p", value, plant)
                 work.set(k, value)
         t = t if type(t) is float else require_number("stepper.t", t, unit="s")
         work.inputs[0][:] = t

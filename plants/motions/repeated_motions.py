@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from pliant.plants.core.argument_gates import LEAST
+from pliant.plants.core.parameters import least_parameters
 from pliant.plants.core.plant_protocol import PlantLike
 from pliant.plants.core.trajectory import Trajectory
 from pliant.plants.native import kernel_loader
@@ -105,6 +106,8 @@ def again(
     if w is not None and not (_numbers(w) and w.shape == (plant.nw,)):
         return None
     if p is not None and not (_numbers(p) and p.shape == (len(plant.varied),)):
+        return None
+    if p is not None and (p < least_parameters(plant)).any():
         return None
     kept: OrderedDict[Any, Repeated] = plant.__dict__.setdefault(NAME, OrderedDict())
     known = kept.get((method, step, t.tobytes()))

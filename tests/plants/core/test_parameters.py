@@ -148,3 +148,43 @@ def test_numbers_of_every_type_are_floats_that_equations_take():
     want = dataclasses.replace(TwoLinkArm.textbook(), joint_mass=0.5, hub_inertia=(0.5, 1.0))
     x = np.full(arm.nx, 0.01)
     np.testing.assert_array_equal(arm.dynamics(x), want.dynamics(x))
+
+
+VARIED = LINK.vary("payload.mass", "link.E", "hub_inertia")
+WAYS = {
+    "dynamics": lambda p: VARIED.dynamics(VARIED.rest_state, p=p),
+    "linearize": lambda p: VARIED.linearize(VARIED.rest_state, p=p),
+    "simulate": lambda p: VARIED.simulate(None, None, np.linspace(0.0, 0.01, 3), p=p, method="rk4", step=1e-3),
+    "stepper": lambda p: VARIED.stepper(1e-3, batch=2)(np.zeros((2, VARIED.nx)), p=p),
+    "python-control": lambda p: VARIED.to_control().linearize(
+        VARIED.rest_state, np.zeros(1), params=dict(zip(VARIED.varied, p.tolist()))
+    ),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(("k", "value", "said"), [(0, -1.0, ">= 0 [kg]"), (1, -2e11, "> 0 [Pa]"), (1, 0.0, "> 0 [Pa]")])
+def test_a_value_that_the_field_refuses_is_refused_as_a_parameter(way, k, value, said):
+    """A payload of -1 kg ran through the stepper, and an elastic modulus below zero through everything: with roots that
+    no machine has."""
+    p = VARIED.nominal_parameters
+    p[k] = value
+    with pytest.raises(ValueError) as told:
+        WAYS[way](p)
+    assert f"({VARIED.varied[k]}) = {value:g} must be {said}" in str(told.value)
+    with pytest.raises(ValueError, match=VARIED.varied[k].rpartition(".")[2]):
+        parameters.put(LINK, VARIED.varied[k], value)  # as the field itself says
+
+
+def test_a_motion_that_is_repeated_refuses_it_too():
+    p, t = VARIED.nominal_parameters, np.linspace(0.0, 0.01, 3)
+    for _ in range(3):
+        VARIED.simulate(None, None, t, p=p, method="rk4", step=1e-3)
+    with pytest.raises(ValueError, match=r"p\[0\] \(payload.mass\) = -1 must be >= 0"):
+        VARIED.simulate(None, None, t, p=p - [1.0 + p[0], 0.0, 0.0], method="rk4", step=1e-3)
+
+
+def test_no_payload_at_all_is_allowed():
+    p = VARIED.nominal_parameters
+    p[0] = 0.0
+    assert np.isfinite(VARIED.dynamics(VARIED.rest_state, p=p)).all()
