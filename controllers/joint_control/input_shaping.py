@@ -146,7 +146,8 @@ def shaper_for(
 
     Of a model, sampled or not, those count that oscillate with a damping ratio below 0.2; the `most` slowest where
     given. A sampled model shows what oscillates faster than half its sampling rate at a lower frequency: take the
-    continuous model where it has such modes. ValueError where none oscillates. tolerance [-]: what "ei" may leave.
+    continuous model where it has such modes. ValueError where none is damped so lightly. tolerance [-]: what "ei" may
+    leave.
 
     Example
     -------
@@ -159,7 +160,10 @@ def shaper_for(
     tolerance = _allowed(tolerance)
     if hasattr(modes, "eigenvalues") and hasattr(modes, "modes") and hasattr(modes, "dt"):
         values = modal_analysis.rates(modes.eigenvalues, modes.dt)
-        modes = light(values[values.imag * (modes.dt or 0.0) < NYQUIST], most)
+        values = values[values.imag * (modes.dt or 0.0) < NYQUIST]
+        modes = light(values, most)
+        if not modes:
+            raise ValueError(f"shaper_for.modes must hold at least one mode that oscillates{_too_damped(values)}")
     else:
         modes = in_order("shaper_for.modes", modes, "a linear model, or a sequence of modes or frequencies")
     found = [_read(mode) for mode in modes]
@@ -174,6 +178,15 @@ def light(eigenvalues: Any, most: int | None = None) -> list[Any]:
     size = np.abs(values).max(initial=0.0)
     shaking = values[(values.imag > 1e-6 * size) & (-values.real < LIGHT * np.abs(values))]
     return sorted(shaking, key=abs)[:most]
+
+
+def _too_damped(values: np.ndarray) -> str:
+    """Why no eigenvalue [1/s] of a model is shaped for: the least damping ratio of those that oscillate, or no word."""
+    swinging = values[values.imag > 1e-6 * np.abs(values)]
+    if not swinging.size:
+        return ""
+    least = float((-swinging.real / np.abs(swinging)).min())
+    return f" with a damping ratio below {LIGHT}; the least of this model is {least:.3g}: give its modes to shape them"
 
 
 def _read(mode: Any) -> tuple[float, float]:

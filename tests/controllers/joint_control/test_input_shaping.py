@@ -175,6 +175,24 @@ def test_what_only_alternates_from_sample_to_sample_has_no_frequency():
         shaper_for(model)
 
 
+@pytest.mark.parametrize("dt", [None, 0.01])
+def test_a_model_that_oscillates_with_much_damping_is_told_so_and_its_modes_are_shaped(dt):
+    """x'' + 2 z w x' + w^2 x = u with w = 50 rad/s, z = 0.3; ZV's closed form: half a damped period."""
+    w, z = 50.0, 0.3
+    model = LinearModel.from_matrices([[0, 1], [-(w**2), -2 * z * w]], [[0], [1.0]])
+    model = model if dt is None else model.discretize(dt)
+    with pytest.raises(ValueError, match=r"shaper_for\.modes .* ratio below 0\.2; the least of this model is 0\.3:"):
+        shaper_for(model)
+    times = shaper_for([complex(-z * w, w * np.sqrt(1 - z**2))], "zv").times
+    np.testing.assert_allclose(times, [0.0, np.pi / (w * np.sqrt(1 - z**2))], rtol=1e-12)
+
+
+def test_a_model_without_oscillation_is_told_of_no_ratio():
+    model = LinearModel.from_matrices([[0, 1.0], [0, -3.0]], [[0], [1.0]])
+    with pytest.raises(ValueError, match=r"at least one mode that oscillates$"):
+        shaper_for(model)
+
+
 @pytest.mark.parametrize("value", ["1.0", "", [None], float("nan"), 1j])
 def test_a_command_that_gives_no_number_is_refused_when_called(value):
     with pytest.raises(ValueError, match=r"Shaper\.command\(t\)"):
