@@ -87,7 +87,7 @@ def chart(
     Example
     -------
     >>> found = chart(scene, budget=0.5)
-    >>> min(row.error for row in found.front) < scene.tolerance < max(row.error for row in found.front)
+    >>> min(row.error for row in found.front) < scene.tolerance
     True
     """
     require_instance("chart.scene", scene, Scene)
