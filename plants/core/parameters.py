@@ -32,6 +32,7 @@ from .argument_gates import (  # noqa: F401 -- the gates stand here too, as they
     require_seconds,
     shown,
 )
+from .errors import PliantError
 
 T = TypeVar("T")
 
@@ -203,29 +204,35 @@ def unit_of(obj: Any, path: str) -> str:
     return str(unit)
 
 
-def allowed_of(obj: Any, path: str) -> str:
-    """Which of RANGES the parameter at a dotted path lies in: what its field allows."""
-    value, allowed = obj, "finite"
-    for key in path.split("."):
-        inner = _step(value, key, path)
-        if dataclasses.is_dataclass(value):
-            allowed = next(f for f in dataclasses.fields(value) if f.name == key).metadata.get("allowed", "finite")
-        value = inner
-    return str(allowed)
-
-
 def least_parameters(plant: Any) -> np.ndarray:
-    """What the varied parameters of a plant must not be below, (np,): -inf where their fields allow any number."""
+    """What the varied parameters of a plant must not be below, (np,): 0, or LEAST where it must be more, and -inf.
+
+    The plant itself is asked: what it takes with a positive value in a place, and not with that value's negative.
+    """
     kept: dict[str, Any] = plant.__dict__
     if "_least_parameters" not in kept:
-        floors = {"positive": LEAST, "nonnegative": 0.0}
-        found = [floors.get(allowed_of(plant, path), -np.inf) for path in plant.varied]
-        kept["_least_parameters"] = np.array(found, dtype=float)
+        kept["_least_parameters"] = np.array([_least(plant, path) for path in plant.varied], dtype=float)
     return np.asarray(kept["_least_parameters"])
 
 
+def _least(plant: Any, path: str) -> float:
+    plain = dataclasses.replace(plant, varied=())
+
+    def taken(value: float) -> bool:
+        try:
+            put(plain, path, value)
+        except (ValueError, PliantError):
+            return False
+        return True
+
+    size = abs(get(plain, path)) or 1.0
+    if taken(-size) or not taken(size):
+        return -np.inf
+    return 0.0 if taken(0.0) else LEAST
+
+
 def require_allowed(name: str, values: np.ndarray, plant: Any) -> None:
-    """ValueError where one of the values (.., np) of a plant's varied parameters is none that its field allows.
+    """ValueError where one of the values (.., np) of a plant's varied parameters is below the least that it takes.
 
     What is no number is left to others to tell.
     """
@@ -235,7 +242,7 @@ def require_allowed(name: str, values: np.ndarray, plant: Any) -> None:
     if (values < least).any():
         where = tuple(int(i) for i in np.argwhere(values < least)[0])
         signal = plant.parameters[where[-1]]
-        text = RANGES[allowed_of(plant, signal.name)][0]
+        text = RANGES["positive" if least[where[-1]] > 0 else "nonnegative"][0]
         raise ValueError(f"{name}{list(where)} ({signal.name}) = {values[where]:g} must be {text} [{signal.unit}]")
 
 

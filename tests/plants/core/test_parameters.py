@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from pliant.envs import scenes
 from pliant.plants import Payload, SingleLinkArm, TwoLinkArm
 from pliant.plants.core import parameters
 
@@ -188,3 +189,14 @@ def test_no_payload_at_all_is_allowed():
     p = VARIED.nominal_parameters
     p[0] = 0.0
     assert np.isfinite(VARIED.dynamics(VARIED.rest_state, p=p)).all()
+
+
+def test_what_no_field_says_the_body_is_asked():
+    """Moments of inertia are more than zero, products of inertia may be anything: only the body that has both knows."""
+    craft = scenes.get("spacecraft-slew").plant.vary("hub.inertia.0.0", "hub.inertia.0.1", "hub.mass")
+    p = craft.nominal_parameters
+    p[1] = -1.0  # kg m^2, of hundreds
+    assert np.isfinite(craft.dynamics(craft.rest_state, p=p)).all()
+    p[0] = -p[0]
+    with pytest.raises(ValueError, match=r"\.p\[0\] \(hub\.inertia\.0\.0\) = -.* must be > 0"):
+        craft.dynamics(craft.rest_state, p=p)
