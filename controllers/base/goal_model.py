@@ -57,7 +57,8 @@ def goal_model(scene: CostedScene) -> tuple[LinearModel, np.ndarray]:
         worst = model.states[kept[int(np.argmax(moves))]]
         raise EquilibriumError(
             f"the goal of scene {scene.name!r} is no equilibrium: {worst.name} changes by {moves.max():.3g} "
-            f"{worst.unit}/s there; name the goal's motion in goal_rates, follow a nominal, or PeriodicLQR a cycle",
+            f"{worst.unit}/s there; name the goal's motion in goal_rates, follow a nominal, or give PeriodicLQR "
+            "the cycle that it runs in",
             float(moves.max()),
         )
     made = replace(
