@@ -50,7 +50,7 @@ from .runner import Runner
 
 COMPILING = 40.0  # [s] of motions, at least, that compiling may pay for: a chart plays each variant often
 PREPARING = 15.0  # [s] that preparing all variants may take, or the budget if that is more; the first has no limit
-SEEN = 0.2  # of the budget that compiling each part of what is seen on motions may take: of short runs that is most
+SEEN = 0.2  # of the budget, for compiling each part of what is seen on motions: of short runs that is most
 PREPARED, MEASURED = 0.25, 0.95  # of the progress told
 SHARP = 0.1  # of a scene's tolerance: for which physics is sought, that rows below it are told apart too
 Peers = Callable[..., Sequence[PeerRow]]
@@ -177,7 +177,9 @@ def _prepare(
         if spent() < limit:
             compile_motions(plant, max(budget, COMPILING))
             compile_observations(plant, SEEN * budget)
-            played_motion.program.at_hand(SEEN * budget)  # of all plants, by which a motion that is repeated is one call
+            played_motion.program.at_hand(
+                SEEN * budget
+            )  # of all plants, by which a motion that is repeated is one call
         try:
             motions.converged(plant, until=began + limit)
         except TooLong:
