@@ -177,9 +177,7 @@ def _prepare(
         if spent() < limit:
             compile_motions(plant, max(budget, COMPILING))
             compile_observations(plant, SEEN * budget)
-            played_motion.program.at_hand(
-                SEEN * budget
-            )  # of all plants, by which a motion that is repeated is one call
+            played_motion.program.at_hand(SEEN * budget)  # of all plants: a motion that is repeated is one call
         try:
             motions.converged(plant, until=began + limit)
         except TooLong:
